@@ -1,0 +1,69 @@
+"""The damage index, equations (1) to (4) of Sarhosis et al. (2021),
+doi:10.1016/j.engstruct.2021.112529.
+
+Lengths add up per contact point with its tributary length; criteria are met *now*, not ever,
+but for the shear limit, which is latched.
+"""
+
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+from damage.units import MILLIMETRE
+
+THRESHOLD = 0.1 * MILLIMETRE
+"""Opening, and slip, from which a crack is visible [m] (Burland, as the paper cites)."""
+DRIFT_LIMIT = 0.02
+"""Near-collapse drift ratio [-] (Eurocode 8, NTC 2008, as the paper cites)."""
+SLIP_CRITERIA = ("displacement", "shear-limit")
+COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")
+
+
+def combine(drift, opened, slipped):
+    """DI = 1 - (1 - DI_drift)(1 - DI_open)(1 - DI_slip), equation (1); scalars or arrays in [0, 1].
+
+    >>> round(combine(0.1, 0.2, 0.0), 12)
+    0.28
+    """
+    return 1 - (1 - drift) * (1 - opened) * (1 - slipped)
+
+
+def drift_component(drift_ratio, drift_limit=DRIFT_LIMIT):
+    """|drift ratio| / limit, equation (2), not clipped.
+
+    >>> drift_component(-0.005)
+    0.25
+    """
+    return abs(drift_ratio) / drift_limit
+
+
+def length_fraction(selected, length):
+    """Length of the selected joints over the length of all, equations (3) and (4).
+
+    selected: bool (..., n_joints); length: (n_joints,) [m]; returns (...,).
+    """
+    return np.asarray(selected, float) @ length / np.sum(length)
+
+
+def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
+                 threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip_criterion="displacement"):
+    """The index over time.
+
+    time_s, drift_ratio: (n_times,); opening, slip [m] and at_limit (bool): (n_times, n_joints);
+    length: (n_joints,) [m]; threshold [m]; drift_limit [-].
+    slip_criterion: "displacement", |slip| over the threshold now; or "shear-limit", ever at it.
+    Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit, which is
+    DI_drift before it was clipped to [0, 1].
+    """
+    if slip_criterion not in SLIP_CRITERIA:
+        raise InputError(f"slip criterion {slip_criterion!r}: expected one of {', '.join(SLIP_CRITERIA)}")
+    for name, value in (("threshold", threshold), ("drift limit", drift_limit)):
+        if not (np.isfinite(value) and value > 0):
+            raise InputError(f"{name} = {value!r}: expected a positive number; mend it")
+    slipped = np.abs(slip) > threshold if slip_criterion == "displacement" else at_limit
+    over_limit = drift_component(np.asarray(drift_ratio, float), drift_limit)
+    drift = np.clip(over_limit, 0, 1)
+    opened = np.clip(length_fraction(np.asarray(opening) > threshold, length), 0, 1)
+    slipped = np.clip(length_fraction(slipped, length), 0, 1)
+    return pd.DataFrame({"time_s": time_s, "DI_drift": drift, "DI_open": opened, "DI_slip": slipped,
+                         "DI": combine(drift, opened, slipped), "drift_over_limit": over_limit})

@@ -1,0 +1,85 @@
+"""The joint law: the definition that every solver is held against.
+
+A contact of unit area with normal opening u_n (tension positive) and shear displacement u_s:
+linear springs, a tension cut-off, Mohr-Coulomb slip, and a brittle bond: exceeding either strength
+removes both.  Afterwards the contact is a dry joint with the same friction angle.  Equation
+numbers are those of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, with tension
+positive, so that equation (11) reads |tau| >= c - sigma tan(phi).  Dilation is zero.
+
+The functions are scalar and pure; a solver may compile them as they are.
+"""
+
+from typing import NamedTuple
+
+INTACT, TENSION, SHEAR = 0, 1, 2
+"""What `advance` reports of a step: no break, the bond broke in tension, or in shear."""
+
+
+class LawParameters(NamedTuple):
+    """normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa] (infinite for a
+    joint that stays elastic); friction = tan(phi) [-]."""
+
+    normal_stiffness: float
+    shear_stiffness: float
+    tensile_strength: float
+    cohesion: float
+    friction: float
+
+
+class ContactState(NamedTuple):
+    """normal_stress, shear_stress [Pa]; slip [m]: plastic, signed, of the closed contact;
+    broken: the bond is gone; at_limit: has failed in shear or slid, ever;
+    friction_work, fracture_work [J/m2]: dissipated so far."""
+
+    normal_stress: float = 0.0
+    shear_stress: float = 0.0
+    slip: float = 0.0
+    broken: bool = False
+    at_limit: bool = False
+    friction_work: float = 0.0
+    fracture_work: float = 0.0
+
+
+def advance(opening, shear_increment, state, parameters):
+    """Advance one contact by one step.
+
+    opening [m]: normal opening at the end of the step, negative when pressed together;
+    shear_increment [m]: shear displacement during the step.
+    Returns (new ContactState, INTACT | TENSION | SHEAR).
+    """
+    kn, ks, strength, cohesion, friction = parameters
+    slip, broken, at_limit = state.slip, state.broken, state.at_limit
+    friction_work, fracture_work = state.friction_work, state.fracture_work
+    sigma = kn * opening  # (7)
+    trial = state.shear_stress + ks * shear_increment  # (8)
+    event = INTACT
+
+    if not broken and sigma > strength:  # (10)
+        fracture_work += elastic_energy(sigma, trial, kn, ks)
+        broken, event = True, TENSION
+    if broken and opening > 0.0:
+        return ContactState(0.0, 0.0, slip, broken, at_limit, friction_work, fracture_work), event
+
+    limit = -sigma * friction if broken else cohesion - sigma * friction  # (11)
+    if abs(trial) < limit or (broken and trial == 0.0):
+        return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work), event
+
+    if not broken:
+        if opening > 0.0:  # a bond under tension that fails in shear is open at once
+            fracture_work += elastic_energy(sigma, trial, kn, ks)
+            return ContactState(0.0, 0.0, slip, True, True, friction_work, fracture_work), SHEAR
+        limit = -sigma * friction
+        broken, event = True, SHEAR
+        fracture_work += 0.5 * (abs(trial) - limit) ** 2 / ks
+        friction_work += limit * (abs(trial) - limit) / ks
+    else:
+        # Mid-point of trial and limit stress: the work of an elastic-perfectly plastic step.
+        friction_work += limit * (abs(trial) - limit) / ks
+    sign = 1.0 if trial > 0.0 else -1.0
+    slip += sign * (abs(trial) - limit) / ks
+    return ContactState(sigma, sign * limit, slip, broken, True, friction_work, fracture_work), event
+
+
+def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffness):
+    """Elastic energy of a contact per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s."""
+    return 0.5 * normal_stress**2 / normal_stiffness + 0.5 * shear_stress**2 / shear_stiffness

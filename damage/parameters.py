@@ -1,0 +1,210 @@
+"""Frozen records that describe a wall and its material; each is checked once, when it is made.
+
+All values are SI (m, kg, s, Pa, Pa/m) and radians.  Defaults are those of Sarhosis et al. (2021),
+Engineering Structures 243, 112529, doi:10.1016/j.engstruct.2021.112529, Tables 1 and 2, where the
+paper gives a value; `docs/choices.md` gives the source of every other one.
+"""
+
+import math
+from dataclasses import asdict, dataclass, field
+
+from damage.errors import InputError
+from damage.units import GRAVITY
+
+TOP_OPTIONS = ("piers", "uniform", "beam")
+LINTEL_OPTIONS = ("elastic", "none")
+
+
+def _check_numbers(record, positive=(), not_negative=()):
+    """Raise InputError unless the named fields of a record are finite and of the right sign."""
+    kind = type(record).__name__
+    for name in (*positive, *not_negative):
+        value = getattr(record, name)
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise InputError(f"{kind}.{name} = {value!r}: expected a finite number; give one")
+        if value < 0 or (value == 0 and name in positive):
+            wanted = "positive" if name in positive else "zero or positive"
+            raise InputError(f"{kind}.{name} = {value:g}: expected a {wanted} number; mend its sign")
+
+
+def check_choice(what, value, choices):
+    """Raise InputError unless `value` is one of `choices`."""
+    if value not in choices:
+        raise InputError(f"{what} = {value!r}: expected one of {', '.join(choices)}; choose one of them")
+
+
+@dataclass(frozen=True)
+class Brick:
+    """A masonry unit with its share of mortar (joints have no thickness).
+
+    length, height, thickness [m]: along x, z and y.
+    density [kg/m3]: not in the paper; 1900 is usual for calcium silicate and clay brickwork.
+    young_modulus, shear_modulus [Pa]: Table 2.
+    """
+
+    length: float = 0.225
+    height: float = 0.075
+    thickness: float = 0.1025
+    density: float = 1900.0
+    young_modulus: float = 5.2e9
+    shear_modulus: float = 2.16e9
+
+    def __post_init__(self):
+        _check_numbers(self, positive=self.__dataclass_fields__)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A zero-thickness mortar joint, Table 1; its law is `damage.joint_law`.
+
+    normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa];
+    friction_angle [rad], the same before and after the bond breaks; dilation is zero.
+    """
+
+    normal_stiffness: float = 12e11
+    shear_stiffness: float = 4e11
+    friction_angle: float = math.radians(32.0)
+    tensile_strength: float = 0.21e6
+    cohesion: float = 0.24e6
+
+    def __post_init__(self):
+        _check_numbers(self, positive=("normal_stiffness", "shear_stiffness"),
+                       not_negative=("friction_angle", "tensile_strength", "cohesion"))
+        if self.friction_angle >= math.pi / 2:
+            raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
+                             "pi/2; give radians, for example math.radians(32)")
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A rectangular opening: left edge and sill [m] from the wall's lower left corner, width and
+    height [m].  Its edges are laid to whole courses in height; in length they stay as given."""
+
+    left: float
+    width: float
+    height: float
+    sill: float = 0.0
+
+    def __post_init__(self):
+        _check_numbers(self, positive=("width", "height"), not_negative=("left", "sill"))
+
+    @property
+    def right(self):
+        return self.left + self.width
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A rectangular wall in running bond, its openings, what it is built of and what it carries.
+
+    name: short, used in file names.
+    length, height [m]: the height is built in whole courses (the nearest number of them).
+    precompression [Pa]: vertical stress at the top, carried as mass and its weight.
+    base_course: the base course starts on the left with a "whole" or a "half" brick.
+    """
+
+    name: str
+    length: float
+    height: float
+    openings: tuple[Opening, ...] = ()
+    precompression: float = 0.3e6
+    base_course: str = "whole"
+    brick: Brick = field(default_factory=Brick)
+    joint: Joint = field(default_factory=Joint)
+
+    def __post_init__(self):
+        if not self.name or not all(c.isalnum() or c in "-_" for c in self.name):
+            raise InputError(f"Wall.name = {self.name!r}: expected letters, digits, '-' or '_', since "
+                             "it names files; rename the wall")
+        object.__setattr__(self, "openings", tuple(self.openings))
+        _check_numbers(self, positive=("length", "height"), not_negative=("precompression",))
+        check_choice("Wall.base_course", self.base_course, ("whole", "half"))
+        if self.courses < 1 or self.length < self.brick.length / 2:
+            raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
+                             "half a brick by one course; make it larger")
+        _check_openings(self)
+
+    @property
+    def courses(self):
+        """Number of courses."""
+        return round(self.height / self.brick.height)
+
+    @property
+    def built_height(self):
+        """Height of the whole courses [m]."""
+        return self.courses * self.brick.height
+
+    @property
+    def top_mass(self):
+        """Mass that carries the precompression [kg]: sigma * length * thickness / g."""
+        return self.precompression * self.length * self.brick.thickness / GRAVITY
+
+    def opening_courses(self, opening):
+        """First course of an opening and the first above it."""
+        height = self.brick.height
+        return round(opening.sill / height), round((opening.sill + opening.height) / height)
+
+    def describe(self):
+        """All parameters as a plain dictionary, for files and tables."""
+        return asdict(self)
+
+
+def _check_openings(wall):
+    """Refuse openings outside the wall, overlapping, or leaving too little beside or above them."""
+    for number, opening in enumerate(wall.openings, start=1):
+        what = (f"wall {wall.name}, opening {number} (x {opening.left:g} to {opening.right:g} m, "
+                f"z {opening.sill:g} to {opening.sill + opening.height:g} m)")
+        _check_opening_inside(wall, opening, what)
+        for other in wall.openings[:number - 1]:
+            _check_opening_apart(wall, opening, other, what)
+
+
+def _check_opening_inside(wall, opening, what):
+    first, above = wall.opening_courses(opening)
+    if opening.right > wall.length + 1e-9 or above > wall.courses:
+        raise InputError(f"{what} reaches outside the wall of {wall.length:g} x {wall.built_height:g} "
+                         "m; move it or make it smaller")
+    if above - first < 1:
+        raise InputError(f"{what} is less than one course of {wall.brick.height:g} m high; make it higher")
+    if above == wall.courses:
+        raise InputError(f"{what} reaches the top of the wall and cuts it in two; leave at least one "
+                         f"course of {wall.brick.height:g} m above it")
+    narrowest = min(opening.left, wall.length - opening.right)
+    if narrowest < wall.brick.length / 2 - 1e-9:
+        raise InputError(f"{what} cuts off a pier: {max(narrowest, 0.0):.4g} m are left beside it, at least half "
+                         f"a brick ({wall.brick.length / 2:g} m) is needed; move it or make it narrower")
+
+
+def _check_opening_apart(wall, opening, other, what):
+    first, above = wall.opening_courses(opening)
+    other_first, other_above = wall.opening_courses(other)
+    gap = max(opening.left - other.right, other.left - opening.right)
+    shared_courses = min(above, other_above) - max(first, other_first)
+    if shared_courses >= 0 and gap < wall.brick.length / 2 - 1e-9:
+        raise InputError(f"{what} leaves {gap:.4g} m to another opening beside it: at least half a brick "
+                         f"({wall.brick.length / 2:g} m) or one course must stay between; move one of them")
+
+
+@dataclass(frozen=True)
+class ModelOptions:
+    """Modelling choices that the paper leaves open, the same in every solver.
+
+    lintel: "elastic" keeps the joints of the courses over an opening elastic, "none" lets them break.
+    top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
+        the top course, or is one rigid "beam".
+    cells: contact points per half brick of a bed joint.
+    contacts: where the points of a bed joint lie: "interior" of the cells, or at the "corners"
+        (ends) of each overlap; head joints have one at mid-height, or one at each end.
+    """
+
+    lintel: str = "elastic"
+    top: str = "piers"
+    cells: int = 2
+    contacts: str = "interior"
+
+    def __post_init__(self):
+        check_choice("lintel", self.lintel, LINTEL_OPTIONS)
+        check_choice("top", self.top, TOP_OPTIONS)
+        check_choice("contacts", self.contacts, ("interior", "corners"))
+        if not isinstance(self.cells, int) or not 1 <= self.cells <= 16:
+            raise InputError(f"cells = {self.cells!r}: expected a whole number from 1 to 16; two is usual")
