@@ -107,7 +107,7 @@ class Layout:
         return float(self.contacts.length[:self.n_joints].sum())
 
     @property
-    def total_weight_mass(self):
+    def total_mass(self):
         """Mass that the base carries [kg]: bricks and top mass."""
         return float(self.bodies.mass.sum())
 

@@ -1,0 +1,26 @@
+"""Energy balance of a run: what came in is kinetic, elastic, lifted, or dissipated."""
+
+import numpy as np
+
+STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
+DISSIPATED = ("friction_energy_j", "fracture_energy_j", "damping_energy_j")
+
+
+def imbalance(series):
+    """Stored and dissipated energy less the input, since the first sample: (n_times,) [J]."""
+    total = sum(series[name].to_numpy() for name in (*STORED, *DISSIPATED))
+    total = total - series["input_energy_j"].to_numpy()
+    return total - total[0]
+
+
+def energy_error(series):
+    """Largest absolute imbalance over the largest absolute input [-], settling stage excluded.
+
+    In free vibration nothing comes in: the energy of the kick takes the input's place.  None where
+    there is neither, or too few samples.
+    """
+    moving = series[series["stage"] != "settling"]
+    if len(moving) < 2:
+        return None
+    scale = max(np.abs(moving["input_energy_j"]).max(), moving["kinetic_energy_j"].iloc[0])
+    return float(np.abs(imbalance(moving)).max() / scale) if scale > 0 else None

@@ -1,0 +1,166 @@
+"""The options of a run, the same for every solver, and the frozen record that they become."""
+
+import argparse
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from damage.errors import InputError
+from damage.loading import FreeVibration, Harmonic, Recorded
+from damage.parameters import LINTEL_OPTIONS, TOP_OPTIONS, ModelOptions
+from damage.records import read_record
+
+SAMPLE_S = 2e-3
+"""Time between two samples of a history [s], about; a whole number of steps in the end."""
+SETTLE_S = 0.5
+"""Length of the settling stage [s] and its local damping [-]: the residual is its last state."""
+LOCAL_DAMPING = 0.7
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """One run: what drives the wall, how it is modelled, where the history goes.
+
+    rest_s: free vibration after the motion [s]; time_step_s: None for the solver's own;
+    beta_s: stiffness-proportional damping [s]; perturb_m: size of random offsets of the bricks [m]
+    drawn with `seed`; out: history file, None for a name of its own below `results/`.
+    """
+
+    loading: object
+    model: ModelOptions
+    rest_s: float = 2.0
+    time_step_s: float | None = None
+    beta_s: float = 0.0
+    perturb_m: float = 0.0
+    seed: int = 0
+    out: Path | None = None
+    overwrite: bool = False
+    pictures: bool = True
+    view: bool = False
+
+    def __post_init__(self):
+        for option, value in (("--rest", self.rest_s), ("--beta", self.beta_s), ("--perturb", self.perturb_m)):
+            if not (math.isfinite(value) and value >= 0):
+                raise InputError(f"{option} {value:g}: expected zero or a positive number; mend it")
+        if self.time_step_s is not None and not (math.isfinite(self.time_step_s) and self.time_step_s > 0):
+            raise InputError(f"--dt {self.time_step_s:g}: expected a positive number of seconds; mend it")
+
+    def describe(self):
+        """All parameters as a plain dictionary, for files."""
+        return {"loading": self.loading.describe(), "model": asdict(self.model), "rest_s": self.rest_s,
+                "settle_s": SETTLE_S, "beta_s": self.beta_s, "perturb_m": self.perturb_m, "seed": self.seed}
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """An argument parser that raises its complaint as InputError instead of printing the usage."""
+
+    def error(self, message):
+        raise InputError(f"{message}; see --help")
+
+
+def parse_run(arguments, prog, solver):
+    """RunSettings from a command line (a list of words) of `solver`, "yade" or "reference"."""
+    parsed = make_parser(prog, solver).parse_args(arguments)
+    return RunSettings(
+        loading=_loading(parsed), rest_s=parsed.rest, time_step_s=parsed.dt, beta_s=parsed.beta,
+        perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
+        pictures=parsed.pictures, view=parsed.view,
+        model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells))
+
+
+def make_parser(prog, solver):
+    """The parser of a run's command line."""
+    parser = OneLineParser(prog=prog, allow_abbrev=False, description=(
+        f"Shake one wall with {solver} and write its history, summary and pictures."))
+    _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
+    _add_model(parser.add_argument_group("model"))
+    _add_run(parser.add_argument_group("run"))
+    return parser
+
+
+def _add_motion(group):
+    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
+                       help="a sine from zero")
+    group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3)")
+    group.add_argument("--record", type=Path, metavar="FILE",
+                       help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
+    group.add_argument("--scale", type=float, help="factor on the record (default 1)")
+    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"),
+                       help="part of the record to use")
+    group.add_argument("--vertical", type=Path, metavar="FILE", help="the record's vertical component")
+    group.add_argument("--baseline", type=int, metavar="ORDER",
+                       help="take a polynomial of this order off the record")
+    group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
+                       help="band-pass the record, 4th order Butterworth, zero phase")
+    group.add_argument("--free-vibration", action="store_true",
+                       help="no base motion: start in the first mode with 1 mm/s at the top")
+
+
+def _add_model(group):
+    group.add_argument("--lintel", default="elastic", choices=LINTEL_OPTIONS,
+                       help="joints over an opening stay elastic, or break like any other")
+    group.add_argument("--top", default="piers", choices=TOP_OPTIONS,
+                       help="where the precompression's mass sits")
+    group.add_argument("--cells", type=int, default=2, metavar="N",
+                       help="contact points per half brick (default 2)")
+    group.add_argument("--beta", type=float, default=0.0, metavar="S",
+                       help="stiffness-proportional damping (default 0)")
+    group.add_argument("--perturb", type=float, default=0.0, metavar="M",
+                       help="random offsets of the bricks, for ensembles (default 0)")
+    group.add_argument("--seed", type=int, default=0, help="of the random offsets (default 0)")
+
+
+def _add_run(group):
+    group.add_argument("--out", type=Path, metavar="FILE.h5", help="the history "
+                       "(default: a free name below results/)")
+    group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5")
+    group.add_argument("--rest", type=float, default=2.0, metavar="S",
+                       help="free vibration after the motion (default 2)")
+    group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
+    group.add_argument("--no-pictures", dest="pictures", action="store_false",
+                       help="write the history only")
+    group.add_argument("--view", action="store_true", help="with YADE and a screen: the 3D view")
+
+
+_NEEDS = {"cycles": "harmonic", "scale": "record", "window": "record", "vertical": "record",
+          "baseline": "record", "band": "record"}
+
+
+def _loading(parsed):
+    """The loading that the motion options ask for, or InputError where they contradict each other."""
+    chosen = [name for name, given in (("harmonic", parsed.harmonic), ("record", parsed.record),
+                                       ("free-vibration", parsed.free_vibration or None))
+              if given is not None]
+    if len(chosen) > 1:
+        raise InputError(f"--{' and --'.join(chosen)} given together: choose one motion")
+    motion = chosen[0] if chosen else "harmonic"
+    for option, needed in _NEEDS.items():
+        if getattr(parsed, option) is not None and motion != needed:
+            raise InputError(f"--{option} belongs to --{needed}, not to --{motion}; leave it out")
+    if motion == "free-vibration":
+        return FreeVibration()
+    if motion == "record":
+        return _recorded(parsed)
+    period, amplitude = parsed.harmonic or (0.2, 0.05)
+    return Harmonic(period, amplitude, 3 if parsed.cycles is None else parsed.cycles)
+
+
+def _recorded(parsed):
+    return Recorded(
+        read_record(parsed.record), scale=1.0 if parsed.scale is None else parsed.scale,
+        window_s=tuple(parsed.window) if parsed.window else None,
+        vertical=read_record(parsed.vertical) if parsed.vertical else None,
+        baseline_order=parsed.baseline, band_hz=tuple(parsed.band) if parsed.band else None)
+
+
+def free_name(wall, settings, solver, folder="results"):
+    """A path for the history that does not exist yet: WALL_MOTION_SOLVER.h5, then _2, _3, ..."""
+    parts = [wall.name, settings.loading.name, solver]
+    parts += [f"lintel-{settings.model.lintel}"] if settings.model.lintel != "elastic" else []
+    parts += [f"top-{settings.model.top}"] if settings.model.top != "piers" else []
+    stem, number = "_".join(parts), 1
+    while True:
+        path = Path(folder) / f"{stem}{'' if number == 1 else f'_{number}'}.h5"
+        if not path.exists():
+            return path
+        number += 1

@@ -1,0 +1,82 @@
+"""The key figures of a run: the JSON of `python3 -m damage index`."""
+
+import numpy as np
+
+from damage.energy import energy_error
+from damage.errors import InputError
+from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
+
+
+def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
+    """Key figures of a History as a plain dictionary.
+
+    Each `max` is its own maximum over the run.  `residual` is the last state of the settling
+    stage, or of a collapse; None for a run that did not come to its end.
+    """
+    if len(history.series) == 0:
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
+    index = history.index(threshold, drift_limit, slip)
+    latched = history.index(threshold, drift_limit, "shear-limit")
+    series = history.series
+    return {
+        "wall": history.wall, "solver": history.solver, "motion": history.parameters["loading"]["name"],
+        "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
+        "slip": slip, "max": _largest(index), "residual": _last(index, history),
+        "max_shear_limit": _largest(latched), "residual_shear_limit": _last(latched, history),
+        "max_drift_ratio": float(np.abs(series["drift_ratio"]).max()),
+        "residual_drift_ratio": float(series["drift_ratio"].iloc[-1]) if history.complete else None,
+        "total_joint_length_m": float(history.joints["length_m"].sum()),
+        "peak_base_shear_n": float(np.abs(series["base_shear_n"]).max()),
+        "max_opening_mm": float(history.opening_m.max() * 1e3),
+        "max_slip_mm": float(np.abs(history.slip_m).max() * 1e3),
+        "tension_breaks": int((history.events["kind"] == "tension").sum()),
+        "shear_breaks": int((history.events["kind"] == "shear").sum()),
+        "energy_error_fraction": energy_error(series),
+        "initial_stiffness_n_per_m": None, "secant_stiffness_n_per_m": None,
+        "period_s": period_of(history),
+    }
+
+
+def _largest(index):
+    return {name: float(index[name].max()) for name in COMPONENTS}
+
+
+def _last(index, history):
+    return {name: float(index[name].iloc[-1]) for name in COMPONENTS} if history.complete else None
+
+
+def period_of(history):
+    """Natural period [s] of a free-vibration run, None for any other."""
+    if history.parameters["loading"]["kind"] != "free_vibration":
+        return None
+    moving = history.series[history.series["stage"] != "settling"]
+    return natural_period(moving["time_s"].to_numpy(), moving["drift_ratio"].to_numpy())
+
+
+def natural_period(time_s, displacement):
+    """Period [s] of the strongest vibration: the frequency of the largest projection on a sinusoid.
+
+    time_s, displacement: (n_times,).  None for less than three cycles.
+    The estimate is found by least squares on a fine grid around the highest peak of the Fourier
+    spectrum; it is exact for a single undamped sinusoid.
+    """
+    from scipy.optimize import minimize_scalar
+
+    if len(time_s) < 16:
+        return None
+    step = (time_s[-1] - time_s[0]) / (len(time_s) - 1)
+    centred = displacement - displacement.mean()
+    spectrum = np.abs(np.fft.rfft(centred))
+    peak = int(np.argmax(spectrum[1:]) + 1)
+    if peak < 3:
+        return None
+    width = 1 / (step * len(time_s))
+
+    def misfit(frequency):
+        phase = 2 * np.pi * frequency * time_s
+        basis = np.column_stack([np.cos(phase), np.sin(phase), np.ones_like(phase)])
+        return np.sum((basis @ np.linalg.lstsq(basis, displacement, rcond=None)[0] - displacement) ** 2)
+
+    best = minimize_scalar(misfit, bounds=((peak - 1) * width, (peak + 1) * width), method="bounded",
+                           options={"xatol": 1e-6 * width})
+    return float(1 / best.x)

@@ -1,0 +1,247 @@
+"""Intensity measures against closed forms and against the values of the Zeerijp records."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy import signal
+
+from damage.errors import InputError
+from damage.intensity import (
+    POINTS_PER_PERIOD,
+    SPECTRUM_PERIODS_S,
+    arias_m_s,
+    pga_g,
+    pgv_cm_s,
+    response_spectrum,
+    significant_duration_s,
+    summary,
+)
+from damage.records import Record, read_record, scaled, shipped_record_path, windowed
+from damage.units import GRAVITY
+
+# a peak between two of the instants at which it is looked for
+BETWEEN_INSTANTS = 1 - math.cos(math.pi / POINTS_PER_PERIOD)
+
+
+def sine(amplitude_m_s2=1.0, period_s=0.5, cycles=10, samples_per_cycle=200):
+    step_s = period_s / samples_per_cycle
+    time_s = np.arange(cycles * samples_per_cycle + 1) * step_s
+    return Record("sine", step_s, amplitude_m_s2 * np.sin(2 * np.pi * time_s / period_s))
+
+
+def constant(amplitude_m_s2=1.0, step_s=0.01, samples=501):
+    return Record("step", step_s, np.full(samples, amplitude_m_s2))
+
+
+class TestPeaks:
+    def test_pga_is_the_largest_absolute_sample(self):
+        # one division by g
+        assert pga_g(Record("r", 0.1, [0.0, -GRAVITY, 2.0])) == pytest.approx(1.0, rel=1e-15)
+
+    def test_pgv_of_a_sine_is_twice_amplitude_over_omega(self):
+        omega = 2 * np.pi / 0.5
+        # midpoint rule: (pi f step)^2 / 6 + (pi f step)^2 / 2 for the sampled peak, at 200 a cycle
+        tolerance = (math.pi / 200) ** 2
+        assert pgv_cm_s(sine(3.0)) == pytest.approx(100 * 2 * 3.0 / omega, rel=tolerance)
+
+    def test_pgv_converges_with_the_square_of_the_step(self):
+        exact = 100 * 2 / (2 * np.pi / 0.5)
+        errors = [abs(pgv_cm_s(sine(samples_per_cycle=n)) - exact) for n in (50, 100)]
+        # second order: halving the step quarters the error, up to terms of fourth order
+        assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)
+
+
+class TestArias:
+    def test_of_a_sine(self):
+        # the trapezoidal rule is exact for whole cycles of a sampled sine, but for round-off
+        expected = math.pi / (2 * GRAVITY) * 3.0**2 * 5.0 / 2
+        assert arias_m_s(sine(3.0)) == pytest.approx(expected, rel=1e-12)
+
+    def test_grows_with_the_square_of_the_motion(self):
+        # round-off
+        assert arias_m_s(sine(6.0)) == pytest.approx(4 * arias_m_s(sine(3.0)), rel=1e-12)
+
+    def test_duration_of_constant_shaking_is_the_share_of_its_time(self):
+        # the running integral is a straight line, so linear interpolation is exact
+        assert significant_duration_s(constant(), 0.05, 0.75) == pytest.approx(3.5, rel=1e-12)
+        assert significant_duration_s(constant(), 0.05, 0.95) == pytest.approx(4.5, rel=1e-12)
+
+    def test_duration_does_not_see_the_quiet_around(self):
+        shaking = constant().acceleration_m_s2
+        quiet = np.zeros(1000)
+        padded = Record("padded", 0.01, np.concatenate((quiet, shaking, quiet)))
+        # the two ramps of one step at the ends are 2 * 0.01 / 3 s of 5 s
+        assert significant_duration_s(padded) == pytest.approx(3.5, rel=2e-3)
+
+    @pytest.mark.parametrize("bounds", [(0.75, 0.05), (0.5, 0.5), (-0.1, 0.5), (0.5, 1.1)])
+    def test_fractions_must_increase_within_one(self, bounds):
+        with pytest.raises(InputError, match="expected 0 <= start < end <= 1"):
+            significant_duration_s(constant(), *bounds)
+
+    def test_no_motion_has_no_duration(self):
+        with pytest.raises(InputError, match="no motion"):
+            significant_duration_s(Record("still", 0.01, np.zeros(100)))
+
+
+class TestSpectrum:
+    @pytest.mark.parametrize("damping", [0.0, 0.02, 0.05, 0.3])
+    @pytest.mark.parametrize("period_s", [0.013, 0.1, 1.0])
+    def test_sudden_constant_acceleration(self, period_s, damping):
+        # overshoot of a step load, exp(-pi z / sqrt(1 - z^2)); constant motion is taken exactly
+        overshoot = math.exp(-math.pi * damping / math.sqrt(1 - damping**2))
+        sa_g = response_spectrum(constant(GRAVITY), [period_s], damping)
+        assert_allclose(sa_g, 1 + overshoot, rtol=BETWEEN_INSTANTS)
+
+    def test_undamped_resonance_grows_by_pi_a_cycle(self):
+        # x = A / (2 w^2) (w t cos w t - sin w t), largest at the end of the last cycle;
+        # a sine by straight lines is smaller by (pi/200)^2 / 3 = 8e-5
+        sa_g = response_spectrum(sine(GRAVITY, 0.5, cycles=10), [0.5], damping=0.0)
+        assert_allclose(sa_g, math.pi * 10, rtol=2e-4)
+
+    @pytest.mark.parametrize("ratio", [0.3, 0.8, 1.0, 1.6, 4.0])
+    def test_damped_oscillator_under_a_sine_from_rest(self, ratio):
+        damping, omega = 0.05, 2 * math.pi / 0.5
+        natural = omega / ratio
+        time_s = np.linspace(0, 5, 200_001)
+        a = (1 - ratio**2, 2 * damping * ratio)
+        steady = (a[0] * np.sin(omega * time_s) - a[1] * np.cos(omega * time_s)) / (
+            a[0] ** 2 + a[1] ** 2
+        )
+        damped = natural * math.sqrt(1 - damping**2)
+        start = a[1] / (a[0] ** 2 + a[1] ** 2)
+        speed = -a[0] * omega / (a[0] ** 2 + a[1] ** 2)
+        transient = np.exp(-damping * natural * time_s) * (
+            start * np.cos(damped * time_s)
+            + (speed + damping * natural * start) / damped * np.sin(damped * time_s)
+        )
+        exact = np.abs(steady + transient).max()
+        sa_g = response_spectrum(sine(GRAVITY, 0.5), [2 * math.pi / natural], damping)
+        # the peak between instants, and 8e-5 of the straight lines between 200 samples a cycle
+        assert_allclose(sa_g, exact, rtol=BETWEEN_INSTANTS + 1e-4)
+
+    def test_exact_for_straight_lines_between_coarse_samples(self):
+        # three samples a period: the same motion on a 50 times finer grid must give the same
+        coarse = sine(GRAVITY, 0.5, samples_per_cycle=8)
+        fine_s = np.arange(50 * (coarse.acceleration_m_s2.size - 1) + 1) * coarse.time_step_s / 50
+        fine = np.interp(fine_s, coarse.time_s, coarse.acceleration_m_s2)
+        refined = Record("fine", coarse.time_step_s / 50, fine)
+        periods_s = [0.02, 0.06, 0.2]
+        expected = response_spectrum(refined, periods_s)
+        # only the instants of the search differ
+        assert_allclose(response_spectrum(coarse, periods_s), expected, rtol=BETWEEN_INSTANTS)
+
+    def test_agrees_with_a_state_space_simulation(self):
+        record = windowed(read_record(shipped_record_path()), 17, 23)
+        fine_s = np.arange(16 * (record.acceleration_m_s2.size - 1) + 1) * record.time_step_s / 16
+        fine = np.interp(fine_s, record.time_s, record.acceleration_m_s2)
+        for period_s in (0.06, 0.1, 0.2):
+            omega = 2 * math.pi / period_s
+            system = ([[0, 1], [-(omega**2), -0.1 * omega]], [[0], [-1]], [[1, 0]], [[0]])
+            _, displacement, _ = signal.lsim(system, fine, fine_s)
+            expected = omega**2 * np.abs(displacement).max() / GRAVITY
+            # both are exact for straight lines; the peak is sought at different instants
+            sa_g = response_spectrum(record, [period_s])
+            assert_allclose(sa_g, expected, rtol=BETWEEN_INSTANTS)
+
+    def test_a_stiff_oscillator_follows_the_ground(self):
+        record = read_record(shipped_record_path())
+        # the overshoot is in proportion to the period: 3e-5 at step/10, 8e-6 at step/30
+        for part in (10, 30):
+            sa_g = response_spectrum(record, [record.time_step_s / part])
+            assert_allclose(sa_g, pga_g(record), rtol=1e-3 / part)
+
+    def test_a_soft_oscillator_moves_as_the_ground_displacement(self):
+        record = sine(GRAVITY, 0.5, cycles=10)
+        omega, period_s = 2 * math.pi / 0.5, 1e4
+        displacement_m = GRAVITY / omega * record.duration_s  # a sine from rest drifts
+        expected = (2 * math.pi / period_s) ** 2 * displacement_m / GRAVITY
+        # damping takes z w t = 1.6e-4 of a steady drift over 5 s, straight lines 8e-5 of the sine
+        assert_allclose(response_spectrum(record, [period_s]), expected, rtol=5e-4)
+
+    def test_grows_with_the_motion(self):
+        record = read_record(shipped_record_path())
+        double = response_spectrum(scaled(record, -2.0), SPECTRUM_PERIODS_S)
+        # linear but for round-off
+        assert_allclose(double, 2 * response_spectrum(record, SPECTRUM_PERIODS_S), rtol=1e-10)
+
+    @pytest.mark.parametrize("periods_s", [[0.0], [-0.1], [math.nan], [[0.1, 0.2]]])
+    def test_periods_must_be_positive(self, periods_s):
+        with pytest.raises(InputError, match="periods"):
+            response_spectrum(sine(), periods_s)
+
+    @pytest.mark.parametrize("damping", [-0.1, 1.0, math.nan])
+    def test_damping_is_below_critical(self, damping):
+        with pytest.raises(InputError, match="damping ratio"):
+            response_spectrum(sine(), [0.1], damping)
+
+
+class TestZeerijpRecords:
+    """The measured values that came with the data; tolerance: half a unit of their last digit."""
+
+    PEAKS = (  # record, PGA [g], PGV [cm/s], Arias [m/s], D5-75 [s], D5-95 [s]
+        ("BGAR_HGE", 0.1107, 3.22, 0.0164, 0.43, 3.3),
+        ("NL.BGAR..HGE", 0.1107, 3.22, 0.0164, 0.43, 3.3),
+        ("NL.BGAR..HGN", 0.0713, 2.00, 0.0099, 0.53, 4.3),
+        ("NL.BGAR..HGZ", 0.0724, 0.67, 0.0043, 1.8, 4.6),
+    )
+    KEYS = ("pga_g", "pgv_cm_s", "arias_m_s", "d5_75_s", "d5_95_s")
+    SA_G = (0.236, 0.313, 0.264, 0.213, 0.155, 0.105, 0.066, 0.027, 0.006)
+
+    @pytest.mark.parametrize("row", PEAKS, ids=lambda row: row[0])
+    def test_peaks_energy_and_durations(self, row):
+        if row[0].startswith("NL."):
+            pytest.importorskip("obspy", reason="obspy is an optional extra")
+        found = summary(read_record(shipped_record_path(row[0])))
+        for key, expected in zip(self.KEYS, row[1:], strict=True):
+            half_digit = 0.5 * 10.0 ** -len(str(expected).partition(".")[2])
+            if key == "pgv_cm_s":
+                half_digit = 0.005  # 2.00 has two decimals, Python prints one
+            assert found[key] == pytest.approx(expected, abs=half_digit), key
+
+    def test_spectrum(self):
+        found = summary(read_record(shipped_record_path()))["sa_g"]
+        # half a unit of the third decimal
+        assert_allclose(list(found.values()), self.SA_G, rtol=0, atol=5e-4)
+
+    def test_keys_of_the_summary(self):
+        found = summary(read_record(shipped_record_path()))
+        assert list(found) == [*self.KEYS, "sa_g"]
+        assert list(found["sa_g"]) == (
+            ["0.06", "0.08", "0.1", "0.15", "0.2", "0.25", "0.33", "0.5", "1.0"]
+        )
+        assert {type(value) for value in (*found["sa_g"].values(), found["pga_g"])} == {float}
+
+
+class TestSummaryFilter:
+    @staticmethod
+    def measured(frequency_hz, step_s=0.005):
+        """Share of the peak and of the Arias intensity that the summary sees of a swelling tone."""
+        time_s = np.arange(round(40 / step_s) + 1) * step_s
+        swell = np.exp(-(((time_s - 20) / 5) ** 2))
+        record = Record("tone", step_s, swell * np.cos(2 * np.pi * frequency_hz * (time_s - 20)))
+        found = summary(record)
+        return found["pga_g"] / pga_g(record), found["arias_m_s"] / arias_m_s(record)
+
+    def test_the_band_passes(self):
+        # the zero-phase amplitude at 5 Hz is 1 - (5/40)^4 and less
+        assert_allclose(self.measured(5.0), 1.0, rtol=5e-4)
+
+    def test_pga_sees_what_the_filter_takes_from_arias(self):
+        pga, arias = self.measured(80.0)
+        assert pga == 1.0
+        # the amplitude falls to 1 / (1 + (tan 72 / tan 36)^4) = 0.003, its square to 9e-6
+        expected = 1 / (1 + (math.tan(math.radians(72)) / math.tan(math.radians(36))) ** 4) ** 2
+        # the shift of the band-pass by its low corner, 4 * 0.1 / 40 and twice that in the square
+        assert arias == pytest.approx(expected, rel=0.02)
+
+    @pytest.mark.parametrize(("step_s", "corner_hz"), [(0.005, 40), (0.01, 40), (0.02, 20)])
+    def test_the_corner_gives_way_to_slow_sampling(self, step_s, corner_hz):
+        # two passes halve the amplitude at the corner and quarter Arias;
+        # the tone is 0.1 Hz wide, over which the filter is not quite straight
+        assert self.measured(corner_hz, step_s)[1] == pytest.approx(0.25, rel=1e-3)
+
+    def test_too_short_to_filter(self):
+        with pytest.raises(InputError, match="too few"):
+            summary(Record("short", 0.005, [0.0, 1.0, 0.0]))

@@ -1,0 +1,235 @@
+"""What drives a run: sines, records with their preparation, free vibration."""
+
+import hashlib
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from damage.errors import InputError
+from damage.loading import FreeVibration, Harmonic, Recorded
+from damage.records import (
+    Record,
+    aligned_with,
+    band_passed,
+    baseline_corrected,
+    read_record,
+    shipped_record_path,
+    windowed,
+)
+from damage.units import GRAVITY
+
+STEP_LIMITS_S = (1.63e-5, 3e-5, 1.3e-3, 0.05)
+
+
+@pytest.fixture(scope="module")
+def bgar():
+    return read_record(shipped_record_path())
+
+
+def noise(name="noise", samples=2001, start_utc="2018-01-08T14:00:00Z", seed=1):
+    samples = np.random.default_rng(seed).normal(size=samples)
+    return Record(name, 0.005, samples, start_utc)
+
+
+class TestHarmonic:
+    def test_a_sine_from_zero(self):
+        load = Harmonic(0.2, 0.05)
+        time_s = np.linspace(0, 0.6, 601)
+        expected = 0.05 * GRAVITY * np.sin(2 * np.pi * time_s / 0.2)
+        # round-off of the sine at angles up to 6 pi
+        assert_allclose(load.base_acceleration(time_s)[:, 0], expected, rtol=0, atol=1e-14)
+        assert_allclose(load.base_acceleration(time_s)[:, 1], 0.0, atol=0)
+
+    def test_nothing_before_and_after(self):
+        load = Harmonic(0.2, 0.05, cycles=2)
+        assert load.duration_s == pytest.approx(0.4, rel=1e-15)  # one product
+        assert_allclose(load.base_acceleration([-0.05, 0.45, 1.05]), np.zeros((3, 2)), atol=0)
+
+    @pytest.mark.parametrize("max_step_s", STEP_LIMITS_S)
+    @pytest.mark.parametrize("period_s", [0.06, 0.2, 0.33, 1.0])
+    def test_every_peak_falls_on_a_step(self, period_s, max_step_s):
+        load = Harmonic(period_s, 0.1)
+        step_s = load.preferred_step_s(max_step_s)
+        quarter = round(period_s / 4 / step_s)
+        assert step_s <= max_step_s
+        assert quarter == 1 or period_s / 4 / (quarter - 1) > max_step_s
+        found = load.base_acceleration(np.arange(1, 12, 2) * quarter * step_s)[:, 0] / GRAVITY
+        # near its peak the sine hides the round-off of the time: only that of the product is left
+        assert_allclose(found, [0.1, -0.1] * 3, rtol=1e-14)
+
+    def test_base_velocity_returns_to_zero(self):
+        load = Harmonic(0.2, 0.05)
+        step_s = load.preferred_step_s(1e-4)
+        time_s = np.arange(round(load.duration_s / step_s) + 1) * step_s
+        velocity_m_s = np.cumsum(load.base_acceleration(time_s)[:, 0]) * step_s
+        # whole cycles cancel but for the round-off of 6000 sums
+        assert velocity_m_s[-1] == pytest.approx(0.0, abs=1e-12)
+
+    def test_names_are_short_and_tell_cycles_when_unusual(self):
+        assert Harmonic(0.2, 0.05).name == "harmonic_0.2s_0.05g"
+        assert Harmonic(1, 0.1, cycles=5).name == "harmonic_1s_0.1g_5cycles"
+
+    @pytest.mark.parametrize("period_s", [0, -0.2, math.nan, math.inf])
+    def test_period_must_be_positive(self, period_s):
+        with pytest.raises(InputError, match="harmonic period"):
+            Harmonic(period_s, 0.05)
+
+    @pytest.mark.parametrize("amplitude_g", [-0.1, math.nan, math.inf])
+    def test_amplitude_must_not_be_negative(self, amplitude_g):
+        with pytest.raises(InputError, match="harmonic amplitude"):
+            Harmonic(0.2, amplitude_g)
+
+    @pytest.mark.parametrize("cycles", [0, -1, 1.5, math.nan, math.inf])
+    def test_cycles_are_whole(self, cycles):
+        with pytest.raises(InputError, match="cycles; expected a whole number"):
+            Harmonic(0.2, 0.05, cycles)
+
+
+class TestRecorded:
+    def test_samples_come_back_scaled(self, bgar):
+        load = Recorded(bgar, scale=1.5)
+        # one product, and the round-off of the time over the slope of the record
+        found = load.base_acceleration(bgar.time_s)[:, 0]
+        assert_allclose(found, 1.5 * bgar.acceleration_m_s2, rtol=0, atol=1e-12)
+
+    def test_linear_between_samples_and_zero_outside(self):
+        load = Recorded(Record("r", 0.1, [1.0, 3.0, 2.0]))
+        # two products of interpolation
+        assert_allclose(load.base_acceleration([0.05, 0.15])[:, 0], [2.0, 2.5], rtol=1e-14)
+        assert_allclose(load.base_acceleration([-1e-9, 0.2001]), np.zeros((2, 2)), atol=0)
+
+    @pytest.mark.parametrize("max_step_s", STEP_LIMITS_S)
+    def test_no_peak_is_lost_at_the_preferred_step(self, bgar, max_step_s):
+        load = Recorded(bgar, window_s=(17, 23))
+        step_s = load.preferred_step_s(max_step_s)
+        assert step_s <= max_step_s
+        time_s = np.arange(round(load.duration_s / step_s) + 1) * step_s
+        found = np.abs(load.base_acceleration(time_s)[:, 0]).max()
+        # round-off of the time over the slope of the record
+        assert found == pytest.approx(np.abs(bgar.acceleration_m_s2).max(), rel=1e-10)
+
+    def test_window_starts_at_zero(self, bgar):
+        load = Recorded(bgar, window_s=(17, 23))
+        assert load.duration_s == pytest.approx(6.0, rel=1e-12)  # a product of 1200 and the step
+        # the same samples, at times that differ by round-off
+        found = load.base_acceleration([0.0, 1.0])[:, 0]
+        assert_allclose(found, bgar.acceleration_m_s2[[3400, 3600]], rtol=0, atol=1e-11)
+
+    def test_order_of_preparation(self):
+        record = noise()
+        load = Recorded(record, 2.0, (3, 5), baseline_order=1, band_hz=(0.5, 20))
+        expected = windowed(band_passed(baseline_corrected(record), 0.5, 20), 3, 5)
+        found = load.motion[0].acceleration_m_s2
+        # the same operations
+        assert_allclose(found, 2 * expected.acceleration_m_s2, rtol=1e-14)
+        windowed_first = band_passed(windowed(record, 3, 5), 0.5, 20).acceleration_m_s2
+        assert np.abs(found / 2 - windowed_first).max() > 1e-3
+
+    def test_vertical_gets_the_same_preparation(self):
+        east, up = noise("east"), noise("up", seed=2)
+        load = Recorded(east, 0.5, (1, 4), vertical=up, band_hz=(0.5, 20))
+        alone = Recorded(up, 0.5, (1, 4), band_hz=(0.5, 20))
+        time_s = np.linspace(0, 3, 50)
+        found = load.base_acceleration(time_s)
+        # the same operations
+        assert_allclose(found[:, 1], alone.base_acceleration(time_s)[:, 0], rtol=1e-14)
+        assert np.abs(found[:, 0] - found[:, 1]).max() > 0.1
+
+    @pytest.mark.parametrize(
+        "vertical",
+        [
+            noise("up", samples=2000),
+            Record("up", 0.01, np.zeros(2001)),
+            noise("up", start_utc="2018-01-08T14:00:00.1Z"),
+        ],
+    )
+    def test_vertical_must_be_simultaneous(self, vertical):
+        with pytest.raises(InputError, match="aligned_with"):
+            Recorded(noise(), vertical=vertical)
+
+    def test_components_of_one_station_are_used_after_alignment(self):
+        pytest.importorskip("obspy", reason="obspy is an optional extra")
+        east, up = (read_record(shipped_record_path(f"NL.BGAR..HG{c}")) for c in "EZ")
+        with pytest.raises(InputError, match="aligned_with"):
+            Recorded(east, vertical=up)
+        load = Recorded(east, vertical=aligned_with(up, east))
+        # 36.235 s to 37.090 s is 171 samples
+        found = load.motion[1].acceleration_m_s2
+        assert_allclose(found, up.acceleration_m_s2[171 : 171 + 9304], rtol=0, atol=0)
+
+    @pytest.mark.parametrize(
+        "bad",
+        [
+            {"scale": math.nan},
+            {"window_s": (40, 60)},
+            {"window_s": (5, 5)},
+            {"window_s": (5,)},
+            {"band_hz": (0.1, 200)},
+            {"band_hz": (0.1, 1, 2)},
+            {"baseline_order": -1},
+        ],
+    )
+    def test_bad_parameters_are_told_at_construction(self, bgar, bad):
+        with pytest.raises(InputError, match="expected"):
+            Recorded(bgar, **bad)
+
+    def test_names(self, bgar):
+        assert Recorded(bgar, window_s=(17, 23)).name == "BGAR_HGE_x1_17-23s"
+        assert Recorded(bgar, 1.4).name == "BGAR_HGE_x1.4"
+        odd = Recorded(noise("../a b"), baseline_order=0, band_hz=(0.1, 40), vertical=noise())
+        assert odd.name == ".._a_b_x1_vertical_baseline0_0.1-40Hz"
+
+    def test_description_identifies_the_file(self, bgar):
+        load = Recorded(bgar, 1.5, (17, 23), baseline_order=1, band_hz=(0.1, 40))
+        found = json.loads(json.dumps(load.describe()))
+        content = shipped_record_path().read_bytes()
+        assert found["horizontal"] == {
+            "record": "BGAR_HGE",
+            "file": "BGAR_HGE_acc_m_s2.csv",
+            "sha256": hashlib.sha256(content).hexdigest(),
+            "start_utc": "2018-01-08T14:00:37.090000Z",
+        }
+        assert (found["kind"], found["scale"], found["window_s"]) == ("record", 1.5, [17.0, 23.0])
+        assert (found["baseline_order"], found["band_hz"]) == (1, [0.1, 40.0])
+        assert found["vertical"] is None
+
+
+class TestFreeVibration:
+    def test_the_base_rests(self):
+        load = FreeVibration()
+        assert load.duration_s == 0.0
+        assert_allclose(load.base_acceleration(np.linspace(0, 1, 7)), np.zeros((7, 2)), atol=0)
+
+    def test_the_largest_step_is_taken(self):
+        assert FreeVibration().preferred_step_s(1.63e-5) == 1.63e-5
+
+    def test_names(self):
+        assert FreeVibration().name == "free_vibration"
+        assert FreeVibration(0.002).name == "free_vibration_0.002m_s"
+
+    @pytest.mark.parametrize("velocity", [0.0, -1e-3, math.nan, math.inf])
+    def test_velocity_must_be_positive(self, velocity):
+        with pytest.raises(InputError, match="top velocity"):
+            FreeVibration(velocity)
+
+
+@pytest.mark.parametrize(
+    "load",
+    [Harmonic(0.2, 0.05), Recorded(noise(), window_s=(1, 2)), FreeVibration()],
+    ids=lambda load: load.name,
+)
+class TestEveryLoading:
+    def test_description_is_plain_and_named_with_units(self, load):
+        described = json.loads(json.dumps(load.describe()))
+        assert described["name"] == load.name
+        assert described["duration_s"] == load.duration_s
+
+    def test_name_fits_a_file_name(self, load):
+        assert re.fullmatch(r"[\w.-]+", load.name)
+
+    def test_a_single_time_gives_one_row(self, load):
+        assert load.base_acceleration(0.5).shape == (1, 2)

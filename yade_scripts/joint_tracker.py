@@ -1,0 +1,70 @@
+"""What YADE's law does not keep of a joint, from samples of it: inelastic opening and slip, the
+shear limit, friction work and fracture energy.
+
+Slip is the plastic slip of closed contacts: shear displacement less its elastic part, frozen while
+the contact is open, and over a sample in which it opens or closes.
+"""
+
+import numpy as np
+
+_SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint slid
+
+
+class JointTracker:
+    """State of all joints; arrays of shape (n_joints,): opening, slip [m], broken, at_limit."""
+
+    def __init__(self, layout, threshold):
+        n, contacts = layout.n_joints, layout.contacts
+        self.friction = np.tan(layout.wall.joint.friction_angle)
+        self.area = contacts.area[:n]
+        self.normal_stiffness = contacts.normal_stiffness[:n]
+        self.shear_stiffness = contacts.shear_stiffness[:n]
+        self.threshold = threshold
+        self.opening, self.slip = np.zeros(n), np.zeros(n)
+        self.broken, self.at_limit = np.zeros(n, bool), np.zeros(n, bool)
+        self.friction_energy = self.fracture_energy = 0.0
+        self._open, self._stress, self._plastic = np.zeros(n, bool), np.zeros(n), np.zeros(n)
+        self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
+
+    def breaks(self, joint, kind, sigma, tau):
+        """A bond breaks in "tension" or "shear" under stresses sigma, tau [Pa] (tension positive)."""
+        kn, ks, area = self.normal_stiffness[joint], self.shear_stiffness[joint], self.area[joint]
+        self.broken[joint] = True
+        self._open[joint] = kind == "tension" or sigma > 0
+        if self._open[joint]:
+            self.fracture_energy += 0.5 * (sigma**2 / kn + tau**2 / ks) * area
+        else:
+            residual = -sigma * self.friction
+            self.fracture_energy += 0.5 * (abs(tau) - residual) ** 2 / ks * area
+            self._stress[joint] = residual
+        self.at_limit[joint] |= kind == "shear"
+
+    def sample(self, joints, opening, shear, tau):
+        """Take a sample of broken joints.
+
+        joints: indices (m,); opening, shear displacement [m] and shear stress tau [Pa]: (m,).
+        Yields (joint, "opened" | "slipped") at the first passing of the threshold.
+        """
+        is_open = opening > 0
+        plastic = shear - tau / self.shear_stiffness[joints]
+        stays_closed = ~is_open & ~self._open[joints]
+        increment = np.where(stays_closed, plastic - self._plastic[joints], 0.0)
+        mean_stress = (np.abs(tau) + np.abs(self._stress[joints])) / 2
+        self.friction_energy += float(np.sum(mean_stress * np.abs(increment) * self.area[joints]))
+        limit = -opening * self.normal_stiffness[joints] * self.friction
+        slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)
+        self.at_limit[joints] |= slides | (np.abs(increment) > _SLIDES)
+        self.slip[joints] += increment
+        self.opening[joints] = np.where(is_open, opening, 0.0)
+        self._open[joints], self._plastic[joints] = is_open, plastic
+        self._stress[joints] = np.where(is_open, 0.0, tau)
+        return self._first_passings()
+
+    def _first_passings(self):
+        values = {"opened": self.opening, "slipped": np.abs(self.slip)}
+        news = []
+        for kind, value in values.items():
+            new = (value > self.threshold) & ~self._passed[kind]
+            self._passed[kind] |= new
+            news += [(int(joint), kind) for joint in np.flatnonzero(new)]
+        return news
