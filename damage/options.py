@@ -8,7 +8,7 @@ from pathlib import Path
 from damage.errors import InputError
 from damage.loading import FreeVibration, Harmonic, Recorded
 from damage.parameters import LINTEL_OPTIONS, TOP_OPTIONS, ModelOptions
-from damage.records import read_record
+from damage.records import aligned_with, read_record
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
@@ -146,10 +146,11 @@ def _loading(parsed):
 
 
 def _recorded(parsed):
+    record = read_record(parsed.record)
     return Recorded(
-        read_record(parsed.record), scale=1.0 if parsed.scale is None else parsed.scale,
+        record, scale=1.0 if parsed.scale is None else parsed.scale,
         window_s=tuple(parsed.window) if parsed.window else None,
-        vertical=read_record(parsed.vertical) if parsed.vertical else None,
+        vertical=aligned_with(read_record(parsed.vertical), record) if parsed.vertical else None,
         baseline_order=parsed.baseline, band_hz=tuple(parsed.band) if parsed.band else None)
 
 

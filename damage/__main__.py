@@ -1,0 +1,131 @@
+"""`python3 -m damage COMMAND`: read histories and records, compute modes, without YADE."""
+
+import json
+import sys
+from pathlib import Path
+
+from damage.errors import InputError
+from damage.index import SLIP_CRITERIA
+from damage.options import OneLineParser
+from damage.units import MILLIMETRE
+
+
+def main(arguments=None):
+    """Run one command; returns the exit status: 0 done, 2 bad input."""
+    try:
+        parsed = _parser().parse_args(arguments)
+        parsed.command(parsed)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:  # the reader of a pipe went away, as `| head` does
+        sys.stderr.close()
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def _parser():
+    parser = OneLineParser(prog="python3 -m damage", allow_abbrev=False,
+                           description="Damage of masonry walls under induced seismicity.")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
+                                     parser_class=OneLineParser)
+    _add_index(commands)
+    _add_modes(commands)
+    _add_record(commands)
+    _add_plot(commands)
+    return parser
+
+
+def _add_command(commands, name, function, help_):
+    command = commands.add_parser(name, help=help_, description=help_, allow_abbrev=False)
+    command.set_defaults(command=function)
+    return command
+
+
+def _add_index(commands):
+    command = _add_command(commands, "index", _index, "the damage index and key figures of a history")
+    command.add_argument("history", type=Path, metavar="FILE.h5")
+    command.add_argument("--json", action="store_true", help="as JSON")
+    command.add_argument("--threshold-mm", type=float, default=0.1, help="of opening and slip (default 0.1)")
+    command.add_argument("--drift-limit-pct", type=float, default=2.0, help="drift limit (default 2)")
+    command.add_argument("--slip", choices=SLIP_CRITERIA, default="displacement",
+                         help="when a joint counts as slipped (default displacement)")
+
+
+def _index(parsed):
+    from damage.reading import read_history
+    from damage.report import describe
+    from damage.summary import summarise
+
+    summary = summarise(read_history(parsed.history), parsed.threshold_mm * MILLIMETRE,
+                        parsed.drift_limit_pct / 100, parsed.slip)
+    print(json.dumps(summary, indent=2) if parsed.json else describe(summary))
+
+
+def _add_modes(commands):
+    command = _add_command(commands, "modes", _modes, "natural periods of a wall with intact joints")
+    command.add_argument("wall", type=Path, metavar="walls/NAME.py")
+    command.add_argument("--json", action="store_true", help="as JSON")
+    command.add_argument("--top", default="piers", choices=("piers", "uniform", "beam"))
+    command.add_argument("--cells", type=int, default=2, metavar="N")
+    command.add_argument("--contacts", default="interior", choices=("interior", "corners"))
+
+
+def _modes(parsed):
+    from damage.layout import lay_out
+    from damage.modes import natural_modes
+    from damage.parameters import ModelOptions
+    from damage.wall_file import load_wall
+
+    options = ModelOptions(top=parsed.top, cells=parsed.cells, contacts=parsed.contacts)
+    modes = natural_modes(lay_out(load_wall(parsed.wall), options))
+    periods = [float(period) for period in modes.period_s]
+    if parsed.json:
+        print(json.dumps({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s}))
+        return
+    for number, period in enumerate(periods, start=1):
+        print(f"mode {number}: {period:.5f} s")
+    print(f"critical time step: {modes.critical_time_step_s:.4g} s")
+
+
+def _add_record(commands):
+    command = _add_command(commands, "record", _record, "intensity measures of a ground-motion record")
+    command.add_argument("record", type=Path, metavar="FILE")
+    command.add_argument("--json", action="store_true", help="as JSON")
+
+
+def _record(parsed):
+    from damage.intensity import summary
+    from damage.records import read_record
+
+    measures = summary(read_record(parsed.record))
+    if parsed.json:
+        print(json.dumps(measures, indent=2))
+        return
+    for name, value in measures.items():
+        if name != "sa_g":
+            print(f"{name:12s}{value:10.4f}")
+    for period, value in measures["sa_g"].items():
+        print(f"sa_g({period} s){value:>{19 - len(period) - 5}.4f}")
+
+
+def _add_plot(commands):
+    command = _add_command(commands, "plot", _plot, "the pictures of a history, PNG and PDF")
+    command.add_argument("history", type=Path, metavar="FILE.h5")
+    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the pictures")
+
+
+def _plot(parsed):
+    from damage.pictures import save_all
+    from damage.reading import read_history
+
+    try:
+        for path in save_all(read_history(parsed.history), parsed.out):
+            print(path)
+    except OSError as error:
+        raise InputError(f"cannot write to {parsed.out}: {error.strerror}; choose another --out") from error
+
+
+if __name__ == "__main__":
+    sys.exit(main())
