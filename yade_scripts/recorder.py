@@ -14,7 +14,7 @@ from damage.units import GRAVITY
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.scene import SceneReader
 
-JOINT_STEPS = 20  # steps between two samples of the broken joints
+JOINT_STEPS = 10  # steps between two samples of the broken joints
 SNAPSHOT_SAMPLES = 10  # samples between two snapshots of the bodies
 
 

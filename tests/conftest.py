@@ -1,0 +1,49 @@
+"""What several tests share: the repository, the shipped walls, the real commands."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from damage.wall_file import load_wall
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session", params=["solid", "symmetric", "asymmetric"])
+def shipped_wall(request):
+    return load_wall(REPOSITORY / "walls" / f"{request.param}.py")
+
+
+@pytest.fixture(scope="session")
+def symmetric_wall():
+    return load_wall(REPOSITORY / "walls" / "symmetric.py")
+
+
+def run_command(*words, **options):
+    """Run a command from the repository with no screen; returns the completed process with text."""
+    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
+    return subprocess.run([str(word) for word in words], cwd=REPOSITORY, capture_output=True, text=True,
+                          env=environment, **{"timeout": 600, **options})
+
+
+@pytest.fixture(scope="session")
+def damage_command():
+    def run(*words):
+        return run_command(sys.executable, "-m", "damage", *words)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def yade_command():
+    if shutil.which("yade") is None:
+        pytest.skip("YADE is not installed")
+
+    def run(*words, **options):
+        return run_command("yade", "-n", *words, **options)
+
+    return run

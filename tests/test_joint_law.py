@@ -1,0 +1,149 @@
+"""The joint law against closed forms, and its energies against the work done on it."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pytest import approx
+
+from damage.joint_law import (INTACT, SHEAR, TENSION, ContactState, LawParameters, advance,
+                              elastic_energy)
+
+KN, KS, FT, C, MU = 6.557e10, 2.687e10, 0.21e6, 0.24e6, math.tan(math.radians(32))
+LAW = LawParameters(KN, KS, FT, C, MU)
+
+
+def follow(path, state=None, law=LAW):
+    """Drive a contact along [(opening, shear displacement), ...]; returns states and events."""
+    state, shear, states, events = state or ContactState(), 0.0, [], []
+    for opening, target in path:
+        state, event = advance(opening, target - shear, state, law)
+        shear = target
+        states.append(state)
+        events.append(event)
+    return states, events
+
+
+@pytest.mark.parametrize("compression", [0.0, 0.1e6, 0.3e6, 1.0e6])
+def test_shear_peak_and_residual(compression):
+    opening = -compression / KN
+    peak = C + compression * MU
+    step = peak / KS / 1000
+    states, events = follow([(opening, k * step) for k in range(1, 1200)])
+    # One step resolves the peak to a thousandth.
+    assert max(abs(s.shear_stress) for s in states) == approx(peak, rel=1.1e-3)
+    assert states[-1].shear_stress == approx(compression * MU, rel=1e-12, abs=1e-9)
+    assert events.count(SHEAR) == 1 and TENSION not in events
+    # Equation (11): the whole displacement beyond the residual's elastic part is plastic slip.
+    assert states[-1].slip == approx(1199 * step - compression * MU / KS, rel=1e-9)
+
+
+def test_tension_peak_then_nothing():
+    limit = FT / KN
+    states, events = follow([(limit * k / 1000, 0.0) for k in range(1, 1003)])
+    assert events[999] == INTACT and events[1000] == TENSION
+    assert states[999].normal_stress == approx(FT)
+    assert states[1001][:2] == (0.0, 0.0)
+
+
+def test_breaking_in_tension_takes_the_cohesion_too():
+    states, _ = follow([(FT / KN * 1.01, 0.0), (-0.3e6 / KN, 0.0), (-0.3e6 / KN, 1e-3)])
+    assert states[-1].shear_stress == approx(0.3e6 * MU)
+
+
+def test_breaking_in_shear_takes_the_tensile_strength_too():
+    states, _ = follow([(0.0, 1.01 * C / KS), (1e-9, 1.01 * C / KS)])
+    assert states[-1].broken and states[-1].normal_stress == 0.0
+
+
+def test_shear_under_tension_is_weaker_and_opens_the_joint():
+    opening = 0.1e6 / KN
+    weaker = C - 0.1e6 * MU
+    states, events = follow([(opening, 0.99 * weaker / KS), (opening, 1.01 * weaker / KS)])
+    assert events == [INTACT, SHEAR]
+    assert states[-1][:2] == (0.0, 0.0) and states[-1].at_limit and states[-1].slip == 0.0
+
+
+def test_slip_is_frozen_while_open_and_reclosing_starts_without_shear():
+    path = [(FT / KN * 1.01, 0.0), (2e-4, 0.0), (2e-4, 5e-4), (-0.2e6 / KN, 5e-4), (-0.2e6 / KN, 5e-4 + 1e-6)]
+    states, _ = follow(path)
+    assert states[2].slip == 0.0 and not states[2].at_limit
+    assert states[3].normal_stress == approx(-0.2e6)
+    assert states[3].shear_stress == 0.0
+    assert states[4].shear_stress == approx(KS * 1e-6)
+
+
+def test_cyclic_shear_is_a_rectangle():
+    sigma = 0.5e6
+    amplitude, n = 1e-4, 2000
+    path = [(-sigma / KN, amplitude * math.sin(2 * math.pi * k / n)) for k in range(1, 3 * n + 1)]
+    states, _ = follow(path, ContactState(broken=True))
+    peak = sigma * MU
+    assert max(s.shear_stress for s in states) == approx(peak)
+    assert min(s.shear_stress for s in states) == approx(-peak)
+    # Area of the rectangle: 2 tau (2 a - 2 tau / k_s) a cycle; steps of 3e-7 m resolve it to 1e-3.
+    loop = 2 * peak * (2 * amplitude - 2 * peak / KS)
+    assert states[-1].friction_work - states[n - 1].friction_work == approx(2 * loop, rel=2e-3)
+
+
+def test_an_elastic_joint_never_breaks():
+    law = LAW._replace(tensile_strength=math.inf, cohesion=math.inf)
+    states, events = follow([(1e-2, 1e-2), (-1e-2, 0.5)], law=law)
+    assert set(events) == {INTACT}
+    assert states[-1].shear_stress == approx(KS * 0.5)
+
+
+def test_mirrored_shear_gives_mirrored_state():
+    path = [(-1e-6 * (1 + math.sin(k / 5)), 2e-5 * math.sin(k / 9)) for k in range(500)]
+    here, _ = follow(path)
+    there, _ = follow([(opening, -shear) for opening, shear in path])
+    for a, b in zip(here, there):
+        assert (a.normal_stress, a.shear_stress, a.slip) == (b.normal_stress, -b.shear_stress, -b.slip)
+
+
+steps = st.lists(st.tuples(st.floats(-6e-6, 6e-6), st.floats(-2e-5, 2e-5)), min_size=1, max_size=40)
+
+
+@settings(max_examples=200, deadline=None)
+@given(steps)
+def test_work_done_is_stored_or_dissipated(targets):
+    """Energy balance along any path, cut into small steps: the trapezoid of the work is exact while
+    the stress is linear, so each event (break, opening, yield within a step) leaves a residue of the
+    order of strength times step."""
+    state, work, opening, shear, n = ContactState(), 0.0, 0.0, 0.0, 200
+    largest_step = 0.0
+    for target_opening, target_shear in targets:
+        d_opening, d_shear = (target_opening - opening) / n, (target_shear - shear) / n
+        largest_step = max(largest_step, abs(d_opening), abs(d_shear))
+        for _ in range(n):
+            old, was_open = state, state.broken and opening > 0
+            opening += d_opening
+            state, event = advance(opening, d_shear, state, LAW)
+            if event == INTACT:
+                work += (old.normal_stress + state.normal_stress) / 2 * d_opening
+                work += (old.shear_stress + state.shear_stress) / 2 * d_shear
+            else:  # the bond did elastic work up to the break, then let go
+                trial = old.shear_stress + KS * d_shear
+                work += (old.normal_stress + KN * opening) / 2 * d_opening
+                work += (old.shear_stress + trial) / 2 * d_shear
+            assert not (was_open and opening > 0) or state.slip == old.slip
+        shear = target_shear
+    stored = elastic_energy(state.normal_stress, state.shear_stress, KN, KS)
+    dissipated = state.friction_work + state.fracture_work
+    stress = max(FT, C, 6e-6 * KN)
+    assert work - stored - dissipated == approx(0.0, abs=20 * stress * largest_step * (1 + len(targets)))
+    assert state.friction_work >= 0 and state.fracture_work >= 0
+
+
+@settings(max_examples=100, deadline=None)
+@given(steps)
+def test_stress_never_leaves_the_strength_envelope(targets):
+    state, shear = ContactState(), 0.0
+    for opening, target in targets:
+        state, _ = advance(opening, target - shear, state, LAW)
+        shear = target
+        assert state.normal_stress <= FT
+        limit = (0.0 if state.broken else C) - state.normal_stress * MU
+        assert abs(state.shear_stress) <= limit * (1 + 1e-12) + 1e-6
+        assert not (state.broken and state.normal_stress > 0)

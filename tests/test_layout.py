@@ -1,0 +1,152 @@
+"""Geometry: lengths, bond, cells, masses, lintels."""
+
+import itertools
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from damage.errors import InputError
+from damage.layout import BED, CAP, GROUND, HEAD, lay_out
+from damage.parameters import Brick, ModelOptions, Opening, Wall
+
+BRICK = 0.225
+
+EVERY_OPTION = [ModelOptions(lintel=lintel, top=top, cells=cells, contacts=contacts)
+                for lintel, top, cells, contacts in itertools.product(
+                    ("elastic", "none"), ("piers", "uniform", "beam"), (1, 2, 3), ("interior", "corners"))]
+
+# Walls whose openings ask for cut bricks, for windows, for several openings.
+ODD_WALLS = [
+    Wall("odd-length", 2.3, 0.6),
+    Wall("cut-pier", 4.0, 1.2, (Opening(1.03, 2.0, 0.75),)),
+    Wall("sliver", 3.0, 0.9, (Opening(0.9 + 0.03, 1.0, 0.45, 0.15),)),
+    Wall("two-windows", 5.0, 2.7, (Opening(0.7, 0.9, 1.2, 0.9), Opening(2.31, 1.0, 1.2, 0.9))),
+    Wall("storeys", 4.05, 3.0, (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8))),
+]
+
+
+@pytest.mark.parametrize("options", EVERY_OPTION, ids=str)
+def test_joint_length_is_the_settled_one_under_every_option(shipped_wall, options):
+    expected = 198.375 if shipped_wall.name == "solid" else 106.05
+    assert_allclose(lay_out(shipped_wall, options).total_joint_length, expected, rtol=1e-12)
+
+
+def test_solid_wall_joint_length_by_hand():
+    # 37 bed joints with the base's, and 17 or 18 head joints in a course of whole or half start.
+    by_hand = 37 * 4.05 + (19 * 17 + 18 * 18) * 0.075
+    assert_allclose(by_hand, 198.375)
+
+
+def test_top_mass_and_weight(shipped_wall):
+    layout = lay_out(shipped_wall)
+    area = 4.05 * 0.1025
+    caps = layout.bodies.mass[layout.n_bricks:]
+    assert_allclose(caps.sum() * 9.81, 0.3e6 * area, rtol=1e-12)
+    assert len(caps) == (1 if shipped_wall.name == "solid" else 2)
+    openings = sum(opening.width * opening.height for opening in shipped_wall.openings)
+    bricks = 1900 * 0.1025 * (4.05 * 2.775 - openings)
+    assert_allclose(layout.total_mass, bricks + caps.sum(), rtol=1e-12)
+
+
+def test_piers_of_the_perforated_walls(shipped_wall):
+    widths = np.diff(lay_out(shipped_wall).piers, axis=1).ravel() / BRICK
+    assert_allclose(widths, {"solid": [18], "symmetric": [4.5, 4.5], "asymmetric": [2.5, 6.5]}[shipped_wall.name])
+
+
+@pytest.mark.parametrize("wall", ODD_WALLS, ids=lambda w: w.name)
+class TestAnyWall:
+    def test_bricks_fill_the_wall_but_for_the_openings(self, wall):
+        layout = lay_out(wall)
+        bricks = slice(0, layout.n_bricks)
+        area = np.sum(layout.bodies.length[bricks] * layout.bodies.height[bricks])
+        holes = sum(opening.width * wall.brick.height * (above - first) for opening in wall.openings
+                    for first, above in [wall.opening_courses(opening)])
+        assert_allclose(area, wall.length * wall.built_height - holes, rtol=1e-12)
+
+    def test_no_brick_is_longer_than_a_whole_one_or_shorter_than_a_quarter(self, wall):
+        length = lay_out(wall).bodies.length[:lay_out(wall).n_bricks]
+        assert length.min() > BRICK / 4 - 1e-6
+        assert length.max() < BRICK * 1.25 + 1e-6
+
+    def test_bed_joints_cover_every_overlap_of_two_bricks(self, wall):
+        layout = lay_out(wall)
+        bodies, contacts, n = layout.bodies, layout.contacts, layout.n_bricks
+        left, right = bodies.x - bodies.length / 2, bodies.x + bodies.length / 2
+        overlap = np.minimum(right[:n, None], right[:n]) - np.maximum(left[:n, None], left[:n])
+        on_top = bodies.course[:n, None] == bodies.course[:n] - 1
+        base = bodies.length[:n][bodies.course[:n] == 0].sum()
+        expected = overlap[on_top & (overlap > 0)].sum() + base
+        assert_allclose(contacts.length[contacts.kind == BED].sum(), expected, rtol=1e-9)
+
+    def test_cells_face_each_other(self, wall):
+        layout = lay_out(wall)
+        contacts, cells = layout.contacts, layout.cells
+        bed = (contacts.kind != HEAD) & (contacts.first != GROUND)
+        for edge in (cells.left, cells.right):
+            assert_allclose(edge[contacts.first_cell[bed]], edge[contacts.second_cell[bed]], atol=1e-7)
+        head = contacts.kind == HEAD
+        assert_allclose(cells.right[contacts.first_cell[head]], cells.left[contacts.second_cell[head]], atol=1e-7)
+
+    def test_head_joints_of_neighbouring_courses_are_not_in_line(self, wall):
+        contacts = lay_out(wall).contacts
+        heads = contacts.kind == HEAD
+        x, z = contacts.x[heads], contacts.z[heads]
+        neighbours = np.isclose(np.abs(z[:, None] - z), 0.075)
+        assert np.abs(x[:, None] - x)[neighbours].min() > BRICK / 8
+
+
+def test_corner_contacts_lie_at_the_ends_of_each_overlap(symmetric_wall):
+    contacts = lay_out(symmetric_wall, ModelOptions(contacts="corners")).contacts
+    bed = contacts.kind == BED
+    assert_allclose(contacts.x[bed] / (BRICK / 2), np.round(contacts.x[bed] / (BRICK / 2)), atol=1e-9)
+
+
+def test_lintel_is_the_inside_of_the_spandrel_with_its_bearing(symmetric_wall):
+    layout = lay_out(symmetric_wall)
+    contacts = layout.contacts
+    inside = np.flatnonzero(contacts.elastic & (contacts.kind != CAP))
+    left, right, bottom = 3.5 * BRICK, 14.5 * BRICK, 33 * 0.075
+    assert np.all((contacts.x[inside] > left) & (contacts.x[inside] < right))
+    assert np.all(contacts.z[inside] > bottom + 1e-9)
+    # Bed joints of the four courses: three levels, 11 bricks of 2 x 2 points each.
+    assert np.sum(contacts.kind[inside] == BED) == 3 * 11 * 4
+    assert not np.any(lay_out(symmetric_wall, ModelOptions(lintel="none")).contacts.elastic[:layout.n_joints])
+
+
+def test_effective_stiffness_of_bed_head_and_base(symmetric_wall):
+    contacts = lay_out(symmetric_wall).contacts
+    base = contacts.first == GROUND
+    for kind, normal, shear in ((BED, 6.56e10, 2.69e10), (HEAD, 2.27e10, 0.94e10)):
+        inner = (contacts.kind == kind) & ~base
+        # Head joints beside half bricks are stiffer; the settled values are whole against whole.
+        assert_allclose(contacts.normal_stiffness[inner].min(), normal, rtol=2e-3)
+        assert_allclose(contacts.shear_stiffness[inner].min(), shear, rtol=5e-3)
+    assert_allclose(contacts.normal_stiffness[base], 1 / (1 / 12e11 + 0.0375 / 5.2e9), rtol=1e-12)
+
+
+def test_mirrored_wall_is_the_mirror_image(symmetric_wall):
+    contacts = lay_out(symmetric_wall).contacts
+    here = sorted(zip(np.round(contacts.z, 6), np.round(contacts.x, 6), contacts.elastic))
+    there = sorted(zip(np.round(contacts.z, 6), np.round(4.05 - contacts.x, 6), contacts.elastic))
+    assert here == there
+
+
+@pytest.mark.parametrize(("change", "complaint"), [
+    (lambda: Opening(-0.1, 1.0, 1.0), "zero or positive"),
+    (lambda: Wall("w", 2.0, 1.0, (Opening(1.5, 1.0, 0.5),)), "outside"),
+    (lambda: Wall("w", 2.0, 1.0, (Opening(0.5, 1.0, 1.2),)), "outside"),
+    (lambda: Wall("w", 2.0, 0.975, (Opening(0.5, 1.0, 0.975),)), "top"),
+    (lambda: Wall("w", 2.0, 1.0, (Opening(0.05, 1.0, 0.5),)), "cuts off a pier"),
+    (lambda: Wall("w", 3.0, 1.0, (Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5))), "another opening"),
+    (lambda: Wall("w", 0.05, 1.0), "smaller than"),
+    (lambda: Wall("no good", 2.0, 1.0), "names files"),
+    (lambda: Brick(density=-1.0), "positive"),
+    (lambda: Brick(length=float("nan")), "finite"),
+    (lambda: ModelOptions(lintel="steel"), "expected one of"),
+    (lambda: ModelOptions(cells=0), "whole number"),
+])
+def test_bad_parameters_are_refused_in_one_line(change, complaint):
+    with pytest.raises(InputError, match=complaint) as caught:
+        change()
+    assert "\n" not in str(caught.value)

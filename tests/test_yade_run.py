@@ -1,0 +1,208 @@
+"""Whole runs in YADE through the real command: periods, static stage, energy, damage, interrupts."""
+
+import os
+import re
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+
+import damage
+from damage.energy import energy_error
+from damage.layout import lay_out
+from damage.modes import natural_modes
+from damage.summary import summarise
+from damage.wall_file import load_wall
+
+pytestmark = pytest.mark.yade
+
+BANDS = {"solid": (0.058, 0.066), "symmetric": (0.185, 0.205), "asymmetric": (0.160, 0.180)}  # [s]
+REST = {"solid": 0.5, "symmetric": 3.0, "asymmetric": 1.0}  # [s]; 3 s are 100 000 steps
+
+# A pier with a door beside it, small enough for a run of seconds; its opening asks for cut bricks.
+SMALL_WALL = '''
+import sys
+sys.path.insert(0, {repository!r})
+from damage import Opening, Wall
+
+def wall():
+    return Wall(name="small", length=1.53, height=0.975, precompression=0.3e6,
+                openings=[Opening(left=0.63, width=0.4, height=0.6)])
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+    main(wall)
+'''
+
+
+@pytest.fixture(scope="module")
+def small_wall(tmp_path_factory):
+    path = tmp_path_factory.mktemp("walls") / "small.py"
+    path.write_text(SMALL_WALL.format(repository=str(REPOSITORY)))
+    return path
+
+
+@pytest.fixture(scope="module", params=REST)
+def free_vibration(request, yade_command, tmp_path_factory):
+    out = tmp_path_factory.mktemp("free") / f"{request.param}.h5"
+    done = yade_command(REPOSITORY / f"walls/{request.param}.py", "--free-vibration", "--rest",
+                        REST[request.param], "--out", out, "--no-pictures")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return damage.read_history(out)
+
+
+class TestIntactWall:
+    def test_static_stage_carries_the_weight_at_rest_and_unbroken(self, free_vibration):
+        static = free_vibration.static
+        assert_allclose(static["base_reaction_n"], static["weight_n"], rtol=1e-3)
+        assert static["unbalanced_force"] < 1e-5
+        assert static["broken_joints"] == 0 and len(free_vibration.events) == 0
+
+    def test_period_lies_in_its_band_and_agrees_with_the_eigenvalue(self, free_vibration):
+        low, high = BANDS[free_vibration.wall]
+        period = summarise(free_vibration)["period_s"]
+        assert low < period < high
+        # The eigenvalue knows no P-delta, which softens the wall by about W / (k h) = 0.4 %.
+        assert_allclose(period, free_vibration.parameters["eigen_period_s"], rtol=5e-3)
+
+    def test_energy_of_the_kick_is_kept(self, free_vibration):
+        assert energy_error(free_vibration.series) < 5e-3
+
+    def test_joints_report_no_damage(self, free_vibration):
+        assert free_vibration.index().DI_open.max() == 0 and free_vibration.index().DI_slip.max() == 0
+        assert not free_vibration.at_limit.any()
+
+
+def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp_path):
+    """Cells of unequal size, whose contact YADE by itself would put in the wrong place."""
+    out = tmp_path / "small.h5"
+    done = yade_command(small_wall, "--free-vibration", "--rest", 0.2, "--out", out, "--no-pictures")
+    assert done.returncode == 0, done.stdout + done.stderr
+    history = damage.read_history(out)
+    eigen = natural_modes(lay_out(load_wall(small_wall))).period_s[0]
+    assert_allclose(summarise(history)["period_s"], eigen, rtol=5e-3)
+    assert energy_error(history.series) < 5e-3
+
+
+@pytest.fixture(scope="module")
+def shaken(yade_command, small_wall, tmp_path_factory):
+    """The small wall shaken hard: 1 g at its own period."""
+    out = tmp_path_factory.mktemp("shaken") / "small.h5"
+    done = yade_command(small_wall, "--harmonic", 0.03, 1.5, "--rest", 0.1, "--out", out)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return damage.read_history(out), done.stdout
+
+
+class TestDamagedWall:
+    def test_breaks_are_logged_with_stresses_that_exceed_the_strength(self, shaken):
+        history, _ = shaken
+        joint = load_wall(REPOSITORY / "walls/symmetric.py").joint
+        events = history.events
+        tension = events[events.kind == "tension"]
+        assert len(tension) > 0
+        assert np.all(tension.normal_stress_pa > joint.tensile_strength)
+        assert np.all(tension.normal_stress_pa < 1.1 * joint.tensile_strength)
+        shear = events[events.kind == "shear"]
+        strength = joint.cohesion - shear.normal_stress_pa * np.tan(joint.friction_angle)
+        # The kinematic shear stress is the law's but for the tilt of YADE's normals.
+        assert np.all(np.abs(shear.shear_stress_pa) > 0.98 * strength)
+
+    def test_each_joint_breaks_once_and_stays_broken(self, shaken):
+        history, _ = shaken
+        breaks = history.events[history.events.kind.isin(["tension", "shear"])]
+        assert not breaks.joint.duplicated().any()
+        assert set(np.flatnonzero(history.broken[-1])) == set(breaks.joint)
+        assert np.all(np.diff(history.broken.astype(int), axis=0) >= 0)
+
+    def test_first_passings_of_the_threshold_agree_with_the_samples(self, shaken):
+        history, _ = shaken
+        for kind, value in (("opened", history.opening_m), ("slipped", np.abs(history.slip_m))):
+            told = set(history.events.joint[history.events.kind == kind])
+            assert told >= set(np.flatnonzero((value > 1.01e-4).any(axis=0)))
+        assert len(history.events[history.events.kind == "opened"]) > 0
+
+    def test_intact_joints_have_no_opening_and_no_slip(self, shaken):
+        history, _ = shaken
+        assert np.all(history.opening_m[~history.broken] == 0)
+        assert np.all(history.slip_m[~history.broken] == 0)
+
+    def test_energy_balance(self, shaken):
+        history, _ = shaken
+        assert energy_error(history.series) < 0.03
+        friction = history.series.friction_energy_j.to_numpy()
+        assert np.all(np.diff(friction) >= 0) and friction[-1] > 0
+
+    def test_base_motion_in_the_file_is_the_one_asked_for(self, shaken):
+        history, _ = shaken
+        series = history.series
+        moving = series.time_s < 0.09
+        expected = 1.5 * 9.81 * np.sin(2 * np.pi * series.time_s[moving] / 0.03)
+        assert_allclose(series.base_acceleration_x_m_s2[moving], expected, atol=1e-6)
+        assert np.all(series.base_acceleration_x_m_s2[series.time_s > 0.0901] == 0)
+
+    def test_the_run_says_what_it_did_and_drew_it(self, shaken):
+        history, text = shaken
+        assert "maximum" in text and "history:" in text
+        folder = history.path.with_suffix("")
+        assert (folder / "wall_max.png").read_bytes()[:4] == b"\x89PNG"
+        assert (folder / "wall_max.pdf").read_bytes()[:4] == b"%PDF"
+
+
+def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command):
+    out = tmp_path / "small.h5"
+    child = subprocess.Popen(["yade", "-n", small_wall, "--harmonic", "0.1", "0.1", "--rest", "60",
+                              "--out", out, "--no-pictures"], stdout=subprocess.PIPE,
+                             stderr=subprocess.STDOUT, text=True)
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline:
+        time.sleep(0.5)
+        if out.exists() and len(damage.read_history(out).series) > 0:
+            break
+    os.kill(child.pid, signal.SIGINT)
+    text = child.communicate(timeout=60)[0]
+    assert child.returncode == 130, text
+    history = damage.read_history(out)
+    assert history.status == "interrupted" and len(history.series) > 0
+    assert summarise(history)["residual"] is None
+
+
+def test_a_second_run_does_not_touch_the_first(small_wall, tmp_path, yade_command):
+    out = tmp_path / "small.h5"
+    words = (small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--out", out, "--no-pictures")
+    assert yade_command(*words).returncode == 0
+    before = out.read_bytes()
+    again = yade_command(*words)
+    assert again.returncode == 2 and "--overwrite" in again.stderr
+    assert out.read_bytes() == before
+
+
+def test_without_out_a_second_run_takes_a_name_of_its_own(small_wall, tmp_path, yade_command):
+    words = (small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--no-pictures")
+    for _ in range(2):
+        assert yade_command(*words, cwd=tmp_path).returncode == 0
+    names = sorted(path.name for path in (tmp_path / "results").iterdir())
+    stem = "small_harmonic_0.03s_0.1g_1cycles_yade"
+    assert names == [f"{stem}.h5", f"{stem}_2.h5"]
+
+
+def test_perturbed_bricks_change_the_result_only_within_reason(small_wall, tmp_path, yade_command):
+    drifts = []
+    for seed in (1, 2):
+        out = tmp_path / f"{seed}.h5"
+        done = yade_command(small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--out", out,
+                            "--perturb", 1e-9, "--seed", seed, "--no-pictures")
+        assert done.returncode == 0, done.stderr
+        drifts.append(damage.read_history(out).series.drift_ratio.to_numpy())
+    assert np.any(drifts[0] != drifts[1])
+    assert_allclose(drifts[0], drifts[1], atol=1e-3 * np.abs(drifts[0]).max())
+
+
+def test_help_names_every_option(small_wall, yade_command):
+    done = yade_command(small_wall, "--help")
+    assert done.returncode == 0
+    assert {"--harmonic", "--record", "--free-vibration", "--out", "--lintel", "--dt", "--perturb"} <= set(
+        re.findall(r"--[a-z-]+", done.stdout))
