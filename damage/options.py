@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -53,6 +54,11 @@ class RunSettings:
 
 class OneLineParser(argparse.ArgumentParser):
     """An argument parser that raises its complaint as InputError instead of printing the usage."""
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        # argparse takes -1e-5 for an option; it is a number.
+        self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
     def error(self, message):
         raise InputError(f"{message}; see --help")
