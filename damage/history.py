@@ -42,6 +42,8 @@ _EVENT_COLUMNS = {
     "normal_stress_pa": ("f8", "Pa"), "shear_stress_pa": ("f8", "Pa"),
     "opening_m": ("f8", "m"), "slip_m": ("f8", "m"),
 }
+SNAPSHOT_SAMPLES = 10
+"""Samples between two snapshots of the bodies."""
 _CHUNK = 64  # samples buffered before they are written: whole compressed chunks, written once
 
 

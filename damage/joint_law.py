@@ -6,10 +6,12 @@ removes both.  Afterwards the contact is a dry joint with the same friction angl
 numbers are those of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, with tension
 positive, so that equation (11) reads |tau| >= c - sigma tan(phi).  Dilation is zero.
 
-The functions are scalar and pure; a solver may compile them as they are.
+The functions are scalar and pure; they run as plain Python, and numba compiles them as they are.
 """
 
 from typing import NamedTuple
+
+from numba.extending import register_jitable
 
 INTACT, TENSION, SHEAR = 0, 1, 2
 """What `advance` reports of a step: no break, the bond broke in tension, or in shear."""
@@ -40,6 +42,7 @@ class ContactState(NamedTuple):
     fracture_work: float = 0.0
 
 
+@register_jitable
 def advance(opening, shear_increment, state, parameters):
     """Advance one contact by one step.
 
@@ -80,6 +83,7 @@ def advance(opening, shear_increment, state, parameters):
     return ContactState(sigma, sign * limit, slip, broken, True, friction_work, fracture_work), event
 
 
+@register_jitable
 def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffness):
     """Elastic energy of a contact per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s."""
     return 0.5 * normal_stress**2 / normal_stiffness + 0.5 * shear_stress**2 / shear_stiffness

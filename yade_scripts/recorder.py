@@ -7,7 +7,7 @@ belong to the same instant.
 import numpy as np
 from yade import O
 
-from damage.history import AT_LIMIT, BROKEN
+from damage.history import AT_LIMIT, BROKEN, SNAPSHOT_SAMPLES
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.kinematics import ContactKinematics
 from damage.units import GRAVITY
@@ -15,7 +15,6 @@ from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.scene import SceneReader
 
 JOINT_STEPS = 10  # steps between two samples of the broken joints
-SNAPSHOT_SAMPLES = 10  # samples between two snapshots of the bodies
 
 
 class Recorder:

@@ -1,0 +1,125 @@
+"""The stages of a run in the reference solver: static, motion, rest, settling."""
+
+import numpy as np
+
+from damage.history import SNAPSHOT_SAMPLES
+from damage.index import THRESHOLD, combine, drift_component, length_fraction
+from damage.options import LOCAL_DAMPING, SAMPLE_S, SETTLE_S
+from damage.reference import EVENT_KINDS, ReferenceWall
+from damage.units import GRAVITY
+
+RAMP_S, HOLD_S, HOLD_AT_MOST_S = 0.2, 0.2, 3.0
+"""Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
+AT_REST = 1e-5
+"""Unbalanced force below which the static stage is over [-]."""
+
+
+class ReferenceRun:
+    """One wall in the reference solver under one loading, written to a history.
+
+    keep_going(time_s, run): called at every sample, returns False to stop (an interrupt).
+    """
+
+    def __init__(self, layout, settings, time_step, writer, keep_going):
+        self.layout, self.settings, self.writer, self.keep_going = layout, settings, writer, keep_going
+        self.wall = ReferenceWall(layout, time_step, beta=settings.beta_s)
+        self.sample_steps = max(1, round(SAMPLE_S / time_step))
+        self.stage, self.index, self.samples, self.collapsed_at_s = "static", 0.0, 0, None
+        self._zero = None
+        if settings.perturb_m > 0:
+            offsets = np.random.default_rng(settings.seed).normal(0, settings.perturb_m, (len(layout.bodies), 2))
+            self.wall.system.place[:-1, :2] += offsets
+
+    @property
+    def time(self):
+        """Time since the start of the motion [s]."""
+        return (self.wall.step - self.wall.first_step) * self.wall.time_step
+
+    def settle_under_gravity(self):
+        """The static stage; True when the wall came to rest, False when interrupted."""
+        wall, dt = self.wall, self.wall.time_step
+        wall.local_damping = LOCAL_DAMPING
+        wall.start(np.zeros((0, 2)), GRAVITY * np.minimum(1.0, np.arange(round(RAMP_S / dt) + 1) * dt / RAMP_S))
+        while self.keep_going(self.time, self):
+            wall.run(self.sample_steps)
+            held = self.time - RAMP_S
+            if held >= HOLD_S and (wall.unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
+                break
+        else:
+            return False
+        self.writer.static_stage(
+            base_reaction_n=wall.base_force()[1], weight_n=self.layout.total_mass * GRAVITY,
+            unbalanced_force=wall.unbalanced_force(), broken_joints=int(np.sum(wall.state > 0)),
+            duration_s=self.time)
+        self._log_events(start_s=-self.time)
+        return True
+
+    def start(self, first_mode):
+        """Time zero: the base motion starts, or the wall is kicked into its first mode.
+
+        first_mode: shape (n_bodies, 3), 1 at the top.
+        """
+        wall, loading = self.wall, self.settings.loading
+        times = np.arange(round(loading.duration_s / wall.time_step) + 1) * wall.time_step
+        wall.start(loading.base_acceleration(times))
+        wall.local_damping = 0.0
+        speed = getattr(loading, "top_velocity_m_s", 0.0)
+        wall.velocity[:] = speed * first_mode
+        wall.energy[:] = 0.0
+        self._zero = wall.displacement.copy(), wall.elastic_energy()
+        self.stage = "motion"
+        self.record()
+
+    def run_all(self):
+        """Motion, rest and settling; True unless interrupted."""
+        dt, driven = self.wall.time_step, self.settings.loading.duration_s
+        rest = driven + self.settings.rest_s
+        for stage, until_s in (("motion", driven), ("rest", rest), ("settling", rest + SETTLE_S)):
+            self.stage = stage
+            self.wall.local_damping = LOCAL_DAMPING if stage == "settling" else 0.0
+            # Each stage is a whole number of samples: the last one is its end.
+            while self.time < until_s - dt / 2:
+                if not self.keep_going(self.time, self):
+                    return False
+                self.wall.run(self.sample_steps)
+                self.record()
+                if self.collapsed_at_s is not None:
+                    return True
+        return True
+
+    def record(self):
+        """Write one sample of everything."""
+        wall = self.wall
+        motion = wall.displacement - self._zero[0]
+        top = float(motion[self.layout.drift_bodies, 0].mean())
+        base = wall.base[step] if (step := wall.step - wall.first_step) < len(wall.base) else np.zeros(2)
+        row = {
+            "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
+            "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
+            "base_shear_n": wall.base_force()[0],
+            "kinetic_energy_j": wall.kinetic_energy(base),
+            "elastic_energy_j": wall.elastic_energy() - self._zero[1],
+            "gravity_energy_j": GRAVITY * float(self.layout.bodies.mass @ motion[:, 1]),
+            **dict(zip(("input_energy_j", "friction_energy_j", "fracture_energy_j", "damping_energy_j"),
+                       wall.energy.tolist())),
+        }
+        self.writer.append(self.stage, row, wall.opening, wall.slip, wall.state)
+        if self.samples % SNAPSHOT_SAMPLES == 0:
+            self.writer.snapshot(self.time, motion)
+        self.samples += 1
+        self._log_events()
+        self._watch(motion, row["drift_ratio"])
+
+    def _log_events(self, start_s=0.0):
+        for step, joint, kind, (sigma, tau, opening, slip) in zip(*self.wall.drain_events()):
+            self.writer.event(start_s + step * self.wall.time_step, joint, EVENT_KINDS[kind], sigma, tau, opening, slip)
+
+    def _watch(self, motion, drift):
+        """Note a collapse (a brick dropped by half its height) and the index for the progress line."""
+        bodies, n = self.layout.bodies, self.layout.n_bricks
+        if np.any(-motion[:n, 1] > bodies.height[:n] / 2):
+            self.collapsed_at_s = self.time
+        length = self.layout.contacts.length[:self.layout.n_joints]
+        self.index = float(combine(min(1.0, drift_component(drift)),
+                                   length_fraction(self.wall.opening > THRESHOLD, length),
+                                   length_fraction(np.abs(self.wall.slip) > THRESHOLD, length)))

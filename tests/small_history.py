@@ -1,0 +1,83 @@
+"""Histories of a small wall, made by hand: what happens in them is known without a solver."""
+
+import numpy as np
+
+from damage.history import AT_LIMIT, BROKEN, HistoryWriter
+from damage.layout import lay_out
+from damage.parameters import Wall
+from damage.reading import read_history
+from damage.units import GRAVITY
+
+STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
+LOADINGS = {
+    "harmonic": {"kind": "harmonic", "name": "harmonic_0.2s_0.05g"},
+    "free_vibration": {"kind": "free_vibration", "name": "free_vibration"},
+}
+
+
+def small_layout(**options):
+    """Layout of a wall of 0.9 x 0.45 m: four bricks by six courses, and one cap."""
+    return lay_out(Wall("small", 0.9, 0.45, **options))
+
+
+def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0, opening=None, slip=None,
+                 broken=(), at_limit=(), snapshots=None, row=None, loading="harmonic", status="complete",
+                 collapsed_at_s=None, overwrite=False):
+    """Write a history of a few samples to `path` and read it back.
+
+    stages: of each of n_times samples, step_s apart; drift: drift ratio, (n_times,) or one number;
+    opening, slip: {joint: (n_times,) or one number [m]}, all others zero;
+    broken, at_limit: further joints in that state from the first sample on; a joint that opens or
+    slips is broken from the moment it does;
+    snapshots: {time_s: (n_bodies, 3) [m, m, rad]}, None for one at rest with every fifth sample;
+    row: {column of the series: (n_times,) or one number} over what is put in by itself;
+    status: "unfinished" for a run that was killed.
+    """
+    layout = layout or small_layout()
+    n_times = len(stages)
+    time_s = step_s * np.arange(n_times)
+    columns = {**_usual_columns(layout, stages, time_s, drift, loading), **(row or {})}
+    columns = {name: np.broadcast_to(values, n_times) for name, values in columns.items()}
+    opened, slipped = (_frames(layout, n_times, values) for values in (opening, slip))
+    state = _states(opened, slipped, broken, at_limit)
+    writer = HistoryWriter(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
+        "loading": LOADINGS[loading], "wall": layout.wall.describe(), "model": {}})
+    for k, stage in enumerate(stages):
+        writer.append(stage, {name: values[k] for name, values in columns.items()},
+                      opened[k], slipped[k], state[k])
+    if snapshots is None:
+        snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
+    for time, displacement in snapshots.items():
+        writer.snapshot(time, displacement)
+    writer.finish(status, collapsed_at_s)
+    return read_history(path)
+
+
+def _usual_columns(layout, stages, time_s, drift, loading):
+    """A sine as base motion, a linear wall of 1 MN/m, and energies that balance."""
+    drift = np.broadcast_to(drift, len(time_s))
+    moving = (np.array(stages) == "motion") & (loading == "harmonic")
+    shear_n = 1e6 * layout.drift_height * drift
+    strain_j = 0.5 * shear_n * layout.drift_height * drift
+    return {
+        "time_s": time_s, "drift_ratio": drift, "top_displacement_m": layout.drift_height * drift,
+        "base_acceleration_x_m_s2": np.where(moving, 0.05 * GRAVITY * np.sin(2 * np.pi * time_s / 0.2), 0),
+        "base_acceleration_z_m_s2": 0.0, "base_shear_n": shear_n, "kinetic_energy_j": 0.0,
+        "elastic_energy_j": strain_j, "gravity_energy_j": 0.0, "friction_energy_j": 0.0,
+        "fracture_energy_j": 0.0, "damping_energy_j": 0.0, "input_energy_j": strain_j,
+    }
+
+
+def _frames(layout, n_times, values):
+    frames = np.zeros((n_times, layout.n_joints))
+    for joint, value in (values or {}).items():
+        frames[:, joint] = value
+    return frames
+
+
+def _states(opened, slipped, broken, at_limit):
+    """Bits of BROKEN and AT_LIMIT, (n_times, n_joints); both stay once they are set."""
+    state = np.where(np.maximum.accumulate((opened > 0) | (slipped != 0), axis=0), BROKEN, 0)
+    state[:, list(broken)] |= BROKEN
+    state[:, list(at_limit)] |= BROKEN | AT_LIMIT
+    return state
