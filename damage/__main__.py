@@ -7,11 +7,15 @@ from pathlib import Path
 from damage.errors import InputError
 from damage.index import SLIP_CRITERIA
 from damage.options import OneLineParser
+from damage.parameters import CONTACT_OPTIONS, TOP_OPTIONS
 from damage.units import MILLIMETRE
 
 
 def main(arguments=None):
     """Run one command; returns the exit status: 0 done, 2 bad input."""
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
+        return _reference(arguments[1:])
     try:
         parsed = _parser().parse_args(arguments)
         parsed.command(parsed)
@@ -30,6 +34,7 @@ def _parser():
                            description="Damage of masonry walls under induced seismicity.")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
                                      parser_class=OneLineParser)
+    _add_command(commands, "reference", None, "run a wall in the reference solver (see reference --help)")
     _add_index(commands)
     _add_modes(commands)
     _add_record(commands)
@@ -41,6 +46,13 @@ def _add_command(commands, name, function, help_):
     command = commands.add_parser(name, help=help_, description=help_, allow_abbrev=False)
     command.set_defaults(command=function)
     return command
+
+
+def _reference(arguments):
+    """Run a wall file in the built-in solver: the words after `reference`."""
+    from damage.reference_session import run_reference
+
+    return run_reference(arguments)
 
 
 def _add_index(commands):
@@ -67,9 +79,9 @@ def _add_modes(commands):
     command = _add_command(commands, "modes", _modes, "natural periods of a wall with intact joints")
     command.add_argument("wall", type=Path, metavar="walls/NAME.py")
     command.add_argument("--json", action="store_true", help="as JSON")
-    command.add_argument("--top", default="piers", choices=("piers", "uniform", "beam"))
+    command.add_argument("--top", default="piers", choices=TOP_OPTIONS)
     command.add_argument("--cells", type=int, default=2, metavar="N")
-    command.add_argument("--contacts", default="interior", choices=("interior", "corners"))
+    command.add_argument("--contacts", default="interior", choices=CONTACT_OPTIONS)
 
 
 def _modes(parsed):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.loading import FreeVibration, Harmonic, Recorded
-from damage.parameters import LINTEL_OPTIONS, TOP_OPTIONS, ModelOptions
+from damage.parameters import CONTACT_OPTIONS, LINTEL_OPTIONS, TOP_OPTIONS, ModelOptions
 from damage.records import aligned_with, read_record
 
 SAMPLE_S = 2e-3
@@ -70,17 +70,18 @@ def parse_run(arguments, prog, solver):
     return RunSettings(
         loading=_loading(parsed), rest_s=parsed.rest, time_step_s=parsed.dt, beta_s=parsed.beta,
         perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
-        pictures=parsed.pictures, view=parsed.view,
-        model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells))
+        pictures=parsed.pictures, view=getattr(parsed, "view", False),
+        model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells,
+                           contacts=getattr(parsed, "contacts", "interior")))
 
 
 def make_parser(prog, solver):
     """The parser of a run's command line."""
     parser = OneLineParser(prog=prog, allow_abbrev=False, description=(
-        f"Shake one wall with {solver} and write its history, summary and pictures."))
+        f"Shake one wall ({solver} solver) and write its history, summary and pictures."))
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
-    _add_model(parser.add_argument_group("model"))
-    _add_run(parser.add_argument_group("run"))
+    _add_model(parser.add_argument_group("model"), solver)
+    _add_run(parser.add_argument_group("run"), solver)
     return parser
 
 
@@ -102,13 +103,16 @@ def _add_motion(group):
                        help="no base motion: start in the first mode with 1 mm/s at the top")
 
 
-def _add_model(group):
+def _add_model(group, solver):
     group.add_argument("--lintel", default="elastic", choices=LINTEL_OPTIONS,
                        help="joints over an opening stay elastic, or break like any other")
     group.add_argument("--top", default="piers", choices=TOP_OPTIONS,
                        help="where the precompression's mass sits")
     group.add_argument("--cells", type=int, default=2, metavar="N",
                        help="contact points per half brick (default 2)")
+    if solver == "reference":
+        group.add_argument("--contacts", default="interior", choices=CONTACT_OPTIONS,
+                           help="where the contact points of a joint lie")
     group.add_argument("--beta", type=float, default=0.0, metavar="S",
                        help="stiffness-proportional damping (default 0)")
     group.add_argument("--perturb", type=float, default=0.0, metavar="M",
@@ -116,7 +120,7 @@ def _add_model(group):
     group.add_argument("--seed", type=int, default=0, help="of the random offsets (default 0)")
 
 
-def _add_run(group):
+def _add_run(group, solver):
     group.add_argument("--out", type=Path, metavar="FILE.h5", help="the history "
                        "(default: a free name below results/)")
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5")
@@ -125,7 +129,8 @@ def _add_run(group):
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
     group.add_argument("--no-pictures", dest="pictures", action="store_false",
                        help="write the history only")
-    group.add_argument("--view", action="store_true", help="with YADE and a screen: the 3D view")
+    if solver == "yade":
+        group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
 
 
 _NEEDS = {"cycles": "harmonic", "scale": "record", "window": "record", "vertical": "record",
@@ -165,6 +170,7 @@ def free_name(wall, settings, solver, folder="results"):
     parts = [wall.name, settings.loading.name, solver]
     parts += [f"lintel-{settings.model.lintel}"] if settings.model.lintel != "elastic" else []
     parts += [f"top-{settings.model.top}"] if settings.model.top != "piers" else []
+    parts += [settings.model.contacts] if settings.model.contacts != "interior" else []
     stem, number = "_".join(parts), 1
     while True:
         path = Path(folder) / f"{stem}{'' if number == 1 else f'_{number}'}.h5"

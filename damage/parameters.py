@@ -13,6 +13,7 @@ from damage.units import GRAVITY
 
 TOP_OPTIONS = ("piers", "uniform", "beam")
 LINTEL_OPTIONS = ("elastic", "none")
+CONTACT_OPTIONS = ("interior", "corners")
 
 
 def _check_numbers(record, positive=(), not_negative=()):
@@ -205,6 +206,6 @@ class ModelOptions:
     def __post_init__(self):
         check_choice("lintel", self.lintel, LINTEL_OPTIONS)
         check_choice("top", self.top, TOP_OPTIONS)
-        check_choice("contacts", self.contacts, ("interior", "corners"))
+        check_choice("contacts", self.contacts, CONTACT_OPTIONS)
         if not isinstance(self.cells, int) or not 1 <= self.cells <= 16:
             raise InputError(f"cells = {self.cells!r}: expected a whole number from 1 to 16; two is usual")

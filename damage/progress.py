@@ -11,24 +11,32 @@ class Progress:
         self.label, self.total_s = label, total_s
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
-        self.started = self.shown = time.monotonic()
+        self.shown, self.shown_any = time.monotonic(), False
+        self.started = None  # when the first stage after the static one began
 
     def show(self, simulated_s, stage, index):
         """Show the state of the run, at most twice a second (every ten seconds in a log)."""
         now = time.monotonic()
+        if stage != "static" and self.started is None:
+            self.started = now
         if now - self.shown < (0.5 if self.live else 10.0):
             return
-        self.shown = now
-        share = min(1.0, simulated_s / self.total_s) if self.total_s > 0 else 1.0
-        left = (now - self.started) * (1 - share) / share if share > 0.01 else float("nan")
-        clock = "--:--" if left != left else f"{int(left) // 60:d}:{int(left) % 60:02d}"
-        line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {self.total_s:.2f} s  "
-                f"DI = {index:.3f}  {100 * share:3.0f} %  {clock} left")
+        self.shown, self.shown_any = now, True
+        line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
+        if stage != "static":
+            line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {self.total_s:.2f} s  "
+                    f"DI = {index:.3f}  {self._left(now, simulated_s)} left")
         self.stream.write(f"\r{line}\033[K" if self.live else f"{line}\n")
         self.stream.flush()
 
+    def _left(self, now, simulated_s):
+        if simulated_s < 0.01 * self.total_s:
+            return "--:--"
+        left = int((now - self.started) * max(0.0, self.total_s / simulated_s - 1))
+        return f"{left // 60}:{left % 60:02d}"
+
     def close(self):
         """End the live line."""
-        if self.live:
+        if self.live and self.shown_any:
             self.stream.write("\n")
             self.stream.flush()

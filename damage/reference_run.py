@@ -17,7 +17,7 @@ AT_REST = 1e-5
 class ReferenceRun:
     """One wall in the reference solver under one loading, written to a history.
 
-    keep_going(time_s, run): called at every sample, returns False to stop (an interrupt).
+    keep_going(run, time_s): called at every sample, returns False to stop (an interrupt).
     """
 
     def __init__(self, layout, settings, time_step, writer, keep_going):
@@ -40,7 +40,7 @@ class ReferenceRun:
         wall, dt = self.wall, self.wall.time_step
         wall.local_damping = LOCAL_DAMPING
         wall.start(np.zeros((0, 2)), GRAVITY * np.minimum(1.0, np.arange(round(RAMP_S / dt) + 1) * dt / RAMP_S))
-        while self.keep_going(self.time, self):
+        while self.keep_going(self, self.time):
             wall.run(self.sample_steps)
             held = self.time - RAMP_S
             if held >= HOLD_S and (wall.unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
@@ -79,7 +79,7 @@ class ReferenceRun:
             self.wall.local_damping = LOCAL_DAMPING if stage == "settling" else 0.0
             # Each stage is a whole number of samples: the last one is its end.
             while self.time < until_s - dt / 2:
-                if not self.keep_going(self.time, self):
+                if not self.keep_going(self, self.time):
                     return False
                 self.wall.run(self.sample_steps)
                 self.record()

@@ -15,6 +15,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.index import THRESHOLD
+from damage.units import MILLIMETRE
 
 STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
@@ -22,6 +23,7 @@ STATES = ("intact", "broken", "slipped", "opened", "both")
 VISIBLE_SHARE = 0.03  # of the wall's height: how far the largest displacement should reach
 LARGEST_MAGNIFICATION = 1000.0  # beyond it a residual of a few micrometres would look like a lean
 NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
+LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]
 
@@ -196,8 +198,27 @@ def magnification(bodies, motion):
 def round_125(value):
     """The nearest, in ratio, of 1, 2 and 5 times a power of ten to a positive value.
 
-    >>> [round_125(value) for value in (0.8, 3.0, 19.3, 720.0)]
+    >>> [round_125(value) for value in (0.8, 3.0, 19.3, 690.0)]
     [1.0, 2.0, 20.0, 500.0]
     """
     steps = 10.0 ** np.floor(np.log10(value)) * np.array([1.0, 2.0, 5.0, 10.0])
     return float(steps[np.argmin(np.abs(np.log(steps / value)))])
+
+
+# --- how wide a crack is drawn ------------------------------------------------------------------
+
+def line_width(crack_width_m):
+    """Width of a line [pt] for a crack of some width [m], the same scale in all pictures.
+
+    The square root keeps a crack of 0.1 mm visible beside one of 5 mm, where light damage ends and
+    the lines stop growing.
+    """
+    return 0.3 + 1.9 * np.sqrt(np.minimum(np.abs(crack_width_m) / MILLIMETRE, LEGEND_WIDTHS_MM[-1]))
+
+
+def legend_widths_mm(shape):
+    """Three crack widths [mm], from the smallest to the one that bounds a WallShape's, with labels."""
+    largest = shape.crack_width_m.max() / MILLIMETRE
+    top = int(np.searchsorted(LEGEND_WIDTHS_MM[2:-1], largest)) + 2
+    chosen = [LEGEND_WIDTHS_MM[i] for i in (0, (top + 1) // 2, top)]
+    return [(mm, f"{'≥ ' if mm == LEGEND_WIDTHS_MM[-1] else ''}{mm:g} mm wide") for mm in chosen]

@@ -56,7 +56,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
 def _usual_columns(layout, stages, time_s, drift, loading):
     """A sine as base motion, a linear wall of 1 MN/m, and energies that balance."""
     drift = np.broadcast_to(drift, len(time_s))
-    moving = (np.array(stages) == "motion") & (loading == "harmonic")
+    moving = (np.array(stages, dtype=str) == "motion") & (loading == "harmonic")
     shear_n = 1e6 * layout.drift_height * drift
     strain_j = 0.5 * shear_n * layout.drift_height * drift
     return {

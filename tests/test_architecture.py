@@ -13,10 +13,12 @@ LAYERS = [
     {"parameters", "joint_law", "records"},
     {"layout", "loading", "intensity", "index"},
     {"modes", "kinematics", "wall_file", "options", "energy", "progress", "study"},
-    {"history"},
-    {"reading"},
-    {"summary", "pictures", "wall_picture", "tables"},
+    {"history", "reference_kernel"},
+    {"reading", "reference"},
+    {"summary", "pictures", "wall_picture", "tables", "reference_run"},
     {"report"},
+    {"session"},
+    {"reference_session"},
     {"__main__", "__init__"},
 ]
 

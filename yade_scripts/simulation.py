@@ -37,7 +37,7 @@ def choose_time_step(settings, critical_s):
 class Simulation:
     """One wall in YADE under one loading.
 
-    keep_going: called between chunks of steps, returns False to stop (an interrupt).
+    keep_going(simulation, time_s): called between chunks of steps, returns False to stop.
     """
 
     def __init__(self, layout, settings, time_step, writer, keep_going):
@@ -51,11 +51,24 @@ class Simulation:
                      self.newton]
         _perturb(self.model, settings)
 
+    @property
+    def stage(self):
+        return self.recorder.stage
+
+    @property
+    def index(self):
+        """The damage index at the last sample."""
+        return self.recorder.index
+
+    @property
+    def collapsed_at_s(self):
+        return self.recorder.collapsed_at_s
+
     def settle_under_gravity(self):
         """The static stage; True when the wall came to rest, False when interrupted."""
         self.newton.damping = LOCAL_DAMPING
         self.recorder.ramp_steps = round(RAMP_S / O.dt)
-        while self.keep_going(O.iter * O.dt, self.recorder):
+        while self.keep_going(self, O.iter * O.dt):
             O.run(_CHUNK, True)
             held = O.iter * O.dt - RAMP_S
             if held >= HOLD_S and (utils.unbalancedForce() < AT_REST or held > HOLD_AT_MOST_S):
@@ -93,7 +106,7 @@ class Simulation:
         self.newton.damping = LOCAL_DAMPING if stage == "settling" else 0.0
         left = until_step - round(self.recorder.time / O.dt)
         while left > 0:
-            if self.recorder.collapsed_at_s is not None or not self.keep_going(self.recorder.time, self.recorder):
+            if self.collapsed_at_s is not None or not self.keep_going(self, self.recorder.time):
                 return False
             steps = min(left, _CHUNK)
             O.run(steps, True)
@@ -108,7 +121,7 @@ class Simulation:
         every = self.recorder.sample_steps
         last = -(-(rest + round(SETTLE_S / O.dt)) // every) * every + 1
         finished = self.run("motion", driven) and self.run("rest", rest) and self.run("settling", last)
-        return finished or self.recorder.collapsed_at_s is not None
+        return finished or self.collapsed_at_s is not None
 
 
 def _perturb(model, settings):

@@ -1,0 +1,26 @@
+"""`python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the built-in solver."""
+
+import sys
+
+import numba
+
+from damage.reference import choose_time_step
+from damage.reference_run import ReferenceRun
+from damage.session import EXIT_INPUT, Solver, run_session
+from damage.wall_file import load_wall
+
+PROG = "python3 -m damage reference"
+
+
+def run_reference(arguments):
+    """Run with the words of a command line, the wall file first; returns the exit status."""
+    wall, *options = arguments or ["--help"]
+    if wall.startswith("-") and wall not in ("-h", "--help"):
+        print(f"error: {wall} comes where a wall file should; give {PROG} walls/NAME.py [OPTIONS]",
+              file=sys.stderr)
+        return EXIT_INPUT
+    if wall.startswith("-"):
+        wall, options = "walls/NAME.py", ["--help"]
+    solver = Solver("reference", {"numba": numba.__version__}, lambda settings: None, choose_time_step, ReferenceRun)
+    return run_session(solver, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
+

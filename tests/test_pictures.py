@@ -1,0 +1,394 @@
+"""Pictures: what is drawn is what the history holds, and nothing of it hides behind a legend."""
+
+import re
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from numpy.testing import assert_allclose
+from small_history import STAGES_21, make_history, small_layout
+
+from damage import pictures
+from damage.errors import InputError
+from damage.layout import lay_out
+from damage.parameters import ModelOptions, Wall
+from damage.pictures import (
+    PICTURES,
+    drift_picture,
+    energy_picture,
+    hysteresis_picture,
+    index_picture,
+    save_all,
+    wall_picture,
+)
+from damage.units import MILLIMETRE
+from damage.wall_picture import (
+    STATES,
+    body_corners,
+    joint_segments,
+    line_width,
+    round_125,
+    tributary_ends,
+    wall_shape,
+)
+
+SINGLE = 1e-6  # relative: frames and snapshots are stored in single precision
+ROUND_OFF = 1e-12  # a few operations in double precision
+LAYOUT = small_layout()
+REST = np.zeros((len(LAYOUT.bodies), 3))
+PULSE = np.sin(np.pi * np.arange(21) / 20)  # largest at sample 10
+OPENING = {0: 3.0e-4 * PULSE, 1: 2.0e-4 * PULSE, 20: 1.5e-4 * PULSE, 30: 0.9e-4 * PULSE}
+SLIP = {0: -4.0e-4 * PULSE, 5: 2.5e-4 * PULSE}
+PEAK = {"opened": [1, 20], "slipped": [5], "both": [0], "broken": [30, 7, 8, 12]}  # joints at sample 10
+CASES = {
+    "cracked": {"opening": OPENING, "slip": SLIP, "broken": (7, 8), "at_limit": (12,), "drift": 1e-3 * PULSE},
+    "nothing happens": {},
+    "one sample": {"stages": ("motion",), "status": "interrupted", "snapshots": {}},
+    "killed": {"stages": ("motion",) * 3, "status": "unfinished", "drift": 1e-4},
+    "no settling": {"stages": ("motion",) * 8 + ("rest",) * 2, "status": "interrupted"},
+    "failed": {"status": "failed", "drift": np.append(np.zeros(20), np.nan)},
+    "free vibration": {"stages": ("rest",) * 16 + ("settling",) * 5, "loading": "free_vibration",
+                       "drift": 1e-5 * PULSE, "row": {"input_energy_j": 0.0}},
+    "collapsed": {"stages": ("motion",) * 21, "collapsed_at_s": 0.2, "drift": 0.05 * np.arange(21) / 20,
+                  "opening": {k: 0.02 for k in range(20)}, "row": {"base_acceleration_z_m_s2": 0.1}},
+}
+
+
+@pytest.fixture
+def history(tmp_path):
+    def make(**options):
+        return make_history(tmp_path / "small.h5", LAYOUT, overwrite=True, **options)
+    return make
+
+
+@pytest.fixture
+def cracked(history):
+    return history(**CASES["cracked"])
+
+
+def collection(figure, label):
+    found, = (c for c in figure.axes[0].collections if c.get_label() == label)
+    return found
+
+
+def lengths(segments):
+    return sum(np.hypot(*(end - start)) for start, end in segments)
+
+
+def title(figure):
+    return figure._suptitle.get_text()
+
+
+def line(ax, label):
+    found, = (drawn for drawn in ax.get_lines() if drawn.get_label().startswith(label))
+    return found
+
+
+def labels(figure):
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+class TestJoints:
+    @pytest.mark.parametrize("state", PEAK)
+    def test_states_by_hand(self, cracked, state):
+        shape = wall_shape(cracked, 10)
+        assert sorted(shape.select(state)) == sorted(PEAK[state])
+        assert len(collection(wall_picture(cracked, 10), state).get_segments()) == len(PEAK[state])
+
+    @pytest.mark.parametrize("slip", ["displacement", "shear-limit"])
+    @pytest.mark.parametrize("threshold", [1e-4, 1.8e-4])
+    @pytest.mark.parametrize("sample", [0, 4, 10, 20])
+    def test_drawn_lengths_are_those_the_index_counts(self, cracked, sample, threshold, slip):
+        figure = wall_picture(cracked, sample, slip, threshold, magnify=0)
+        drawn = {state: lengths(collection(figure, state).get_segments()) for state in STATES}
+        counted = cracked.index(threshold=threshold, slip=slip).iloc[sample]
+        total = LAYOUT.total_joint_length
+        assert sum(drawn.values()) == pytest.approx(total, rel=ROUND_OFF)
+        assert (drawn["opened"] + drawn["both"]) / total == pytest.approx(counted["DI_open"], rel=ROUND_OFF)
+        assert (drawn["slipped"] + drawn["both"]) / total == pytest.approx(counted["DI_slip"], rel=ROUND_OFF)
+
+    def test_crack_width_joins_opening_and_slip(self, cracked):
+        # 0.3 mm of opening and 0.4 mm of slip are 0.5 mm.
+        drawn = collection(wall_picture(cracked, 10), "both").get_linewidths()
+        assert_allclose(drawn, line_width(0.5 * MILLIMETRE), rtol=SINGLE)
+
+    def test_wider_cracks_are_drawn_wider(self, history):
+        widths_m = np.geomspace(1.1e-4, 4.9e-3, LAYOUT.n_joints)
+        figure = wall_picture(history(opening=dict(enumerate(widths_m))))
+        drawn = collection(figure, "opened").get_linewidths()
+        assert len(drawn) == LAYOUT.n_joints
+        assert np.all(np.diff(drawn) > 0)
+        assert line_width(0.02) == line_width(0.005)
+
+    def test_legend_bounds_the_widest_crack_and_shows_true_widths(self, cracked):
+        figure = wall_picture(cracked, 9)  # 0.494 mm at most
+        legend = figure.legends[0]
+        widths = [handle.get_linewidth() for handle in legend.get_lines()]
+        assert labels(figure)[-3:] == ["0.1 mm wide", "0.2 mm wide", "0.5 mm wide"]
+        assert_allclose(widths[-3:], line_width(np.array([0.1, 0.2, 0.5]) * MILLIMETRE))
+
+    @pytest.mark.parametrize("contacts", ["interior", "corners"])
+    def test_tributary_lengths_tile_every_joint(self, tmp_path, contacts):
+        layout = lay_out(Wall("small", 0.9, 0.45), ModelOptions(contacts=contacts))
+        joints = make_history(tmp_path / "a.h5", layout, stages=("motion",)).joints
+        ends = tributary_ends(joints)
+        is_bed = (joints["kind"] == "bed").to_numpy()
+        for course in range(6):
+            # Bed joints: gapless from end to end, at one height, in every course.
+            bed = ends[is_bed & np.isclose(joints["z_m"], course * 0.075)]
+            bed = bed[np.argsort(bed[:, 0, 0])]
+            assert_allclose(bed[1:, 0, 0], bed[:-1, 1, 0], atol=1e-12)
+            assert_allclose([bed[0, 0], bed[-1, 1]], [(0, course * 0.075), (0.9, course * 0.075)], atol=1e-12)
+        head = ends[~is_bed]
+        heights = np.round(head[..., 1] / 0.075, 9)
+        assert np.all(head[:, 0, 0] == head[:, 1, 0])
+        assert lengths(head) == pytest.approx(sum(3 if course % 2 == 0 else 4 for course in range(6)) * 0.075)
+        assert np.all(np.floor(heights[:, 0]) == np.ceil(heights[:, 1]) - 1)  # within one course
+
+
+class TestShape:
+    def test_corner_of_a_turned_brick(self, history):
+        motion = REST.copy()
+        motion[2] = 2e-4, -1e-4, 1e-3
+        figure = wall_picture(history(snapshots={0.1: motion}), 10, magnify=50)
+        x, z = LAYOUT.bodies.x[2], LAYOUT.bodies.z[2]
+        arm = complex(LAYOUT.bodies.length[2], LAYOUT.bodies.height[2]) / 2
+        upper_right = complex(x, z) + 50 * complex(2e-4, -1e-4) + arm * np.exp(1j * 50 * 1e-3)
+        drawn = collection(figure, "bricks").get_paths()[2].vertices[2]
+        assert_allclose(drawn, [upper_right.real, upper_right.imag], rtol=SINGLE)
+        assert "displacements × 50" in title(figure)
+
+    def test_a_rigid_motion_carries_joints_along_and_base_joints_halfway(self, history):
+        run = history()
+        turn = 0.02
+        rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        centres = np.column_stack([LAYOUT.bodies.x, LAYOUT.bodies.z])
+        motion = np.column_stack([centres @ rotation.T - centres, np.full(len(centres), turn)])
+        ends = tributary_ends(run.joints)
+        carried = ends @ rotation.T
+        at_base = (run.joints["first_body"] == -1).to_numpy()
+        assert at_base.any()
+        moved = joint_segments(run.joints, run.bodies, motion)
+        assert_allclose(moved[~at_base], carried[~at_base], atol=1e-12)
+        assert_allclose(moved[at_base], (carried[at_base] + ends[at_base]) / 2, atol=1e-12)
+
+    @pytest.mark.parametrize(("push_m", "factor"), [
+        (6e-4, 20),     # 3 % of 0.45 m over 0.6 mm is 22.5
+        (3e-5, 500),    # 450
+        (1e-9, 1000),   # what cannot be seen stays so
+        (0.05, 1),      # a collapse is drawn as it is
+        (0.0, 1),
+    ])
+    def test_automatic_magnification(self, history, push_m, factor):
+        motion = REST.copy()
+        motion[5, 0] = push_m
+        run = history(snapshots={0.1: motion})
+        shape = wall_shape(run, 10)
+        assert shape.magnification == factor
+        assert f"displacements × {factor}" in title(wall_picture(run, 10))
+        moved = shape.corners[5] - body_corners(run.bodies, REST)[5]
+        assert_allclose(moved, np.full((4, 2), (factor * push_m, 0.0)), atol=SINGLE)
+
+    def test_round_125_is_nearest_in_ratio(self):
+        assert [round_125(value) for value in (1.4, 1.5, 3.1, 3.2, 7.0, 7.1, 0.014)] == [
+            1, 2, 2, 5, 5, 10, 0.01]
+
+    def test_snapshot_nearest_in_time(self, history):
+        left, right = REST - [1e-3, 0, 0], REST + [1e-3, 0, 0]
+        run = history(snapshots={0.08: left, 0.11: right})
+        assert wall_shape(run, 10).snapshot_time_s == 0.11
+        assert wall_shape(run, 10).corners.mean() > wall_shape(run, 9).corners.mean()
+
+    @pytest.mark.parametrize("snapshots", [
+        {}, {0.0: REST + 1e-3}, {0.1: np.full_like(REST, np.nan)}])
+    def test_without_a_snapshot_near_the_wall_is_undeformed_and_says_so(self, history, snapshots):
+        run = history(snapshots=snapshots)
+        figure = wall_picture(run, 10)
+        shape = wall_shape(run, 10)
+        assert shape.snapshot_time_s is None
+        assert_allclose(shape.corners, body_corners(run.bodies, REST))
+        assert "undeformed" in title(figure)
+
+    def test_true_scale_and_caps_apart(self, cracked):
+        figure = wall_picture(cracked)
+        figure.draw_without_rendering()
+        ax = figure.axes[0]
+        (x0, z0), (x1, z1) = ax.transData.transform([(0, 0), (1, 1)])
+        assert x1 - x0 == pytest.approx(z1 - z0, rel=ROUND_OFF)
+        assert len(collection(figure, "caps").get_paths()) == 1
+        assert len(collection(figure, "bricks").get_paths()) == LAYOUT.n_bricks
+
+    @pytest.mark.parametrize(("sample", "expected"), [("max", 10), ("end", 20), (3, 3), (-2, 19)])
+    def test_choice_of_the_sample(self, cracked, sample, expected):
+        shape = wall_shape(cracked, sample)
+        assert shape.sample == expected
+        assert shape.time_s == pytest.approx(0.01 * expected, rel=ROUND_OFF)
+        assert shape.index == cracked.index()["DI"].iloc[expected]
+
+    def test_a_drift_that_failed_is_no_maximum(self, history):
+        run = history(drift=np.append(1e-3 * PULSE[:-1], np.nan), status="failed")
+        assert wall_shape(run, "max").sample == 10
+
+    @pytest.mark.parametrize("options", [{"sample": "middle"}, {"sample": 21}, {"magnify": -1.0},
+                                         {"magnify": np.nan}, {"slip": "often"}, {"threshold": 0.0}])
+    def test_bad_options_are_refused(self, cracked, options):
+        with pytest.raises(InputError, match="expected"):
+            wall_picture(cracked, **options)
+
+
+class TestIndexPicture:
+    def test_lines_are_the_index(self, cracked):
+        below = index_picture(cracked).axes[1]
+        index, latched = cracked.index(), cracked.index(slip="shear-limit")
+        for label, column in (("DI", index["DI"]), (r"DI$_\mathrm{drift}$", index["DI_drift"]),
+                              (r"DI$_\mathrm{open}$", index["DI_open"]),
+                              (r"DI$_\mathrm{slip}$", index["DI_slip"])):
+            drawn, = (one for one in below.get_lines() if one.get_label() == label)
+            assert_allclose(drawn.get_ydata(), column)
+            assert drawn.get_linestyle() == "-"
+        assert_allclose(line(below, "DI, shear limit").get_ydata(), latched["DI"])
+        assert line(below, "DI, shear limit").get_linestyle() == "--"
+
+    def test_maximum_and_residual_are_marked_with_their_values(self, cracked):
+        below = index_picture(cracked).axes[1]
+        damage = cracked.index()["DI"]
+        largest, residual = line(below, "maximum"), line(below, "residual")
+        assert_allclose([*largest.get_xdata(), *largest.get_ydata()], [0.10, damage[10]])
+        assert_allclose([*residual.get_xdata(), *residual.get_ydata()], [0.20, damage[20]], atol=ROUND_OFF)
+        assert float(re.search(r"maximum (\S+) at", largest.get_label())[1]) == round(damage[10], 4)
+
+    def test_an_interrupted_run_has_no_residual(self, history):
+        figure = index_picture(history(**CASES["no settling"]))
+        assert not any("residual" in label or "settling" in label for label in labels(figure))
+        assert "interrupted" in title(figure)
+
+    def test_settling_is_shaded_from_its_first_sample_to_the_last(self, cracked):
+        for ax in index_picture(cracked).axes:
+            shade, = (patch for patch in ax.patches if patch.get_label() == "settling")
+            x = shade.get_xy()[:, 0]
+            assert [x.min(), x.max()] == pytest.approx([0.16, 0.20])
+
+    def test_base_acceleration_in_g_with_the_vertical_one_where_there_is_one(self, cracked, history):
+        above = index_picture(cracked).axes[0]
+        assert_allclose(line(above, "base, horizontal").get_ydata()[5], 0.05)
+        assert not any("vertical" in label for label in labels(index_picture(cracked)))
+        shaken = index_picture(history(row={"base_acceleration_z_m_s2": 0.981}))
+        assert_allclose(line(shaken.axes[0], "base, vertical").get_ydata(), 0.1)
+        assert "base, vertical" in labels(shaken)
+
+    def test_nothing_happened_is_drawn_from_zero(self, history):
+        below = index_picture(history()).axes[1]
+        assert below.get_ylim()[0] == 0 < below.get_ylim()[1]
+
+
+class TestOtherPictures:
+    @pytest.mark.parametrize(("drift", "shown"), [
+        (1e-4, []), (6e-4, ["0.050", "0.058"]), (-1.5e-3, ["0.050", "0.058", "0.070", "0.120"]), (0.05, [])])
+    def test_drift_limits_within_the_range(self, history, drift, shown):
+        figure = drift_picture(history(drift=drift * PULSE))
+        assert [label.split()[0] for label in labels(figure) if "%" in label] == shown
+        levels = sorted({round(abs(one.get_ydata()[0]), 6) for one in figure.axes[0].get_lines()[:2 * len(shown)]})
+        assert levels == [float(value) for value in shown]
+        assert_allclose(figure.axes[0].get_lines()[-1].get_ydata(), 100 * drift * PULSE)
+
+    def test_hysteresis_in_percent_and_kilonewton(self, cracked):
+        ax = hysteresis_picture(cracked).axes[0]
+        motion, rest = line(ax, "motion"), line(ax, "rest")
+        assert_allclose(motion.get_xdata(), 0.1 * PULSE[:10])
+        assert_allclose(motion.get_ydata(), LAYOUT.drift_height * PULSE[:10])  # 1 MN/m times 1e-3
+        assert_allclose(rest.get_xdata(), 0.1 * PULSE[9:16])  # joined to the motion, without settling
+
+    def test_energy_lines_and_imbalance_in_percent(self, history):
+        lost_j = np.linspace(0, 0.02, 21)
+        row = {"input_energy_j": np.linspace(0, 4.0, 21), "elastic_energy_j": np.linspace(0, 4.0, 21) - lost_j}
+        above, below = energy_picture(history(row=row)).axes
+        assert_allclose(line(above, "elastic").get_ydata(), row["elastic_energy_j"])
+        # Settling starts at sample 16: the largest input before is 3 J.
+        assert_allclose(below.get_lines()[-1].get_ydata(), -100 * lost_j / 3, atol=1e-12)
+        assert below.get_ylabel() == "imbalance [%]"
+
+    def test_energies_that_a_solver_does_not_record_are_left_out(self, history):
+        figure = energy_picture(history(drift=1e-3 * PULSE, row={"damping_energy_j": np.nan}))
+        assert "damping" not in labels(figure)
+        assert np.all(np.isfinite(figure.axes[1].get_lines()[-1].get_ydata()))
+
+    @pytest.mark.parametrize("draw", [index_picture, drift_picture, energy_picture])
+    def test_a_collapse_is_marked_at_its_time(self, history, draw):
+        figure = draw(history(**CASES["collapsed"]))
+        for ax in figure.axes:
+            assert_allclose(line(ax, "collapse").get_xdata(), 0.2)
+        assert "collapse at 0.200 s" in labels(figure)
+        assert "collapsed at 0.200 s" in title(figure)
+
+    def test_a_history_without_samples_is_refused(self, history):
+        run = history(stages=())
+        for draw in PICTURES.values():
+            with pytest.raises(InputError, match="no sample"):
+                draw(run)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", PICTURES)
+@pytest.mark.parametrize("case", CASES)
+def test_nothing_overlaps_or_leaves_the_page(history, case, name):
+    figure = PICTURES[name](history(**CASES[case]))
+    figure.draw_without_rendering()
+    page = figure.bbox.padded(1)
+    boxes = [ax.get_tightbbox() for ax in figure.axes]
+    boxes += [legend.get_window_extent() for legend in figure.legends] + [figure._suptitle.get_window_extent()]
+    for k, box in enumerate(boxes):
+        assert page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1
+        for other in boxes[:k]:
+            across = min(box.x1, other.x1) - max(box.x0, other.x0)
+            up = min(box.y1, other.y1) - max(box.y0, other.y0)
+            assert min(across, up) < 1  # [pixel] of 200 an inch
+
+
+class TestFiles:
+    def test_png_and_pdf_of_every_picture(self, cracked, tmp_path):
+        folder = tmp_path / "new" / "folder"
+        paths = save_all(cracked, folder)
+        assert sorted(path.name for path in paths) == sorted(
+            f"{name}.{ending}" for ending in ("png", "pdf")
+            for name in ("wall_max", "wall_end", "index", "drift", "hysteresis", "energy"))
+        assert sorted(folder.iterdir()) == sorted(paths)  # and nothing temporary
+        for path in paths:
+            signature = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-"}[path.suffix]
+            assert path.read_bytes().startswith(signature)
+
+    def test_a_file_that_fails_leaves_the_old_one_and_nothing_half_written(self, cracked, tmp_path, monkeypatch):
+        (tmp_path / "out").mkdir()
+        (tmp_path / "out" / "wall_max.png").write_text("old")
+
+        def fail(figure, path, **options):
+            path.write_text("half")
+            raise OSError("disk full")
+
+        monkeypatch.setattr(Figure, "savefig", fail)
+        with pytest.raises(OSError, match="disk full"):
+            save_all(cracked, tmp_path / "out")
+        assert [path.name for path in (tmp_path / "out").iterdir()] == ["wall_max.png"]
+        assert (tmp_path / "out" / "wall_max.png").read_text() == "old"
+
+    def test_same_run_same_bytes(self, cracked, tmp_path, monkeypatch):
+        monkeypatch.setattr(pictures, "PICTURES", {"index": index_picture})
+        first, second = (save_all(cracked, tmp_path / name) for name in ("a", "b"))
+        assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
+
+    def test_a_file_where_the_folder_should_be_is_refused(self, cracked, tmp_path):
+        (tmp_path / "taken").write_text("")
+        with pytest.raises(InputError, match="expected a folder"):
+            save_all(cracked, tmp_path / "taken")
+
+    def test_the_host_keeps_its_style_and_gets_no_pyplot(self, cracked, tmp_path):
+        with matplotlib.rc_context({"font.size": 31, "lines.linewidth": 17}):
+            before = dict(matplotlib.rcParams)
+            figure = index_picture(cracked)
+            assert dict(matplotlib.rcParams) == before
+        assert line(figure.axes[1], "DI, shear").get_linewidth() == 0.6
+        assert figure.axes[0].yaxis.label.get_size() == 7
+        words = ("import sys, damage.pictures; sys.exit('matplotlib.pyplot' in sys.modules)")
+        assert subprocess.run([sys.executable, "-c", words], timeout=120).returncode == 0
