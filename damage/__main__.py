@@ -39,6 +39,7 @@ def _parser():
     _add_modes(commands)
     _add_record(commands)
     _add_plot(commands)
+    _add_compare(commands)
     return parser
 
 
@@ -137,6 +138,21 @@ def _plot(parsed):
             print(path)
     except OSError as error:
         raise InputError(f"cannot write to {parsed.out}: {error.strerror}; choose another --out") from error
+
+
+def _add_compare(commands):
+    command = _add_command(commands, "compare", _compare, "compare a history with another, or an ensemble")
+    command.add_argument("first", type=Path, metavar="A.h5")
+    command.add_argument("others", type=Path, nargs="+", metavar="B.h5", help="of several the median counts")
+    command.add_argument("--json", action="store_true", help="as JSON")
+
+
+def _compare(parsed):
+    from damage.compare import compare, describe
+    from damage.reading import read_history
+
+    result = compare(read_history(parsed.first), [read_history(path) for path in parsed.others])
+    print(json.dumps(result, indent=2) if parsed.json else describe(result))
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ STYLE = {
     "legend.handlelength": 2.0, "legend.columnspacing": 1.2, "legend.borderaxespad": 0.3,
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "axes.axisbelow": True,
     "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 0.9,
-    "axes.formatter.limits": (-4, 4), "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
     "figure.dpi": DOTS_PER_INCH, "savefig.dpi": DOTS_PER_INCH,
     "pdf.fonttype": 42,  # whole fonts, which journals ask for
 }
@@ -46,7 +46,7 @@ BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 LIGHT, MEDIUM, DARK = "0.91", "0.6", "0.35"
 
 JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": BLUE, "opened": ORANGE, "both": BLACK}
-BRICK_COLOUR, CAP_COLOUR = "0.96", "0.75"
+BRICK_COLOUR, CAP_COLOUR, GROUND_COLOUR = "0.96", "0.75", "0.85"
 THIN = {"intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
 
 DRIFT_LIMITS_PCT = (
@@ -178,7 +178,7 @@ def _frame_wall(figure, ax, shape):
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.02 * (high - low).max()
     low, high = np.minimum(low, 0) - margin, high + margin
-    ax.axhspan(low[1], 0, facecolor=MEDIUM, lw=0, zorder=0)  # the ground
+    ax.axhspan(low[1], 0, facecolor=GROUND_COLOUR, lw=0, zorder=0)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="z [m]")
     ratio = (high[1] - low[1]) / (high[0] - low[0])
     labels = 0.45  # [inch] that ticks and labels take beside and below
@@ -306,6 +306,7 @@ def hysteresis_picture(history):
         ax.plot(drift_pct[at], shear_kn[at], "x", color=BLACK, ms=5, zorder=4,
                 label=_collapse(history))
     ax.set(xlabel="drift ratio [%]", ylabel="base shear [kN]")
+    ax.locator_params(axis="x", nbins=7)
     show_single_points(ax)
     add_title(figure, history)
     legend_below(figure, [line for line in ax.get_lines() if not line.get_label().startswith("_")], 3)

@@ -72,6 +72,11 @@ class ReferenceRun:
 
     def run_all(self):
         """Motion, rest and settling; True unless interrupted."""
+        finished = self._run_stages()
+        self.writer.snapshot(self.time, self.wall.displacement - self._zero[0])
+        return finished
+
+    def _run_stages(self):
         dt, driven = self.wall.time_step, self.settings.loading.duration_s
         rest = driven + self.settings.rest_s
         for stage, until_s in (("motion", driven), ("rest", rest), ("settling", rest + SETTLE_S)):

@@ -12,6 +12,7 @@ STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
 LOADINGS = {
     "harmonic": {"kind": "harmonic", "name": "harmonic_0.2s_0.05g"},
     "free_vibration": {"kind": "free_vibration", "name": "free_vibration"},
+    "record": {"kind": "record", "name": "NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz"},
 }
 
 
@@ -56,7 +57,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
 def _usual_columns(layout, stages, time_s, drift, loading):
     """A sine as base motion, a linear wall of 1 MN/m, and energies that balance."""
     drift = np.broadcast_to(drift, len(time_s))
-    moving = (np.array(stages, dtype=str) == "motion") & (loading == "harmonic")
+    moving = (np.array(stages, dtype=str) == "motion") & (loading != "free_vibration")
     shear_n = 1e6 * layout.drift_height * drift
     strain_j = 0.5 * shear_n * layout.drift_height * drift
     return {

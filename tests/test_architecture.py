@@ -16,7 +16,7 @@ LAYERS = [
     {"history", "reference_kernel"},
     {"reading", "reference"},
     {"summary", "pictures", "wall_picture", "tables", "reference_run"},
-    {"report"},
+    {"report", "compare"},
     {"session"},
     {"reference_session"},
     {"__main__", "__init__"},

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from itertools import combinations
 
 import matplotlib
 import numpy as np
@@ -49,9 +50,10 @@ CASES = {
     "one sample": {"stages": ("motion",), "status": "interrupted", "snapshots": {}},
     "killed": {"stages": ("motion",) * 3, "status": "unfinished", "drift": 1e-4},
     "no settling": {"stages": ("motion",) * 8 + ("rest",) * 2, "status": "interrupted"},
+    "long name": {"loading": "record", "status": "interrupted", "snapshots": {}},
     "failed": {"status": "failed", "drift": np.append(np.zeros(20), np.nan)},
     "free vibration": {"stages": ("rest",) * 16 + ("settling",) * 5, "loading": "free_vibration",
-                       "drift": 1e-5 * PULSE, "row": {"input_energy_j": 0.0}},
+                       "drift": 1.02e-5 * np.sin(np.arange(21)), "row": {"input_energy_j": 0.0}},
     "collapsed": {"stages": ("motion",) * 21, "collapsed_at_s": 0.2, "drift": 0.05 * np.arange(21) / 20,
                   "opening": {k: 0.02 for k in range(20)}, "row": {"base_acceleration_z_m_s2": 0.1}},
 }
@@ -330,6 +332,13 @@ class TestOtherPictures:
                 draw(run)
 
 
+def assert_apart(boxes):
+    for one, other in combinations(boxes, 2):
+        across = min(one.x1, other.x1) - max(one.x0, other.x0)
+        up = min(one.y1, other.y1) - max(one.y0, other.y0)
+        assert min(across, up) < 1  # [pixel] of 200 an inch
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("name", PICTURES)
 @pytest.mark.parametrize("case", CASES)
@@ -339,12 +348,12 @@ def test_nothing_overlaps_or_leaves_the_page(history, case, name):
     page = figure.bbox.padded(1)
     boxes = [ax.get_tightbbox() for ax in figure.axes]
     boxes += [legend.get_window_extent() for legend in figure.legends] + [figure._suptitle.get_window_extent()]
-    for k, box in enumerate(boxes):
-        assert page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1
-        for other in boxes[:k]:
-            across = min(box.x1, other.x1) - max(box.x0, other.x0)
-            up = min(box.y1, other.y1) - max(box.y0, other.y0)
-            assert min(across, up) < 1  # [pixel] of 200 an inch
+    assert all(page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1
+               for box in boxes)
+    assert_apart(boxes)
+    for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
+        assert_apart([tick.get_window_extent() for tick in axis.get_ticklabels()
+                      if tick.get_visible() and tick.get_text()])
 
 
 class TestFiles:

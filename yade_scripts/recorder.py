@@ -147,6 +147,10 @@ class Recorder:
         self.samples += 1
         self._watch(motion, drift)
 
+    def snapshot(self):
+        """Write the bodies' displacement now: the last shape of a run."""
+        self.writer.snapshot(self.time, self.scene.motion() - self._zero[0])
+
     def _energies(self, motion, base):
         """Energies since the end of the static stage [J]; damping is what local damping took in
         the settling stage, inferred from the balance there."""

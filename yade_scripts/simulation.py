@@ -121,6 +121,7 @@ class Simulation:
         every = self.recorder.sample_steps
         last = -(-(rest + round(SETTLE_S / O.dt)) // every) * every + 1
         finished = self.run("motion", driven) and self.run("rest", rest) and self.run("settling", last)
+        self.recorder.snapshot()
         return finished or self.collapsed_at_s is not None
 
 
