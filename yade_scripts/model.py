@@ -18,6 +18,8 @@ from damage.layout import GROUND, HEAD
 _UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
 _NO_SMALLER_BOX = 0.97  # a slightly smaller box keeps touching cells out of the narrow phase
 
+_BRICK_COLORS = ((0.75, 0.42, 0.32), (0.66, 0.35, 0.27), (0.82, 0.50, 0.38))  # so that bricks tell apart
+
 
 @dataclass(frozen=True)
 class YadeWall:
@@ -68,7 +70,7 @@ def _material(layout):
 
 def _box(left, right, bottom, top, thickness, material, color):
     corners = [(x, y, z) for x in (left, right) for y in (-thickness / 2, thickness / 2) for z in (bottom, top)]
-    return utils.polyhedron(corners, material=material, color=color)
+    return utils.polyhedron(corners, material=material, color=color, wire=False)
 
 
 def _add_bodies(layout):
@@ -81,7 +83,7 @@ def _add_bodies(layout):
     clumps = []
     for index in range(len(bodies)):
         members = np.flatnonzero(cells.body == index)
-        color = (0.75, 0.42, 0.32) if bodies.course[index] >= 0 else (0.6, 0.6, 0.6)
+        color = _BRICK_COLORS[index % len(_BRICK_COLORS)] if bodies.course[index] >= 0 else (0.6, 0.6, 0.6)
         parts = [_box(cells.left[m], cells.right[m], bottom[index], top[index], thickness, material, color)
                  for m in members]
         clump, member_ids = O.bodies.appendClumped(parts)

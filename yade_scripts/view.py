@@ -1,5 +1,7 @@
 """YADE's 3D view of a running wall, where there is a screen."""
 
+import numpy as np
+
 from damage.errors import InputError
 
 
@@ -11,9 +13,18 @@ def open_view():
         raise InputError("--view needs a screen and none is here; leave --view out, or start YADE "
                          "where DISPLAY is set and without -n")
     from PyQt5.QtWidgets import QApplication
-    from yade import qt
+    from yade import O, qt
 
-    view = qt.View()
-    view.viewDir, view.upVector = (0, 1, 0), (0, 0, 1)
-    view.showEntireScene()
-    return QApplication.processEvents
+    view, framed = qt.View(), False
+    view.screenSize = (1000, 750)
+
+    def refresh():
+        nonlocal framed
+        if not framed and len(O.bodies) > 0:  # only now is there a wall to look at
+            corners = np.array([body.state.pos for body in O.bodies])
+            view.viewDir, view.upVector = (0, 1, 0), (0, 0, 1)
+            view.fitAABB(tuple(corners.min(axis=0) - 0.3), tuple(corners.max(axis=0) + 0.3))
+            framed = True
+        QApplication.processEvents()
+
+    return refresh
