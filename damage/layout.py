@@ -107,6 +107,17 @@ class Layout:
         return float(self.contacts.length[:self.n_joints].sum())
 
     @property
+    def pushed_bodies(self):
+        """Bodies that a quasi-static loading moves: the caps, or the top course where there are none."""
+        caps = np.arange(self.n_bricks, len(self.bodies))
+        return caps if len(caps) else self.drift_bodies
+
+    @property
+    def pushed_height(self):
+        """Height of their centres [m]."""
+        return float(self.bodies.z[self.pushed_bodies].mean())
+
+    @property
     def total_mass(self):
         """Mass that the base carries [kg]: bricks and top mass."""
         return float(self.bodies.mass.sum())

@@ -216,7 +216,85 @@ class FreeVibration:
         }
 
 
-Loading = Harmonic | Recorded | FreeVibration
+BOUNDARIES = ("cantilever", "fixed")
+
+
+@dataclass(frozen=True)
+class TopDisplacement:
+    """Quasi-static: the top is moved to and fro at a constant speed; the base stands still.
+
+    amplitudes_pct: drift ratios [%] to go to, in this order.
+    cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
+    boundary: "cantilever", the top may rotate; "fixed", it may not (double fixed).
+    speed_m_s: of the top [m/s]; the result depends on it, and on damping, when it is not slow.
+    """
+
+    amplitudes_pct: tuple[float, ...]
+    cycles: int = 2
+    boundary: str = "cantilever"
+    speed_m_s: float = 5e-3
+
+    def __post_init__(self):
+        if not self.amplitudes_pct or not all(math.isfinite(a) and a > 0 for a in self.amplitudes_pct):
+            raise InputError(f"drifts {self.amplitudes_pct!r} %; expected positive numbers")
+        if self.cycles != int(self.cycles) or self.cycles < 0:
+            raise InputError(f"{self.cycles!r} cycles; expected a whole number, 0 or more")
+        if self.boundary not in BOUNDARIES:
+            raise InputError(f"boundary {self.boundary!r}; expected one of {', '.join(BOUNDARIES)}")
+        if not (math.isfinite(self.speed_m_s) and self.speed_m_s > 0):
+            raise InputError(f"speed {self.speed_m_s!r} m/s; expected above 0")
+
+    @property
+    def name(self) -> str:
+        drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
+        kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
+        return f"{kind}_{self.boundary}"
+
+    @property
+    def duration_s(self) -> float:
+        """The base does not move [s]."""
+        return 0.0
+
+    def preferred_step_s(self, max_step_s: float) -> float:
+        """The largest step itself [s]."""
+        return max_step_s
+
+    def base_acceleration(self, time_s) -> np.ndarray:
+        """Zeros, (n, 2) [m/s2], at times (n,) [s]."""
+        return np.zeros((np.size(time_s), 2))
+
+    def turning_points(self, height: float) -> np.ndarray:
+        """Top displacements [m] at which the motion turns round, for a wall of that height [m]."""
+        if self.cycles == 0:
+            return np.array([self.amplitudes_pct[0]]) / 100 * height
+        signs = [sign for _ in range(self.cycles) for sign in (1.0, -1.0)]
+        points = [a / 100 * height * sign for a in self.amplitudes_pct for sign in signs]
+        return np.array([*points, 0.0])
+
+    def top_displacement(self, time_s, height: float) -> np.ndarray:
+        """Displacement of the top [m] at times (n,) [s]; it stays where it ends."""
+        times, points = self.schedule(height)
+        return np.interp(time_s, times, points)
+
+    def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:
+        """Times (k,) [s] and top displacements (k,) [m] of the turning points, from (0, 0)."""
+        points = np.concatenate([[0.0], self.turning_points(height)])
+        times = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(points)) / self.speed_m_s)])
+        return times, points
+
+    def describe(self) -> dict:
+        """Everything that defines the motion, fit for JSON."""
+        return {
+            "kind": "pushover" if self.cycles == 0 else "cyclic",
+            "name": self.name,
+            "amplitudes_pct": [float(a) for a in self.amplitudes_pct],
+            "cycles": int(self.cycles),
+            "boundary": self.boundary,
+            "speed_m_s": float(self.speed_m_s),
+        }
+
+
+Loading = Harmonic | Recorded | FreeVibration | TopDisplacement
 
 
 def _check_simultaneous(record: Record, vertical: Record) -> None:

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from damage.errors import InputError
-from damage.loading import FreeVibration, Harmonic, Recorded
+from damage.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.parameters import CONTACT_OPTIONS, LINTEL_OPTIONS, TOP_OPTIONS, ModelOptions
 from damage.records import aligned_with, read_record
 
@@ -80,6 +80,7 @@ def make_parser(prog, solver):
     parser = OneLineParser(prog=prog, allow_abbrev=False, description=(
         f"Shake one wall ({solver} solver) and write its history, summary and pictures."))
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
+    _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
     _add_model(parser.add_argument_group("model"), solver)
     _add_run(parser.add_argument_group("run"), solver)
     return parser
@@ -88,7 +89,8 @@ def make_parser(prog, solver):
 def _add_motion(group):
     group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
                        help="a sine from zero")
-    group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3)")
+    group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each "
+                       "drift of --cyclic (default 2)")
     group.add_argument("--record", type=Path, metavar="FILE",
                        help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
     group.add_argument("--scale", type=float, help="factor on the record (default 1)")
@@ -101,6 +103,14 @@ def _add_motion(group):
                        help="band-pass the record, 4th order Butterworth, zero phase")
     group.add_argument("--free-vibration", action="store_true",
                        help="no base motion: start in the first mode with 1 mm/s at the top")
+
+
+def _add_push(group):
+    group.add_argument("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift")
+    group.add_argument("--cyclic", metavar="PCT,PCT,...", help="push the top to and fro to these drifts")
+    group.add_argument("--boundary", choices=BOUNDARIES,
+                       help="the pushed top may rotate (cantilever, default), or not (fixed)")
+    group.add_argument("--speed", type=float, metavar="M_S", help="of the pushed top (default 0.005)")
 
 
 def _add_model(group, solver):
@@ -133,27 +143,44 @@ def _add_run(group, solver):
         group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
 
 
-_NEEDS = {"cycles": "harmonic", "scale": "record", "window": "record", "vertical": "record",
-          "baseline": "record", "band": "record"}
+_BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"), "speed": ("pushover", "cyclic"),
+            **{name: ("record",) for name in ("scale", "window", "vertical", "baseline", "band")}}
 
 
 def _loading(parsed):
     """The loading that the motion options ask for, or InputError where they contradict each other."""
-    chosen = [name for name, given in (("harmonic", parsed.harmonic), ("record", parsed.record),
-                                       ("free-vibration", parsed.free_vibration or None))
-              if given is not None]
+    chosen = [name for name in ("harmonic", "record", "free_vibration", "pushover", "cyclic")
+              if getattr(parsed, name) not in (None, False)]
     if len(chosen) > 1:
-        raise InputError(f"--{' and --'.join(chosen)} given together: choose one motion")
+        raise InputError(f"--{' and --'.join(chosen)} given together: choose one motion".replace("_", "-"))
     motion = chosen[0] if chosen else "harmonic"
-    for option, needed in _NEEDS.items():
-        if getattr(parsed, option) is not None and motion != needed:
-            raise InputError(f"--{option} belongs to --{needed}, not to --{motion}; leave it out")
-    if motion == "free-vibration":
-        return FreeVibration()
-    if motion == "record":
-        return _recorded(parsed)
+    for option, owners in _BELONGS.items():
+        if getattr(parsed, option) is not None and motion not in owners:
+            raise InputError(f"--{option} belongs to --{' or --'.join(owners)}, not to "
+                             f"--{motion.replace('_', '-')}; leave it out")
+    return {"harmonic": _harmonic, "record": _recorded, "free_vibration": lambda parsed: FreeVibration(),
+            "pushover": _pushed, "cyclic": _pushed}[motion](parsed)
+
+
+def _harmonic(parsed):
     period, amplitude = parsed.harmonic or (0.2, 0.05)
     return Harmonic(period, amplitude, 3 if parsed.cycles is None else parsed.cycles)
+
+
+def _pushed(parsed):
+    cycles = 0
+    if parsed.pushover is not None:
+        drifts = (parsed.pushover,)
+    else:
+        cycles = 2 if parsed.cycles is None else parsed.cycles
+        try:
+            drifts = tuple(float(word) for word in parsed.cyclic.split(","))
+        except ValueError as error:
+            raise InputError(f"--cyclic {parsed.cyclic}: expected drifts in percent with commas between, "
+                             "like 0.05,0.1,0.2") from error
+        if cycles < 1:
+            raise InputError(f"--cycles {cycles}: expected at least one cycle at each drift; mend it")
+    return TopDisplacement(drifts, cycles, parsed.boundary or "cantilever", parsed.speed or 5e-3)
 
 
 def _recorded(parsed):

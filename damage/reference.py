@@ -33,6 +33,7 @@ class ReferenceWall:
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
+        self._held = None
 
     # --- state, as arrays in the layout's order -------------------------------------------------
 
@@ -104,6 +105,27 @@ class ReferenceWall:
         events = self.system.events[:count].copy()
         return events[:, 0], events[:, 1], events[:, 2], self.system.values[:count].copy()
 
+    def hold(self, bodies, rotation):
+        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
+        self._held = bodies
+        self.system.mass[bodies, kernel.FREE] = 0.0
+        self.system.velocity[bodies, 0] = 0.0
+        if rotation:
+            self.system.mass[bodies, kernel.FREE + 2] = 0.0
+            self.system.velocity[bodies, 2] = 0.0
+
+    def push(self, velocity):
+        """Prescribe the horizontal velocity of the held bodies [m/s]; the jump's work is input."""
+        old = self.system.velocity[self._held, 0]
+        self.energy[kernel.INPUT] += 0.5 * np.sum(self.layout.bodies.mass[self._held] * (velocity**2 - old**2))
+        self.system.velocity[self._held, 0] = velocity
+
+    def push_force(self):
+        """Horizontal force that moves the held bodies [N], NaN where none are held."""
+        if self._held is None:
+            return np.nan
+        return -float(self.system.force[self._held, 0].sum())
+
     # --- what is measured -----------------------------------------------------------------------
 
     def base_force(self):
@@ -124,7 +146,8 @@ class ReferenceWall:
         bodies = self.layout.bodies
         mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
         field = np.array([-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0])
-        speed = self.velocity + self.time_step / 2 * (self.system.force[:-1] / mass + field)
+        moves = self.system.mass[:-1, kernel.FREE:]
+        speed = self.velocity + self.time_step / 2 * (self.system.force[:-1] / mass + field) * moves
         return 0.5 * float(np.sum(mass * speed**2))
 
     def elastic_energy(self):

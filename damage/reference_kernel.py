@@ -150,8 +150,9 @@ def integrate(system, constants, field_x, field_z, ax, az, dt):
     work = lost = 0.0
     for body in range(len(mass) - 1):
         for dof in range(3):
-            if mass[body, FREE + dof] == 0.0:
-                continue  # the velocity is prescribed
+            if mass[body, FREE + dof] == 0.0:  # the velocity is prescribed
+                work -= force[body, dof] * velocity[body, dof]
+                continue
             m = mass[body, INERTIA] if dof == 2 else mass[body, MASS]
             old = velocity[body, dof]
             rate = force[body, dof] / m - (field_x if dof == 0 else (field_z if dof == 1 else 0.0))

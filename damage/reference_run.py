@@ -4,6 +4,7 @@ import numpy as np
 
 from damage.history import SNAPSHOT_SAMPLES
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
+from damage.loading import TopDisplacement
 from damage.options import LOCAL_DAMPING, SAMPLE_S, SETTLE_S
 from damage.reference import EVENT_KINDS, ReferenceWall
 from damage.units import GRAVITY
@@ -62,13 +63,33 @@ class ReferenceRun:
         wall, loading = self.wall, self.settings.loading
         times = np.arange(round(loading.duration_s / wall.time_step) + 1) * wall.time_step
         wall.start(loading.base_acceleration(times))
-        wall.local_damping = 0.0
-        speed = getattr(loading, "top_velocity_m_s", 0.0)
-        wall.velocity[:] = speed * first_mode
+        if isinstance(loading, TopDisplacement):
+            wall.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
+        else:
+            wall.local_damping = 0.0
+            wall.velocity[:] = getattr(loading, "top_velocity_m_s", 0.0) * first_mode
         wall.energy[:] = 0.0
         self._zero = wall.displacement.copy(), wall.elastic_energy()
         self.stage = "motion"
         self.record()
+
+    def run_pushed(self):
+        """Move the top as a quasi-static loading says; True unless interrupted."""
+        loading, wall, layout = self.settings.loading, self.wall, self.layout
+        end_s = loading.schedule(layout.pushed_height)[0][-1]
+        interval = self.sample_steps * wall.time_step
+        here = 0.0
+        while self.time < end_s:
+            if not self.keep_going(self, self.time):
+                return False
+            there = float(loading.top_displacement(self.time + interval, layout.pushed_height))
+            wall.push((there - here) / interval)
+            here = there
+            wall.run(self.sample_steps)
+            self.record()
+            if self.collapsed_at_s is not None:
+                break
+        return True
 
     def run_all(self):
         """Motion, rest and settling; True unless interrupted."""
@@ -77,6 +98,8 @@ class ReferenceRun:
         return finished
 
     def _run_stages(self):
+        if isinstance(self.settings.loading, TopDisplacement):
+            return self.run_pushed()
         dt, driven = self.wall.time_step, self.settings.loading.duration_s
         rest = driven + self.settings.rest_s
         for stage, until_s in (("motion", driven), ("rest", rest), ("settling", rest + SETTLE_S)):
@@ -101,7 +124,7 @@ class ReferenceRun:
         row = {
             "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
             "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
-            "base_shear_n": wall.base_force()[0],
+            "base_shear_n": wall.base_force()[0], "top_force_n": wall.push_force(),
             "kinetic_energy_j": wall.kinetic_energy(base),
             "elastic_energy_j": wall.elastic_energy() - self._zero[1],
             "gravity_energy_j": GRAVITY * float(self.layout.bodies.mass @ motion[:, 1]),

@@ -48,6 +48,9 @@ OPTIONS = {
     "scale-without-record": (["--scale", "2"], "--scale"),
     "half-a-cycle": (["--harmonic", "0.2", "0.05", "--cycles", "0"], "cycle"),
     "viscous-damping": (["--beta", "1e-6"], "--beta"),
+    "cyclic-text": (["--cyclic", "0.1;0.2"], "commas"),
+    "boundary-without-push": (["--boundary", "fixed"], "--boundary"),
+    "pushover-in-yade": (["--pushover", "0.1"], "reference"),
     "no-screen": (["--view"], "screen"),
     "unknown-lintel": (["--lintel", "steel"], "steel"),
 }

@@ -6,6 +6,7 @@ import sys
 import yade
 
 from damage.errors import InputError
+from damage.loading import TopDisplacement
 from damage.session import Solver, run_session
 from yade_scripts.simulation import Simulation, choose_time_step
 from yade_scripts.view import open_view
@@ -22,6 +23,9 @@ def main(make_wall):
 
 
 def _check(settings):
+    if isinstance(settings.loading, TopDisplacement):
+        raise InputError("--pushover and --cyclic run in the reference solver only so far; use: "
+                         "python3 -m damage reference")
     if settings.beta_s > 0:
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")
