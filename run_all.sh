@@ -1,0 +1,87 @@
+#!/usr/bin/env bash
+# Runs a whole study: simulations, tables, pictures.  See ./run_all.sh --help.
+set -euo pipefail
+
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")" && pwd)
+
+shipped() {
+    local study
+    for study in "$root"/studies/*.toml; do
+        basename "$study" .toml
+    done
+}
+
+usage() {
+    cat <<END
+usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade]
+
+STUDY is one of: $(shipped | paste -sd' ')
+or the path of a study file of your own (.toml; copy studies/quick.toml).
+
+  -j N           simulations at a time (default: one for each core, here $(nproc))
+  --out DIR      where everything goes (default: results/STUDY in the repository)
+  --solver yade  what simulates; the reference solver is not there yet
+  -h, --help     this help
+
+DIR gets runs/ (histories), tables/ (summary.csv and three tables a run), pictures/ and logs/.
+What is done is not done again: the same command goes on where an interrupted one stopped, and
+repeats only what a changed study file, wall or record touches.
+
+Exit status: 0 all done, 1 a run failed, 2 bad input, 3 software is missing, 130 interrupted.
+END
+}
+
+fail() {
+    printf 'error: %s\n' "$*" >&2
+    exit 2
+}
+
+study='' jobs=$(nproc) out='' solver=yade
+while [ $# -gt 0 ]; do
+    case $1 in
+        -h | --help)
+            usage
+            exit 0
+            ;;
+        --out=* | --solver=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
+        -j?*) set -- -j "${1#-j}" "${@:2}" ;;
+        -j | --out | --solver)
+            [ $# -ge 2 ] && [ -n "$2" ] || fail "$1 without a value: expected one after it; see --help"
+            case $1 in
+                -j) jobs=$2 ;;
+                --out) out=$2 ;;
+                --solver) solver=$2 ;;
+            esac
+            shift 2
+            ;;
+        -*) fail "unknown option $1: expected -j, --out or --solver; see --help" ;;
+        *)
+            [ -z "$study" ] || fail "two studies, $study and $1: expected one; run them one after the other"
+            study=$1
+            shift
+            ;;
+    esac
+done
+
+[ -n "$study" ] || fail "no study given: expected $(shipped | paste -sd' ') or a study file; see --help"
+[[ $jobs =~ ^[1-9][0-9]{0,3}$ ]] || fail "-j $jobs: expected a whole number, 1 or more; mend it"
+case $solver in
+    yade) ;;
+    reference | both) fail "--solver $solver: the reference solver is not there yet; use --solver yade" ;;
+    *) fail "--solver $solver: expected yade; mend it" ;;
+esac
+case $study in
+    *.toml)
+        [ -f "$study" ] || fail "$study: no such study file; mend the path"
+        file=$study
+        ;;
+    *)
+        file=$root/studies/$study.toml
+        [[ $study != */* && -f $file ]] ||
+            fail "no study $study is shipped: expected $(shipped | paste -sd' ') or a study file (.toml)"
+        ;;
+esac
+
+# shellcheck source=scripts/environment.sh
+source "$root/scripts/environment.sh" run
+exec "$PYTHON" "$root/workflow/batch.py" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver"

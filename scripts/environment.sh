@@ -1,0 +1,181 @@
+# shellcheck shell=bash
+# Finds, or installs on Debian, what the programs of this repository need.  Other scripts source it:
+#
+#     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
+#     source scripts/environment.sh test    # also pytest, hypothesis and, where it can be had, obspy
+#
+# A machine may have another python3 first on its path, without the packages; YADE uses Debian's.  So
+# the interpreter is the first of $PYTHON, /usr/bin/python3 and python3 on PATH that imports them all.
+# What is missing comes from Debian's packages if this user may install them (root, or sudo without a
+# password); otherwise they are named and the status is 3.  MASONRY_NO_INSTALL=1 forbids installing.
+# obspy, for tests of miniSEED only, comes from PyPI into .venv, on top of Debian's packages.
+#
+# Exports PYTHON, PYTHONPATH (the repository), PYTHONNOUSERSITE and MPLBACKEND.
+# SYSTEM_PYTHON stands in for /usr/bin/python3 on systems that keep it elsewhere.
+
+_env_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+_env_obspy_versions="obspy>=1.4.1,<1.5"  # later ones ask for a newer numpy than Debian 12's
+
+_env_say() { printf '%s\n' "$*" >&2; }
+
+# Names those of the modules $2... that the interpreter $1 cannot import; all for Python before 3.11.
+# MPLCONFIGDIR: trying an import must leave nothing in the home folder.
+_env_missing_modules() {
+    local python=$1
+    shift
+    [ -n "$python" ] && MPLCONFIGDIR=${TMPDIR:-/tmp} "$python" -c '
+import importlib, sys
+for name in sys.argv[1:]:
+    try:
+        assert sys.version_info >= (3, 11)
+        importlib.import_module(name)
+    except Exception:
+        print(name)
+' "$@" 2>/dev/null || printf '%s\n' "$@"
+}
+
+_env_has_modules() { [ -z "$(_env_missing_modules "$@")" ]; }
+
+# Sets PYTHON to the first interpreter that has the modules $@.
+_env_find_python() {
+    local candidate
+    for candidate in "${PYTHON:-}" "$SYSTEM_PYTHON" python3; do
+        candidate=$(type -P "$candidate" || true)
+        if [ -n "$candidate" ] && _env_has_modules "$candidate" "$@"; then
+            PYTHON=$candidate
+            [ "${PYTHON#/}" != "$PYTHON" ] || PYTHON=$PWD/$PYTHON
+            return 0
+        fi
+    done
+    return 1
+}
+
+# Names the Debian packages that are missing for the modules $@, and yade.
+_env_missing_packages() {
+    local module
+    [ -n "$(type -P yade)" ] || echo yade
+    for module in $(_env_missing_modules "$(type -P "$SYSTEM_PYTHON" || true)" "$@"); do
+        case $module in
+            snakemake) echo snakemake ;;
+            *) echo "python3-$module" ;;
+        esac
+    done
+}
+
+_env_may_install() {
+    [ -z "${MASONRY_NO_INSTALL:-}" ] && [ -n "$(type -P apt-get)" ] &&
+        grep -qsE '^ID(_LIKE)?=.*debian' /etc/os-release &&
+        { [ "$EUID" -eq 0 ] || sudo -n true 2>/dev/null; }
+}
+
+# Installs the Debian packages $@, with one retry; errors stay visible.
+_env_install() {
+    local as_root=(env DEBIAN_FRONTEND=noninteractive) attempt
+    [ "$EUID" -eq 0 ] || as_root=(sudo -n "${as_root[@]}")
+    _env_say "installing $*"
+    for attempt in 1 2; do
+        if "${as_root[@]}" apt-get -qq -o DPkg::Lock::Timeout=120 update >/dev/null &&
+            "${as_root[@]}" apt-get -qq -y -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0 \
+                install --no-install-recommends "$@" >/dev/null; then
+            return 0
+        fi
+        if [ "$attempt" -eq 1 ]; then
+            _env_say "apt-get failed, trying once more"
+            sleep 5
+        fi
+    done
+    return 1
+}
+
+# Sets PYTHON and makes sure of yade, for the modules $@; status 3 when that cannot be done.
+_env_provide() {
+    if _env_find_python "$@" && [ -n "$(type -P yade)" ]; then
+        return 0
+    fi
+    local packages
+    mapfile -t packages < <(_env_missing_packages "$@")
+    if [ "${#packages[@]}" -gt 0 ] && _env_may_install && _env_install "${packages[@]}"; then
+        hash -r
+        if _env_find_python "$@" && [ -n "$(type -P yade)" ]; then
+            return 0
+        fi
+        mapfile -t packages < <(_env_missing_packages "$@")
+    fi
+    _env_say "error: missing on this machine: ${packages[*]}"
+    _env_say "get them with: sudo apt-get update && sudo apt-get install --no-install-recommends ${packages[*]}"
+    return 3
+}
+
+# Prints the constraints that keep Debian's packages in use: their versions as they are, for pip.
+_env_constraints() {
+    "$PYTHON" -c '
+import importlib, sys
+for name in sys.argv[1:]:
+    print(f"{name}=={importlib.import_module(name).__version__}")
+' numpy scipy pandas h5py matplotlib numba
+}
+
+# Makes .venv with obspy on top of the packages of $PYTHON, or says why not (status 1).
+_env_make_venv() {
+    local venv=$1 constraints told
+    if [ -n "${MASONRY_NO_INSTALL:-}" ]; then
+        _env_say "obspy is missing and MASONRY_NO_INSTALL is set"
+        return 1
+    fi
+    if [ -e "$venv" ] && ! grep -qs '^include-system-site-packages = true' "$venv/pyvenv.cfg"; then
+        _env_say "obspy is missing; .venv is not of this script's making and is left alone"
+        return 1
+    fi
+    if ! "$PYTHON" -c 'import ensurepip' 2>/dev/null && _env_may_install; then
+        _env_install python3-venv || true
+    fi
+    _env_say "installing obspy into .venv"
+    constraints=$(mktemp) || return 1
+    if _env_constraints >"$constraints" &&
+        told=$("$PYTHON" -m venv --system-site-packages "$venv" 2>&1) &&
+        told=$("$venv/bin/python" -m pip install --quiet --only-binary :all: --retries 1 --timeout 20 \
+            --constraint "$constraints" "$_env_obspy_versions" 2>&1) &&
+        [ -z "$(compgen -G "$venv/lib/python3*/site-packages/numpy")" ]; then
+        rm -f "$constraints"
+        return 0
+    fi
+    rm -f "$constraints"
+    _env_say "obspy could not be installed: $(tail -n 1 <<<"${told:-unknown reason}")"
+    return 1
+}
+
+# Sets PYTHON to .venv's interpreter when obspy can be had; the modules $@ must be there, too.
+_env_add_obspy() {
+    local venv=$_env_root/.venv
+    if _env_has_modules "$PYTHON" obspy; then
+        return 0
+    fi
+    if _env_has_modules "$venv/bin/python" obspy "$@" ||
+        { _env_make_venv "$venv" && _env_has_modules "$venv/bin/python" obspy "$@"; }; then
+        PYTHON=$venv/bin/python
+    else
+        _env_say "tests of miniSEED are skipped: they need obspy"
+    fi
+}
+
+_env_main() {
+    local modules=(numpy scipy pandas h5py matplotlib numba snakemake)
+    case ${1:-run} in
+        run) ;;
+        test) modules+=(pytest hypothesis) ;;
+        *)
+            _env_say "error: environment.sh $1: expected run or test; mend the call"
+            return 2
+            ;;
+    esac
+    : "${SYSTEM_PYTHON:=/usr/bin/python3}"
+    unset PYTHONHOME
+    export PYTHONPATH=$_env_root PYTHONNOUSERSITE=1 MPLBACKEND=Agg
+    _env_provide "${modules[@]}" || return
+    if [ "${1:-run}" = test ]; then
+        _env_add_obspy "${modules[@]}"
+    fi
+    export PYTHON
+}
+
+_env_main "$@" || return

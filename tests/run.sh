@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Runs the tests: all of them, or what pytest's arguments choose.
+#
+#     bash tests/run.sh
+#     bash tests/run.sh -m "not slow"
+#     bash tests/run.sh tests/test_study.py -k quick
+#
+# The exit status is pytest's; 3 when something that the tests need is missing.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=scripts/environment.sh
+source "$root/scripts/environment.sh" test
+cd "$root"
+exec "$PYTHON" -m pytest -q "$@"

@@ -1,0 +1,251 @@
+"""The environment script and the command lines of the shell scripts, on machines made up of stubs."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY
+
+TOOLS = ("bash", "cat", "dirname", "env", "grep", "mktemp", "rm", "tail")
+NO_PACKAGES = f'exec {sys.executable} -I -S "$@"'  # a Python as it comes, without any package
+
+
+class Machine:
+    """A path of a few tools and stubs, and a copy of the environment script to source in it."""
+
+    def __init__(self, folder):
+        self.bin, self.repository = folder / "bin", folder / "repository"
+        self.bin.mkdir()
+        (self.repository / "scripts").mkdir(parents=True)
+        shutil.copy(REPOSITORY / "scripts" / "environment.sh", self.repository / "scripts")
+        for tool in TOOLS:
+            (self.bin / tool).symlink_to(shutil.which(tool))
+        self.system_python = folder / "system" / "python3"
+        self.system_python.parent.mkdir()
+
+    def stub(self, name, script, folder=None):
+        """Put an executable shell script on the path."""
+        return write_script((folder or self.bin) / name, script)
+
+    def python_without(self, *modules):
+        """The script of an interpreter that has everything but these modules."""
+        broken = self.repository.parent / ("without-" + "-".join(modules))
+        broken.mkdir(exist_ok=True)
+        for module in modules:
+            (broken / f"{module}.py").write_text("raise ImportError('not here')\n")
+        return f'PYTHONPATH={broken} exec {sys.executable} "$@"'
+
+    def source(self, group="run", then='echo "$PYTHON"', **variables):
+        """Source the script; returns the completed process."""
+        script = f"set -euo pipefail; source {self.repository}/scripts/environment.sh {group}; {then}"
+        environment = {"PATH": str(self.bin), "HOME": str(self.bin), "MASONRY_NO_INSTALL": "1",
+                       "SYSTEM_PYTHON": str(self.system_python), **variables}
+        return subprocess.run(["bash", "-c", script], env=environment, capture_output=True, text=True,
+                              timeout=120)
+
+
+def write_script(path, script):
+    path.write_text(f"#!{shutil.which('bash')}\n{script}\n")
+    path.chmod(0o755)
+    return path
+
+
+@pytest.fixture
+def machine(tmp_path):
+    """A machine with YADE, and with the tests' interpreter as the system's."""
+    pytest.importorskip("snakemake")
+    machine = Machine(tmp_path)
+    machine.stub("yade", "exit 0")
+    machine.stub("python3", f'exec {sys.executable} "$@"', machine.system_python.parent)
+    return machine
+
+
+class TestInterpreter:
+    def test_a_python_without_packages_first_on_the_path_is_passed_over(self, machine):
+        machine.stub("python3", NO_PACKAGES)
+        done = machine.source()
+        assert (done.returncode, done.stdout.strip()) == (0, str(machine.system_python)), done.stderr
+
+    @pytest.mark.skipif(not Path("/usr/bin/python3").exists(), reason="no /usr/bin/python3")
+    def test_the_systems_python_is_the_one_of_debian(self, machine):
+        machine.stub("python3", NO_PACKAGES)
+        has_all = subprocess.run(["/usr/bin/python3", "-c", "import numba, h5py, snakemake"]).returncode == 0
+        if not has_all:
+            pytest.skip("/usr/bin/python3 lacks the packages")
+        assert machine.source(SYSTEM_PYTHON="").stdout.strip() == "/usr/bin/python3"
+
+    def test_a_python_on_the_path_is_taken_where_the_systems_lacks_packages(self, machine):
+        machine.stub("python3", NO_PACKAGES, machine.system_python.parent)
+        machine.stub("python3", f'exec {sys.executable} "$@"')
+        assert machine.source().stdout.strip() == str(machine.bin / "python3")
+
+    def test_the_users_choice_comes_first(self, machine):
+        mine = machine.stub("mine", f'exec {sys.executable} "$@"')
+        assert machine.source(PYTHON=str(mine)).stdout.strip() == str(mine)
+
+    def test_the_users_choice_is_passed_over_where_it_lacks_packages(self, machine):
+        mine = machine.stub("mine", NO_PACKAGES)
+        assert machine.source(PYTHON=str(mine)).stdout.strip() == str(machine.system_python)
+
+    def test_what_it_exports(self, machine):
+        done = machine.source(then="env", PYTHONPATH="/elsewhere", PYTHONHOME="/elsewhere")
+        assert {f"PYTHON={machine.system_python}", f"PYTHONPATH={machine.repository}", "MPLBACKEND=Agg",
+                "PYTHONNOUSERSITE=1"} <= set(done.stdout.splitlines())
+        assert "PYTHONHOME" not in done.stdout
+
+
+class TestMissing:
+    def test_all_of_it_is_named_with_the_command_that_gets_it(self, machine):
+        (machine.bin / "yade").unlink()
+        for folder in (machine.bin, machine.system_python.parent):
+            machine.stub("python3", NO_PACKAGES, folder)
+        done = machine.source("test")
+        assert (done.returncode, done.stdout) == (3, "")
+        missing, command = done.stderr.splitlines()
+        packages = ["yade", *(f"python3-{name}" for name in ("numpy", "scipy", "pandas", "h5py", "matplotlib",
+                                                             "numba")),
+                    "snakemake", "python3-pytest", "python3-hypothesis"]
+        assert missing == f"error: missing on this machine: {' '.join(packages)}"
+        assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
+
+    def test_only_what_is_missing_is_named(self, machine):
+        machine.stub("python3", machine.python_without("numba", "h5py"), machine.system_python.parent)
+        done = machine.source()
+        assert done.returncode == 3
+        assert done.stderr.splitlines()[0].endswith(": python3-h5py python3-numba")
+
+    def test_a_machine_without_any_python(self, machine):
+        (machine.system_python).unlink()
+        done = machine.source()
+        assert done.returncode == 3
+        assert "python3-numpy" in done.stderr and "yade" not in done.stderr
+
+    def test_without_apt_get_nothing_is_tried(self, machine):
+        (machine.bin / "yade").unlink()
+        done = machine.source(MASONRY_NO_INSTALL="")
+        assert done.returncode == 3
+        assert done.stderr.splitlines()[0] == "error: missing on this machine: yade"
+
+    def test_an_unknown_group_is_refused(self, machine):
+        done = machine.source("everything")
+        assert done.returncode == 2
+        assert done.stderr == "error: environment.sh everything: expected run or test; mend the call\n"
+
+
+OS_RELEASE = Path("/etc/os-release")
+
+
+@pytest.mark.skipif(not OS_RELEASE.exists() or "debian" not in OS_RELEASE.read_text(),
+                    reason="installs on Debian and its kin only")
+class TestInstalling:
+    @pytest.fixture
+    def debian(self, machine):
+        """A machine without YADE and packages whose apt-get fails once, then brings them."""
+        (machine.bin / "yade").unlink()
+        machine.stub("python3", NO_PACKAGES, machine.system_python.parent)
+        machine.stub("sudo", '[ "$1" = -n ] && exec "${@:2}"')
+        machine.stub("sleep", "exit 0")
+        good = machine.stub("good", f'exec {sys.executable} "$@"', machine.repository)
+        yade = machine.stub("yade", "exit 0", machine.repository)
+        machine.stub("apt-get", f"""
+            echo "${{DEBIAN_FRONTEND:-}}: $*" >>{machine.repository}/calls
+            case "$*" in *install*) ;; *) exit 0 ;; esac
+            if [ ! -e {machine.repository}/failed ]; then
+                : >{machine.repository}/failed
+                echo "E: no route" >&2
+                exit 100
+            fi
+            cat {good} >{machine.system_python}
+            cat {yade} >{machine.bin}/yade
+            {shutil.which("chmod")} +x {machine.bin}/yade""")
+        return machine
+
+    def test_it_updates_installs_and_tries_twice(self, debian):
+        done = debian.source(MASONRY_NO_INSTALL="")
+        assert (done.returncode, done.stdout.strip()) == (0, str(debian.system_python)), done.stderr
+        assert "E: no route" in done.stderr  # errors stay visible
+        calls = (debian.repository / "calls").read_text().splitlines()
+        assert [line.split(":")[0] for line in calls] == ["noninteractive"] * 4
+        assert ["update" in line for line in calls] == [True, False, True, False]
+        assert calls[1].endswith("install --no-install-recommends yade python3-numpy python3-scipy "
+                                 "python3-pandas python3-h5py python3-matplotlib python3-numba snakemake")
+
+    def test_it_gives_up_after_the_second_failure(self, debian):
+        debian.stub("apt-get", f"echo x >>{debian.repository}/calls; echo 'E: broken' >&2; exit 100")
+        done = debian.source(MASONRY_NO_INSTALL="")
+        assert done.returncode == 3
+        assert done.stderr.count("E: broken") == 2
+        assert "error: missing on this machine: yade" in done.stderr
+
+    def test_it_can_be_forbidden(self, debian):
+        done = debian.source()
+        assert done.returncode == 3
+        assert not (debian.repository / "calls").exists()
+
+
+class TestObspy:
+    def test_without_it_the_tests_go_on_and_the_reason_is_told(self, machine):
+        pytest.importorskip("hypothesis")
+        machine.stub("python3", machine.python_without("obspy"), machine.system_python.parent)
+        done = machine.source("test")
+        assert (done.returncode, done.stdout.strip()) == (0, str(machine.system_python)), done.stderr
+        assert "MASONRY_NO_INSTALL" in done.stderr
+        assert "tests of miniSEED are skipped: they need obspy" in done.stderr
+
+    def test_a_virtual_environment_of_other_making_is_left_alone(self, machine):
+        machine.stub("python3", machine.python_without("obspy"), machine.system_python.parent)
+        (machine.repository / ".venv").mkdir()
+        (machine.repository / ".venv" / "pyvenv.cfg").write_text("include-system-site-packages = false\n")
+        done = machine.source("test", MASONRY_NO_INSTALL="")
+        assert done.returncode == 0 and "left alone" in done.stderr
+        assert [path.name for path in (machine.repository / ".venv").iterdir()] == ["pyvenv.cfg"]
+
+    def test_one_with_obspy_is_used(self, machine):
+        machine.stub("python3", machine.python_without("obspy"), machine.system_python.parent)
+        has = machine.repository / "has"
+        has.mkdir()
+        (has / "obspy.py").write_text("")
+        (machine.repository / ".venv" / "bin").mkdir(parents=True)
+        inside = machine.stub("python", f'PYTHONPATH={has} exec {sys.executable} "$@"',
+                              machine.repository / ".venv" / "bin")
+        assert machine.source("test").stdout.strip() == str(inside)
+
+
+def run_all(*words, **variables):
+    return subprocess.run([REPOSITORY / "run_all.sh", *map(str, words)], capture_output=True, text=True,
+                          env={**os.environ, "MASONRY_NO_INSTALL": "1", **variables}, timeout=120)
+
+
+class TestRunAll:
+    @pytest.mark.parametrize(("words", "told"), [
+        ((), "no study given: expected"),
+        (("harmonik",), "no study harmonik is shipped: expected"),
+        (("../studies/quick",), "is shipped: expected"),
+        (("mine.toml",), "mine.toml: no such study file"),
+        (("quick", "--fast"), "unknown option --fast: expected -j, --out or --solver"),
+        (("quick", "quick"), "two studies"),
+        (("quick", "-j"), "-j without a value"),
+        (("quick", "-j", "0"), "-j 0: expected a whole number"),
+        (("quick", "-jmany"), "-j many: expected a whole number"),
+        (("quick", "--out="), "--out without a value"),
+        (("quick", "--solver", "reference"), "the reference solver is not there yet"),
+        (("quick", "--solver=udec"), "--solver udec: expected yade"),
+    ], ids=str)
+    def test_bad_command_lines_get_one_line_and_status_2(self, words, told):
+        done = run_all(*words)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+        assert told in done.stderr
+
+    def test_help_names_the_studies(self):
+        done = run_all("--help")
+        assert (done.returncode, done.stderr) == (0, "")
+        assert "quick" in done.stdout and "--out DIR" in done.stdout
+
+    def test_it_is_refused_before_anything_is_looked_for(self, tmp_path):
+        """A wrong name must not start an installation."""
+        done = run_all("nothing", PYTHON="/nowhere", SYSTEM_PYTHON="/nowhere")
+        assert done.returncode == 2

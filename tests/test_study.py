@@ -1,0 +1,365 @@
+"""Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+from small_history import make_history
+
+from damage.errors import InputError
+from damage.study import StudyRun, load_study, option_words, run_name
+from damage.tables import (
+    describe_table,
+    events_table,
+    index_table,
+    joints_table,
+    main,
+    summary_row,
+    summary_table,
+)
+
+HARMONIC = 'options = { harmonic = [0.2, 0.05] }\n'
+SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
+WALL = 'wall = "walls/symmetric.py"\n'
+
+
+def write_study(folder, text, name="study.toml"):
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+class TestLoading:
+    def test_quick_is_a_sine_and_the_measured_record_on_the_symmetric_wall(self):
+        study = load_study(REPOSITORY / "studies" / "quick.toml")
+        sine, record = study.runs
+        assert study.name == "quick"
+        assert {sine.wall, record.wall} == {"walls/symmetric.py"}
+        assert sine.words == ("--harmonic", "0.2", "0.05", "--rest", "1")
+        assert record.words == ("--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv",
+                                "--window", "17", "23", "--rest", "1")
+
+    @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+    def test_shipped_studies_are_named_like_their_files(self, path):
+        study = load_study(path)
+        assert study.name == path.stem and study.title
+        assert all(not Path(run.wall).is_absolute() for run in study.runs)
+
+    def test_ids_are_unique_and_fit_for_file_names(self):
+        runs = load_study(REPOSITORY / "studies" / "quick.toml").runs
+        assert [run.id for run in runs] == [
+            "symmetric_harmonic-0.2-0.05_rest-1_yade",
+            "symmetric_record-BGAR_HGE_acc_m_s2_window-17-23_rest-1_yade"]
+
+    def test_an_own_id_is_kept(self, tmp_path):
+        path = write_study(tmp_path, f'name = "s"\n[[runs]]\nid = "a"\n{WALL}{HARMONIC}')
+        assert load_study(path).runs[0].id == "a_yade"
+
+    def test_a_table_and_a_list_of_words_mean_the_same(self):
+        table = {"harmonic": [0.2, 0.05], "cycles": 2, "lintel": "none", "free-vibration": False}
+        words = ["--harmonic", 0.2, "0.05", "--cycles=2", "--lintel", "none"]
+        assert option_words(table) == option_words(words)
+        assert option_words({"free-vibration": True}) == ["--free-vibration"]
+
+    def test_files_beside_the_study_come_before_the_repositorys(self, tmp_path):
+        (tmp_path / "walls").mkdir()
+        shutil.copy(REPOSITORY / "walls" / "solid.py", tmp_path / "walls" / "symmetric.py")
+        path = write_study(tmp_path, f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}')
+        assert load_study(path).runs[0].wall == str(tmp_path / "walls" / "symmetric.py")
+
+    def test_long_names_are_cut_and_stay_different(self):
+        words = [word for n in range(40) for word in ("--seed", str(n))]
+        one, other = run_name("walls/a.py", words), run_name("walls/a.py", [*words, "--seed", "41"])
+        assert one != other and max(len(one), len(other)) <= 108
+
+    def test_digests_follow_the_content_of_wall_and_record(self, tmp_path):
+        shutil.copy(REPOSITORY / "walls" / "solid.py", tmp_path / "w.py")
+        (tmp_path / "r.csv").write_text("0,0\n0.1,1\n0.2,0\n")
+        path = write_study(tmp_path, 'name = "s"\n[[runs]]\nwall = "w.py"\noptions = { record = "r.csv" }\n')
+        before = load_study(path).runs[0].digests()
+        os.utime(tmp_path / "w.py")
+        assert load_study(path).runs[0].digests() == before
+        (tmp_path / "r.csv").write_text("0,0\n0.1,2\n0.2,0\n")
+        after = load_study(path).runs[0].digests()
+        assert (before[0] == after[0], before[1] == after[1]) == (True, False)
+
+    @pytest.mark.parametrize(("text", "told"), [
+        ("", "name = None"),
+        ('name = "a/b"', "since it names a folder"),
+        ('name = "s"', "no runs"),
+        ('name = "s"\nruns = 3', "no list of tables"),
+        ('name = "s', "is no TOML"),
+        ('name = "s"\nrun = []', "unknown key 'run'; expected name, runs, title"),
+        (f'name = "s"\n[[runs]]\n{HARMONIC}', "run 1: wall = None"),
+        (f'name = "s"\n[[runs]]\n{WALL}option = 1', "run 1: unknown key 'option'"),
+        (f'name = "s"\n[[runs]]\nwall = "walls/no.py"\n{HARMONIC}', "run 1: no file walls/no.py"),
+        (f'name = "s"\n[[runs]]\n{WALL}options = {{ record = "no.csv" }}', "run 1: no file no.csv"),
+        (f'name = "s"\n[[runs]]\n{WALL}options = {{ scale = 2 }}', "--scale belongs to --record"),
+        (f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonic = [0.2] }}', "expected 2 arguments"),
+        (f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonics = [0.2, 1] }}', "unrecognized arguments"),
+        (f'name = "s"\n[[runs]]\n{WALL}options = {{ rest = [[1]] }}', "rest holds [1]"),
+        (f'name = "s"\n[[runs]]\n{WALL}options = "--rest 1"', "expected a table or a list of words"),
+        (f'name = "s"\n[[runs]]\n{WALL}options = {{ out = "a.h5" }}', "--out is set by the batch"),
+        (f'name = "s"\n[[runs]]\n{WALL}options = ["--help"]', "--help is set by the batch"),
+        (f'name = "s"\n[[runs]]\nid = "a b"\n{WALL}{HARMONIC}', "run 1: run id 'a b_yade'"),
+        (f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}', "runs 1 and 2 are both"),
+    ], ids=str)
+    def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, told):
+        with pytest.raises(InputError) as caught:
+            load_study(write_study(tmp_path, text))
+        assert told in str(caught.value) and "\n" not in str(caught.value)
+
+    def test_a_missing_study_is_refused(self, tmp_path):
+        with pytest.raises(InputError, match="No such file"):
+            load_study(tmp_path / "no.toml")
+
+    def test_runs_are_checked_where_they_are_made(self):
+        with pytest.raises(InputError, match="names files"):
+            StudyRun(id="../x", wall="w.py", words=())
+
+
+class TestTables:
+    @pytest.fixture
+    def history(self, tmp_path):
+        """One joint opens by 0.2 mm at once and stays so, another slips by -0.3 mm and half back."""
+        slip = np.concatenate([np.full(10, -3e-4), np.full(11, -1.5e-4)])
+        return make_history(tmp_path / "one.h5", opening={2: 2e-4}, slip={5: slip}, drift=1e-4)
+
+    def test_a_row_a_run_with_the_figures_of_the_summary(self, history):
+        row = summary_row(history)
+        assert row["run"] == "one" and row["motion"] == "harmonic_0.2s_0.05g" and row["status"] == "complete"
+        assert_allclose(row["max_slip_mm"], 0.3, rtol=1e-6)
+        length = history.joints["length_m"]
+        assert_allclose(row["max_DI_open"], length[2] / length.sum())
+        assert_allclose(row["max_DI_drift"], 1e-4 / 0.02)
+        assert row["residual_DI"] == history.index()["DI"].iloc[-1]
+
+    def test_an_unfinished_run_has_the_same_columns_and_no_residual(self, history, tmp_path):
+        make_history(tmp_path / "two.h5", status="interrupted")
+        table = summary_table([tmp_path / "one.h5", tmp_path / "two.h5"])
+        assert list(table["run"]) == ["one", "two"]
+        assert table["residual_DI"].isna().tolist() == [False, True]
+        assert "two" in describe_table(table) and "interrupted" in describe_table(table)
+
+    def test_joints_end_with_their_last_and_largest_values(self, history):
+        table = joints_table(history)
+        assert len(table) == len(history.joints) and list(table.columns[:2]) == ["joint", "kind"]
+        single = {"rtol": 1e-6}  # the file's precision
+        assert_allclose(table["final_slip_m"][5], -1.5e-4, **single)
+        assert_allclose(table["max_abs_slip_m"][5], 3e-4, **single)
+        assert_allclose(table.loc[2, ["final_opening_m", "max_opening_m"]].astype(float), 2e-4, **single)
+        assert table["broken"].sum() == 2
+
+    def test_the_index_shows_both_criteria_of_slip(self, history):
+        table = index_table(history)
+        assert_allclose(table["DI_slip"], history.index()["DI_slip"])
+        assert_allclose(table["DI_shear_limit"], history.index(slip="shear-limit")["DI"])
+        assert list(table["stage"].unique()) == ["motion", "rest", "settling"]
+
+    def test_events_name_the_place_of_their_joint(self, tmp_path):
+        history = make_history(tmp_path / "a.h5")
+        event = pd.DataFrame({"kind": ["shear"], "joint": [3], "time_s": [0.1]})
+        table = events_table(replace(history, events=event))
+        assert_allclose(table.loc[0, "joint_x_m"], history.joints.loc[3, "x_m"])
+        assert list(table.columns[:3]) == ["time_s", "joint", "kind"]
+
+    def test_files_read_back(self, history, tmp_path):
+        assert main(["run", str(history.path), "--out", str(tmp_path / "t" / "one")]) == 0
+        assert main(["summary", str(history.path), "--out", str(tmp_path / "t" / "summary.csv")]) == 0
+        assert sorted(path.name for path in (tmp_path / "t").iterdir()) == [
+            "one_events.csv", "one_index.csv", "one_joints.csv", "summary.csv"]
+        index = pd.read_csv(tmp_path / "t" / "one_index.csv")
+        assert_allclose(index["DI"], history.index()["DI"], rtol=1e-8)  # nine digits are written
+
+    def test_a_file_that_is_no_history_is_told_in_one_line(self, tmp_path, capsys):
+        (tmp_path / "a.h5").write_text("x")
+        assert main(["summary", str(tmp_path / "a.h5"), "--out", str(tmp_path / "s.csv")]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
+FAKE_YADE = '''
+import sys, time
+from pathlib import Path
+sys.path[:0] = [{tests!r}, {repository!r}]
+from small_history import make_history
+words = sys.argv[1:]
+assert words[:2] == ["-n", "-j1"] and words[-2:] == ["--overwrite", "--no-pictures"], words
+with open({calls!r}, "a") as calls:
+    calls.write(" ".join(words[3:-4]) + "\\n")
+rest = float(words[words.index("--rest") + 1])
+out = Path(words[words.index("--out") + 1])
+make_history(out, overwrite=True, status="unfinished" if rest in (3, 4) else "complete")
+print("wall w  motion   t =   1.00 of 2.00 s  DI = 0.012  0:07 left", flush=True)
+time.sleep(60 if rest == 4 else 0)
+sys.exit(3 if rest == 2 else 0)
+'''
+
+
+class Batches:
+    """Runs run_all.sh on studies in a folder, with a yade that writes small histories.
+
+    The length of the rest tells it what to do: 2 fails, 3 leaves an unfinished history, 4 takes a
+    minute, anything else is done at once.
+    """
+
+    def __init__(self, folder):
+        self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of it"
+        (folder / "bin").mkdir()
+        (folder / "yade.py").write_text(FAKE_YADE.format(
+            tests=str(REPOSITORY / "tests"), repository=str(REPOSITORY), calls=str(self.calls)))
+        yade = folder / "bin" / "yade"
+        yade.write_text(f'#!/bin/sh\nexec {sys.executable} {folder / "yade.py"} "$@"\n')
+        yade.chmod(0o755)
+
+    def study(self, **rests):
+        runs = [f'[[runs]]\nid = "{name}"\n{WALL}options = {{ rest = {rest} }}\n'
+                for name, rest in rests.items()]
+        return write_study(self.folder, 'name = "s"\n' + "".join(runs))
+
+    def command(self, study, *words):
+        return [str(REPOSITORY / "run_all.sh"), study.name, "--out", self.out.name, "-j2", *words]
+
+    def options(self):
+        path = f"{self.folder / 'bin'}{os.pathsep}{os.environ['PATH']}"
+        return {"cwd": self.folder, "text": True, "env": {
+            **os.environ, "PATH": path, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"}}
+
+    def run(self, study, *words):
+        """Run a batch to its end; returns the completed process and the rests that yade was run with."""
+        self.calls.write_text("")
+        done = subprocess.run(self.command(study, *words), capture_output=True, timeout=300, **self.options())
+        return done, sorted(line.split()[-1] for line in self.calls.read_text().splitlines())
+
+    def start(self, study):
+        """Start a batch and wait until yade runs."""
+        self.calls.write_text("")
+        process = subprocess.Popen(self.command(study), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   **self.options())
+        wait_until(lambda: self.calls.read_text())
+        return process
+
+
+def wait_until(condition, at_most_s=60):
+    until = time.monotonic() + at_most_s
+    while not condition():
+        assert time.monotonic() < until, "waited in vain"
+        time.sleep(0.1)
+
+
+def running(folder):
+    """Command lines of the processes that name this folder."""
+    lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
+    return [line for line in lines if str(folder) in line]
+
+
+@pytest.fixture
+def batches(tmp_path):
+    pytest.importorskip("snakemake")
+    return Batches(tmp_path)
+
+
+@pytest.mark.slow
+class TestBatch:
+    def test_histories_tables_and_pictures_and_nothing_twice(self, batches):
+        study = batches.study(a=1, b=1.5)
+        done, calls = batches.run(study)
+        assert (done.returncode, calls) == (0, ["1", "1.5"]), done.stderr
+        assert "study s: 2 of 2 runs done" in done.stdout and str(batches.out / "pictures") in done.stdout
+        assert "a_yade: 50 %, 0:07 left" in done.stdout
+        summary = pd.read_csv(batches.out / "tables" / "summary.csv")
+        assert list(summary["run"]) == ["a_yade", "b_yade"]
+        pictures = (batches.out / "pictures" / "a_yade").glob("[!.]*")
+        assert {path.suffix for path in pictures} == {".png", ".pdf"}
+        assert sorted(path.name for path in batches.folder.iterdir()) == [
+            "bin", "calls", "out of it", "study.toml", "yade.py"]
+        again, calls = batches.run(study)
+        assert (again.returncode, calls) == (0, []), again.stderr
+        assert "a_yade" in again.stdout
+
+    def test_failing_runs_stop_no_other_and_are_named_with_their_logs(self, batches):
+        done, calls = batches.run(batches.study(good=1, fails=2, unfinished=3))
+        assert (done.returncode, calls) == (1, ["1", "2", "3"])
+        logs = batches.out / "logs"
+        assert f"failed: fails_yade; see {logs / 'fails_yade.log'}" in done.stderr
+        assert f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} " \
+               "(error: the history is marked unfinished" in done.stderr
+        assert "good" not in done.stderr
+        assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["run"]) == ["good_yade"]
+        assert [path.name for path in (batches.out / "runs").glob("*.h5") if ".part." not in path.name] == [
+            "good_yade.h5"]
+        mended, calls = batches.run(batches.study(good=1, fails=1.5, unfinished=1.6))
+        assert (mended.returncode, calls) == (0, ["1.5", "1.6"]), mended.stderr
+        assert len(pd.read_csv(batches.out / "tables" / "summary.csv")) == 3
+
+    def test_only_what_a_changed_parameter_touches_is_done_again(self, batches):
+        batches.run(batches.study(a=1, b=1.5))
+        untouched = (batches.out / "pictures" / "a_yade" / "drift.png").stat().st_mtime_ns
+        done, calls = batches.run(batches.study(a=1, b=1.7))
+        assert (done.returncode, calls) == (0, ["1.7"]), done.stderr
+        assert (batches.out / "pictures" / "a_yade" / "drift.png").stat().st_mtime_ns == untouched
+
+    def test_a_folder_belongs_to_one_study(self, batches):
+        batches.run(batches.study(a=1))
+        text = batches.study(a=1).read_text()
+        other = write_study(batches.folder, text.replace('"s"', '"other"'), "other.toml")
+        done, calls = batches.run(other)
+        assert (done.returncode, calls, done.stderr.count("\n")) == (2, [], 1)
+        assert "holds the study 's', not 'other'" in done.stderr
+
+    @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+    def test_an_interrupt_ends_all_and_the_next_call_goes_on(self, batches, name):
+        process = batches.start(batches.study(a=4, b=1))
+        log = batches.out / "logs" / "snakemake.log"
+        wait_until(lambda: "1 of 8 steps" in log.read_text())  # b is done and noted
+        process.send_signal(getattr(signal, name))
+        _, told = process.communicate(timeout=60)
+        assert process.returncode == 130 and "goes on from here" in told
+        assert running(batches.folder) == []
+        done, calls = batches.run(batches.study(a=1.2, b=1))
+        assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
+
+    def test_after_a_kill_the_next_call_goes_on_at_once(self, batches):
+        process = batches.start(batches.study(a=4))
+        process.kill()
+        process.communicate(timeout=60)
+        done, calls = batches.run(batches.study(a=1.2))
+        assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
+        assert running(batches.folder) == []
+
+    def test_a_second_batch_in_the_same_folder_is_refused(self, batches):
+        process = batches.start(batches.study(a=4))
+        done = subprocess.run(batches.command(batches.folder / "study.toml"), capture_output=True,
+                              **batches.options())
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        assert done.returncode == 2 and "another batch is at work" in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.yade
+@pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
+def test_a_study_with_yade_itself(tmp_path):
+    (tmp_path / "tiny.py").write_text(
+        "import sys\n"
+        f"sys.path.insert(0, {str(REPOSITORY)!r})\n"
+        "from damage import Wall\n"
+        "def wall():\n    return Wall(name='tiny', length=0.45, height=0.15)\n"
+        "if __name__ == '__main__':\n    from yade_scripts.run import main\n    main(wall)\n")
+    study = write_study(tmp_path, 'name = "tiny"\n[[runs]]\nwall = "tiny.py"\n'
+                        'options = { harmonic = [0.05, 0.05], cycles = 1, rest = 0.05 }\n')
+    done = subprocess.run([REPOSITORY / "run_all.sh", study, "--out", tmp_path / "out"], timeout=300,
+                          capture_output=True, text=True, env={**os.environ, "PYTHON": sys.executable})
+    assert done.returncode == 0, done.stderr
+    summary = pd.read_csv(tmp_path / "out" / "tables" / "summary.csv")
+    assert summary.loc[0, "run"] == "tiny_harmonic-0.05-0.05_cycles-1_rest-0.05_yade"
+    assert (summary.loc[0, "solver"], summary.loc[0, "status"]) == ("yade", "complete")

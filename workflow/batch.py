@@ -1,0 +1,212 @@
+"""One study from its file to tables and pictures, by way of Snakemake; `run_all.sh` starts this.
+
+    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade]
+
+Exit status: 0 all done, 1 something failed, 2 bad input, 130 interrupted.
+"""
+
+import argparse
+import fcntl
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+from shared import MARK, ROOT, end_with_parent
+
+from damage.errors import InputError
+from damage.study import load_study
+from damage.tables import describe_table
+
+LOCK_PATIENCE_S = 10.0
+"""How long to wait for a folder that a killed batch's last processes may still hold [s]."""
+_STEPS = re.compile(r"(\d+) of (\d+) steps \(.*\) done")
+
+
+def main():
+    """Run one study; returns the exit status."""
+    parsed = _parse()
+    try:
+        study = load_study(parsed.study, parsed.solver)
+        folder = (parsed.out or ROOT / "results" / study.name).absolute()
+        lock = claim(folder, study)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    batch = Batch(study, folder, parsed.jobs, parsed.solver, lock)
+    print(f"study {study.name}{': ' if study.title else ''}{study.title}\n"
+          f"{len(study.runs)} runs, {parsed.jobs} at a time, into {folder}", flush=True)
+    status = batch.snakemake()
+    if status != 0 and not batch.interrupted and batch.simulated():
+        batch.snakemake("tables/summary.csv", partial="true")  # of the runs that are there
+    return report(batch, status)
+
+
+def _parse():
+    parser = argparse.ArgumentParser(prog="batch.py", description=__doc__.splitlines()[0])
+    parser.add_argument("study", type=Path)
+    parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--solver", default="yade", choices=("yade",))
+    return parser.parse_args()
+
+
+def claim(folder, study):
+    """Make the folder of a study and lock it for this batch; returns the open lock.
+
+    The lock is the operating system's: it ends with the processes that hold it, so none is ever
+    stale.  A folder belongs to one study, a copy of whose file it keeps.
+    """
+    kept = folder / "study.toml"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = open(folder / ".lock", "w")  # noqa: SIM115, open as long as the batch lives
+        _lock(lock, folder)
+        owner = load_name(kept)
+        if owner not in (None, study.name):
+            raise InputError(f"{folder} holds the study {owner!r}, not {study.name!r}; choose another --out")
+        shutil.copyfile(study.path, kept)
+        (folder / "logs").mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
+    return lock
+
+
+def _lock(lock, folder):
+    until = time.monotonic() + LOCK_PATIENCE_S
+    while True:
+        try:
+            return fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > until:
+                raise InputError(f"another batch is at work in {folder}; wait for its end, or choose "
+                                 "another --out") from None
+            time.sleep(0.2)
+
+
+def load_name(path):
+    """The name in a study file that a batch kept, None where there is none."""
+    found = re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text(encoding="utf-8"), re.M) \
+        if path.is_file() else None
+    return found and found[1]
+
+
+class Batch:
+    """A study on its way through Snakemake in one folder."""
+
+    def __init__(self, study, folder, jobs, solver, lock):
+        self.study, self.folder, self.jobs, self.solver, self.lock = study, folder, jobs, solver, lock
+        self.interrupted = False
+
+    def simulated(self):
+        """The runs whose histories are there."""
+        return [run for run in self.study.runs if (self.folder / "runs" / f"{run.id}.h5").exists()]
+
+    def snakemake(self, *targets, **config):
+        """Bring the targets up to date, all of them by default; returns Snakemake's exit status."""
+        process = subprocess.Popen(
+            self._command(targets, config), cwd=self.folder, env=self._environment(), text=True,
+            errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            pass_fds=(self.lock.fileno(),), process_group=0, preexec_fn=_prepare_child)
+        for name in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(name) != signal.SIG_IGN:  # as nohup leaves SIGHUP
+                signal.signal(name, lambda *_: self._interrupt(process))
+        with open(self.folder / "logs" / "snakemake.log", "a", buffering=1, encoding="utf-8") as log:
+            for line in process.stdout:
+                log.write(line)
+                self._show(line)
+        return process.wait()
+
+    def _command(self, targets, config):
+        config = {"study": json.dumps(str(self.study.path)), "solver": self.solver, **config}
+        return [sys.executable, "-m", "snakemake", *targets,
+                "--snakefile", str(ROOT / "workflow" / "Snakefile"), "--directory", str(self.folder),
+                "--cores", str(self.jobs), "--nolock", "--nocolor", "--keep-going", "--rerun-incomplete",
+                "--rerun-triggers", "mtime", "params", "input",
+                "--config", *(f"{key}={value}" for key, value in config.items())]
+
+    def _environment(self):
+        """This process's, with what Snakemake, matplotlib and YADE's IPython keep inside the folder."""
+        inside = self.folder / ".snakemake"
+        return {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg",
+                "XDG_CACHE_HOME": str(inside / "cache"), "MPLCONFIGDIR": str(inside / "matplotlib"),
+                "IPYTHONDIR": str(inside / "ipython")}
+
+    def _show(self, line):
+        """Print what is for people: the runs' own lines, and how far the study is."""
+        steps = _STEPS.match(line)
+        if line.startswith(MARK):
+            print(line[len(MARK):], end="", flush=True)
+        elif steps:
+            print(f"study {self.study.name}: {len(self.simulated())} of {len(self.study.runs)} runs "
+                  f"simulated, {steps[1]} of {steps[2]} steps done", flush=True)
+
+    def _interrupt(self, process):
+        """Pass an interrupt on to Snakemake and all that it runs."""
+        if not self.interrupted:
+            print("interrupted: ending what runs", file=sys.stderr, flush=True)
+        self.interrupted = True
+        try:
+            os.killpg(process.pid, signal.SIGINT)
+        except ProcessLookupError:
+            pass
+
+
+def _prepare_child():
+    """Snakemake heeds SIGINT even where this program was started without, and dies with it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    end_with_parent(signal.SIGKILL)
+
+
+def report(batch, status):
+    """Print the summary table, where things are and what failed; returns the exit status."""
+    folder, done = batch.folder, len(batch.simulated())
+    print(f"\nstudy {batch.study.name}: {done} of {len(batch.study.runs)} runs done")
+    if batch.interrupted:
+        print("interrupted: the same command goes on from here", file=sys.stderr)
+        return 130
+    failed = list(failures(batch))
+    if (folder / "tables" / "summary.csv").exists():
+        print(describe_table(pd.read_csv(folder / "tables" / "summary.csv")))
+        print(f"tables:   {folder / 'tables'}\npictures: {folder / 'pictures'}")
+    for what, log in failed:
+        print(f"failed: {what}; see {log}{last_words(log)}", file=sys.stderr)
+    if status != 0 and not failed:
+        print(f"failed: Snakemake, status {status}; see {folder / 'logs' / 'snakemake.log'}", file=sys.stderr)
+    return 1 if failed or status != 0 else 0
+
+
+def failures(batch):
+    """(what failed, its log) for every run that lacks its history, tables or pictures."""
+    folder, logs = batch.folder, batch.folder / "logs"
+    if not (folder / "tables" / "summary.csv").exists() and batch.simulated():
+        yield "summary", logs / "summary.log"
+    for run in batch.study.runs:
+        if not (folder / "runs" / f"{run.id}.h5").exists():
+            yield run.id, logs / f"{run.id}.log"
+            continue
+        for what, made in (("tables", folder / "tables" / f"{run.id}_joints.csv"),
+                           ("pictures", folder / "pictures" / run.id)):
+            if not made.exists():
+                yield f"{what} of {run.id}", logs / f"{run.id}_{what}.log"
+
+
+def last_words(log):
+    """The last line of a log, in brackets, where there is one."""
+    lines = log.read_text(encoding="utf-8", errors="replace").split("\n") if log.is_file() else []
+    lines = [line.strip() for line in lines if line.strip()]
+    return f" ({lines[-1][:200]})" if lines else ""
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except BrokenPipeError:  # the reader of a pipe went away, as `| head` does: all ends with this process
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)

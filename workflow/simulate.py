@@ -1,0 +1,141 @@
+"""One run of a study in YADE: logged, its progress told, its history put in place when it is whole.
+
+    simulate.py RUN --out FILE.h5 --log FILE.log -- walls/NAME.py [OPTIONS]
+
+The history grows in FILE.part.h5 and gets its name when YADE ended well and marked it complete, so a
+FILE.h5 is always a whole run.  Exit status: YADE's own; 1 where its history is not complete.
+"""
+
+import argparse
+import fcntl
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from shared import ROOT, end_with_parent, tell
+
+PATIENCE_S = 60.0
+"""How long an interrupted YADE may take to close its history before it is killed [s]."""
+EXIT_INTERRUPTED = 130
+_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.progress
+
+
+def main():
+    """Run one simulation; returns the exit status."""
+    end_with_parent(signal.SIGTERM)
+    run, out, log_path, words = _arguments()
+    part = out.with_name(f"{out.stem}.part.h5")
+    for folder in (out.parent, log_path.parent):
+        folder.mkdir(parents=True, exist_ok=True)
+    with open(log_path, "a+", buffering=1, encoding="utf-8") as log:
+        fcntl.flock(log, fcntl.LOCK_EX)  # a killed batch's YADE may still be closing its file
+        log.truncate(0)
+        status = _simulate(run, words, part, log)
+    if status == 0:
+        complaint = _not_whole(part)
+        if complaint is None:
+            os.replace(part, out)
+            tell(f"{run}: done")
+            return 0
+        with open(log_path, "a", encoding="utf-8") as log:
+            log.write(f"error: {complaint}\n")
+        status = 1
+    tell(f"{run}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}, see {log_path}")
+    return status
+
+
+def _arguments():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("run")
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--log", type=Path, required=True)
+    parser.add_argument("words", nargs="+")
+    parsed = parser.parse_args()
+    return parsed.run, parsed.out.absolute(), parsed.log.absolute(), parsed.words
+
+
+def _simulate(run, words, part, log):
+    """Run YADE into the file `part` with its output into `log`; returns its exit status."""
+    wall, *options = words
+    command = ["yade", "-n", "-j1", wall, *options, "--out", str(part), "--overwrite", "--no-pictures"]
+    tell(f"{run}: started")
+    with _Interrupts() as interrupts:
+        try:
+            yade = subprocess.Popen(
+                command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT, text=True, errors="replace",
+                env={**os.environ, "PYTHONUNBUFFERED": "1"},
+                pass_fds=(log.fileno(),),  # so that the lock lasts as long as YADE does
+                preexec_fn=lambda: end_with_parent(signal.SIGTERM))
+        except OSError as error:
+            log.write(f"error: yade does not start: {error.strerror}\n")
+            return 1
+        interrupts.go_to(yade)
+        _follow(run, yade.stdout, log)
+        status = yade.wait()
+    if interrupts.came and status != 0:
+        return EXIT_INTERRUPTED
+    if status < 0:
+        log.write(f"error: YADE was ended by signal {-status} ({signal.Signals(-status).name})\n")
+    return status if status >= 0 else 128 - status
+
+
+class _Interrupts:
+    """While this lasts, SIGINT and SIGTERM end YADE politely; an alarm kills it if it lingers."""
+
+    def __init__(self):
+        self.came, self._process = False, None
+
+    def __enter__(self):
+        for name in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(name, self._pass_on)
+        signal.signal(signal.SIGALRM, lambda *_: self._process.kill())
+        return self
+
+    def go_to(self, process):
+        """From now on interrupts go to this process; earlier ones are made up for."""
+        self._process = process
+        if self.came:
+            self._pass_on()
+
+    def _pass_on(self, *_):
+        self.came = True
+        if self._process is not None:
+            self._process.terminate()
+            signal.setitimer(signal.ITIMER_REAL, PATIENCE_S)
+
+    def __exit__(self, *_):
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+def _follow(run, lines, log):
+    """Copy YADE's lines into the log; tell its progress at every tenth, or once a minute."""
+    told_share, told_at = 0, time.monotonic()
+    for line in lines:
+        log.write(line)
+        progress = _PROGRESS.search(line)
+        if progress:
+            share = round(100 * float(progress[1]) / max(float(progress[2]), 1e-9))
+            if share >= told_share + 10 or time.monotonic() > told_at + 60:
+                told_share, told_at = share, time.monotonic()
+                tell(f"{run}: {share} %, {progress[3]} left")
+
+
+def _not_whole(part):
+    """Why the history is not a complete one, None where it is."""
+    from damage.errors import InputError  # late: this process must be ready for signals at once
+    from damage.reading import read_history
+
+    try:
+        status = read_history(part).status
+    except InputError as error:
+        return str(error)
+    return None if status == "complete" else f"the history is marked {status}; expected complete"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
