@@ -25,7 +25,8 @@ or the path of a study file of your own (.toml; copy studies/quick.toml).
 
 DIR gets runs/ (histories), tables/ (summary.csv and three tables a run), pictures/ and logs/.
 What is done is not done again: the same command goes on where an interrupted one stopped, and
-repeats only what a changed study file, wall or record touches.
+repeats only what a changed study file, wall or record touches.  To have tables or pictures made anew,
+delete their folder.
 
 Exit status: 0 all done, 1 a run failed, 2 bad input, 3 software is missing, 130 interrupted.
 END

@@ -168,7 +168,7 @@ def compare_joints(first, second):
     here, there = joint_states(first), joint_states(second)
     either = here["broken"] | there["broken"]
     both = here["broken"] & there["broken"]
-    shift = (here["first_break_s"] - there["first_break_s"])[both]
+    shift = (here["first_break_s"] - there["first_break_s"])[both].dropna()
     return {"broke_in_either": int(either.sum()), "broke_in_both": int(both.sum()),
             "kappa": cohens_kappa(here["state"][either], there["state"][either]),
             "same_state": int((here["state"] == there["state"])[either].sum()),

@@ -32,9 +32,29 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "energy_error_fraction": energy_error(series),
-        "initial_stiffness_n_per_m": None, "secant_stiffness_n_per_m": None,
-        "period_s": period_of(history),
+        "period_s": period_of(history), **_pushed(history),
     }
+
+
+INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
+"""Shares of the peak force at which the initial and the secant stiffness are taken, on first loading."""
+
+
+def _pushed(history):
+    """Peak force and stiffnesses of a quasi-static run, None for any other."""
+    names = ("peak_top_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
+    if history.parameters["loading"]["kind"] not in ("pushover", "cyclic"):
+        return dict.fromkeys(names)
+    # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
+    # the base feels less of the jolts of a prescribed top.
+    force = history.series["base_shear_n"].to_numpy()
+    displacement = history.series["top_displacement_m"].to_numpy()
+    peak = int(np.argmax(np.abs(force)))
+    values = [float(abs(force[peak])), float(abs(history.series["drift_ratio"].iloc[peak]))]
+    for share in (INITIAL_SHARE, SECANT_SHARE):
+        first = int(np.argmax(np.abs(force) >= share * values[0]))
+        values.append(float(force[first] / displacement[first]) if displacement[first] != 0 else None)
+    return dict(zip(names, values))
 
 
 def _largest(index):

@@ -41,7 +41,7 @@ def main():
         return 2
     batch = Batch(study, folder, parsed.jobs, parsed.solver, lock)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}\n"
-          f"{len(study.runs)} runs, {parsed.jobs} at a time, into {folder}", flush=True)
+          f"runs: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
     status = batch.snakemake()
     if status != 0 and not batch.interrupted and batch.simulated():
         batch.snakemake("tables/summary.csv", partial="true")  # of the runs that are there

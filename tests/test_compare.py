@@ -1,0 +1,98 @@
+"""Comparison of histories: each measure on cases whose answer is known."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from pytest import approx
+from small_history import make_history
+
+from damage.compare import TOLERANCES, cohens_kappa, compare, compare_drift, cycle_length, describe
+from damage.errors import InputError
+
+N = 1200
+TIME = 1e-3 * np.arange(N)
+
+
+def history(path, drift, **options):
+    """A motion and rest of 1.2 s with that drift, no settling."""
+    stages = options.pop("stages", ["motion"] * 200 + ["rest"] * (N - 200))
+    return make_history(path, stages=stages, step_s=1e-3, drift=drift, **options)
+
+
+def wave(amplitude=1e-3, period=0.1, late=0.0):
+    return amplitude * np.sin(2 * np.pi * (TIME - late) / period)
+
+
+def test_a_run_agrees_with_itself(tmp_path):
+    run = history(tmp_path / "a.h5", wave(), opening={0: 3e-4}, broken={0: 1}, at_limit={1: 1})
+    result = compare(run, [run])
+    assert result["agrees"] and result["drift"]["rms_whole"] == 0.0 and result["drift"]["lag_s"] == approx(0)
+    assert all(row["first"] == row["median"] for row in result["figures"].values())
+    assert "within the tolerances" in describe(result)
+    json.dumps(result)
+
+
+def test_drift_rms_is_the_relative_amplitude_of_the_difference(tmp_path):
+    first = history(tmp_path / "a.h5", wave(1.00e-3))
+    second = history(tmp_path / "b.h5", wave(1.01e-3))
+    assert compare_drift(first, second)["rms_before_failure"] == approx(0.01, rel=1e-6)
+    assert not compare_drift(first, second)["agrees"]
+
+
+def test_lag_of_a_late_copy(tmp_path):
+    first = history(tmp_path / "a.h5", wave() * np.exp(-3 * TIME))
+    second = history(tmp_path / "b.h5", wave(late=0.0044) * np.exp(-3 * (TIME - 0.0044)))
+    # The parabola through three samples of 1 ms finds the peak to a few hundredths of a sample.
+    assert compare_drift(first, second)["lag_s"] == approx(0.0044, abs=1e-4)
+
+
+def test_instant_of_divergence(tmp_path):
+    other = wave()
+    other[700:] += 1e-4
+    assert compare_drift(history(tmp_path / "a.h5", wave()),
+                         history(tmp_path / "b.h5", other))["diverged_at_s"] == approx(TIME[700], abs=1.1e-3)
+
+
+def test_cycle_length_is_that_of_the_rest(tmp_path):
+    drift = np.where(np.arange(N) < 200, wave(period=0.05), wave(period=0.21))
+    assert cycle_length(history(tmp_path / "a.h5", drift).series) == approx(0.21, rel=1e-3)
+
+
+def test_the_median_of_an_ensemble_is_judged(tmp_path):
+    first = history(tmp_path / "a.h5", wave(1.0e-3))
+    others = [history(tmp_path / f"{k}.h5", wave(scale * 1e-3)) for k, scale in enumerate((0.5, 0.99, 3.0))]
+    row = compare(first, others)["figures"]["max_drift_ratio"]
+    assert row["median"] == approx(0.99e-3, rel=1e-3) and row["agrees"]
+    assert row["range"] == approx([0.5e-3, 3e-3], rel=1e-3)
+
+
+@pytest.mark.parametrize(("factor", "agrees"), [(1.019, True), (1.022, False)])
+def test_tolerance_of_the_maximum_drift(tmp_path, factor, agrees):
+    first = history(tmp_path / "a.h5", wave(factor * 1e-3))
+    row = compare(first, [history(tmp_path / "b.h5", wave(1e-3))])["figures"]["max_drift_ratio"]
+    assert row["agrees"] is agrees
+
+
+def test_of_an_absolute_and_a_relative_tolerance_the_larger_holds():
+    tolerance = TOLERANCES["DI_open"]
+    assert tolerance.allowed(0.001) == 0.006 and tolerance.allowed(0.1) == approx(0.03)
+
+
+class TestKappa:
+    def test_full_agreement_and_none(self):
+        assert cohens_kappa([0, 1, 2, 3], [0, 1, 2, 3]) == 1.0
+        assert cohens_kappa([], []) is None
+
+    def test_by_hand(self):
+        # 2 x 2 table 20, 5, 10, 15: observed 0.7, by chance 0.5, kappa 0.4.
+        here = [0] * 25 + [1] * 25
+        there = [0] * 20 + [1] * 5 + [0] * 10 + [1] * 15
+        assert cohens_kappa(here, there) == approx(0.4)
+
+
+def test_runs_of_different_walls_are_not_compared(tmp_path):
+    run = history(tmp_path / "a.h5", wave())
+    with pytest.raises(InputError, match="one wall"):
+        compare(run, [dataclasses.replace(run, wall="another")])
