@@ -34,35 +34,47 @@ class ReferenceWall:
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
         self._held = None
+        self.refresh()
 
     # --- state, as arrays in the layout's order -------------------------------------------------
 
     @property
     def displacement(self):
         """(n_bodies, 3) [m, m, rad] since the wall was built."""
-        return self.system.place[:-1][:, [kernel.X, kernel.Z, kernel.TURN]]
+        return _columns(self.system.place[:-1], "x", "z", "turn")
 
     @property
     def velocity(self):
-        """(n_bodies, 3) half a step ago; assign into it."""
-        return self.system.velocity[:-1]
+        """(n_bodies, 3) [m/s, m/s, rad/s] half a step ago; can be assigned."""
+        return _columns(self.system.motion[:-1], "vx", "vz", "spin")
+
+    @velocity.setter
+    def velocity(self, values):
+        values = np.broadcast_to(values, (len(self.layout.bodies), 3))
+        for name, column in zip(("vx", "vz", "spin"), values.T):
+            self.system.motion[name][:-1] = column
+
+    @property
+    def force(self):
+        """Of the contacts on each body, the ground last: (n_bodies + 1, 3) [N, N, N m]."""
+        return _columns(self.system.place, "fx", "fz", "moment")
 
     @property
     def opening(self):
         """Opening past the broken bond (n_joints,) [m]."""
         joints = self.system.joints[:self.layout.n_joints]
-        return np.where(joints[:, kernel.BROKEN] > 0, np.maximum(joints[:, kernel.OPENING], 0.0), 0.0)
+        return np.where(joints["broken"], np.maximum(joints["opening"], 0.0), 0.0)
 
     @property
     def slip(self):
         """Plastic slip of the closed contacts (n_joints,) [m]."""
-        return self.system.joints[:self.layout.n_joints, kernel.SLIP]
+        return self.system.joints["slip"][:self.layout.n_joints]
 
     @property
     def state(self):
         """Bits BROKEN and AT_LIMIT (n_joints,)."""
         joints = self.system.joints[:self.layout.n_joints]
-        return (BROKEN * (joints[:, kernel.BROKEN] > 0) + AT_LIMIT * (joints[:, kernel.AT_LIMIT] > 0)).astype("u1")
+        return (BROKEN * joints["broken"] + AT_LIMIT * joints["at_limit"]).astype("u1")
 
     @property
     def energy(self):
@@ -79,9 +91,12 @@ class ReferenceWall:
         self.refresh()
 
     def refresh(self):
-        """Forces and stresses at the present places."""
-        kernel.contact_forces(self.system, self._constants(), self.step - self.first_step, self.time_step)
-        if not np.isfinite(self.system.force).all():
+        """Forces and stresses at the present places.
+
+        Stiffness-proportional damping sees no rate in the step that follows.
+        """
+        kernel.contact_forces(self.system, self._constants(), self.step - self.first_step, self.time_step, True)
+        if not np.isfinite(self.force).all():
             raise FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
                                      f"{self.time_step:.3g} s is too large for this wall")
 
@@ -108,75 +123,102 @@ class ReferenceWall:
     def hold(self, bodies, rotation):
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
         self._held = bodies
-        self.system.mass[bodies, kernel.FREE] = 0.0
-        self.system.velocity[bodies, 0] = 0.0
-        if rotation:
-            self.system.mass[bodies, kernel.FREE + 2] = 0.0
-            self.system.velocity[bodies, 2] = 0.0
+        motion = self.system.motion
+        for free, velocity in (("free_x", "vx"), *([("free_turn", "spin")] if rotation else [])):
+            motion[free][bodies] = motion[velocity][bodies] = 0.0
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the jump's work is input."""
-        old = self.system.velocity[self._held, 0]
-        self.energy[kernel.INPUT] += 0.5 * np.sum(self.layout.bodies.mass[self._held] * (velocity**2 - old**2))
-        self.system.velocity[self._held, 0] = velocity
+        old, mass = self.system.motion["vx"][self._held], self.layout.bodies.mass[self._held]
+        self.energy[kernel.INPUT] += 0.5 * np.sum(mass * (velocity**2 - old**2))
+        self.system.motion["vx"][self._held] = velocity
 
     def push_force(self):
         """Horizontal force that moves the held bodies [N], NaN where none are held."""
         if self._held is None:
             return np.nan
-        return -float(self.system.force[self._held, 0].sum())
+        return -float(self.system.place["fx"][self._held].sum())
 
     # --- what is measured -----------------------------------------------------------------------
 
     def base_force(self):
         """Horizontal and downward force of the wall on the ground [N]."""
-        force = self.system.force[-1]
+        force = self.force[-1]
         return float(force[0]), float(-force[1])
 
     def unbalanced_force(self):
         """Mean resultant on a body, weight included, over the mean contact force [-]."""
-        mass, force = self.layout.bodies.mass, self.system.force[:-1]
+        mass, force = self.layout.bodies.mass, self.force[:-1]
         resultant = np.hypot(force[:, 0], force[:, 1] - GRAVITY * mass)
-        joints, area = self.system.joints, self.layout.contacts.area
-        contact = np.hypot(joints[:, kernel.SIGMA], joints[:, kernel.TAU]) * area
+        joints = self.system.joints
+        contact = np.hypot(joints["sigma"], joints["tau"]) * self.layout.contacts.area
         return float(resultant.mean() / contact.mean())
 
     def kinetic_energy(self, base_acceleration=(0.0, 0.0)):
         """At the instant of the places: velocities are carried half a step on [J]."""
-        bodies = self.layout.bodies
-        mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
+        motion = self.system.motion[:-1]
+        mass = _columns(motion, "mass", "mass", "inertia")
+        free = _columns(motion, "free_x", "free_z", "free_turn")
         field = np.array([-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0])
-        moves = self.system.mass[:-1, kernel.FREE:]
-        speed = self.velocity + self.time_step / 2 * (self.system.force[:-1] / mass + field) * moves
+        speed = self.velocity + self.time_step / 2 * (self.force[:-1] * free + field * (free != 0))
         return 0.5 * float(np.sum(mass * speed**2))
 
     def elastic_energy(self):
         """Of all contacts [J]."""
         contacts, joints = self.layout.contacts, self.system.joints
         return float(np.sum(contacts.area * elastic_energy(
-            joints[:, kernel.SIGMA], joints[:, kernel.TAU], contacts.normal_stiffness, contacts.shear_stiffness)))
+            joints["sigma"], joints["tau"], contacts.normal_stiffness, contacts.shear_stiffness)))
+
+
+def _columns(table, *names):
+    """Fields of a structured array as columns (n, len(names))."""
+    return np.column_stack([table[name] for name in names])
+
+
+def _table(dtype, n, **fields):
+    """A structured array of n rows; fields that are not given are zero."""
+    table = np.zeros(n, dtype)
+    for name, values in fields.items():
+        table[name][:len(values)] = values
+    return table
 
 
 def _make_system(layout):
     """The kernel's tables for a wall at rest."""
     contacts, bodies = layout.contacts, layout.bodies
     n, m = len(contacts), len(bodies)
-    x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
-    ends = [np.where(body == GROUND, m, body) for body in (contacts.first, contacts.second)]
-    joint = layout.wall.joint
-    table = np.column_stack([
-        *(arm for end in ends for arm in (contacts.x - x[end], contacts.z - z[end])),
-        contacts.kind == HEAD, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness,
-        np.where(contacts.elastic, np.inf, joint.tensile_strength),
-        np.where(contacts.elastic, np.inf, joint.cohesion)])
-    mass = np.zeros((m + 1, 5))
-    mass[:m] = np.column_stack([bodies.mass, bodies.inertia, np.ones((m, 3))])
+    pairs, middle = _make_pairs(layout)
+    joint, area = layout.wall.joint, contacts.area
+    # Offsets turn with the joint's axes: along +x in bed joints, along -z in head joints.
+    offset = np.where(contacts.kind == HEAD, middle[1] - contacts.z, contacts.x - middle[0])
+    strengths = [np.where(contacts.elastic, np.inf, strength) * area
+                 for strength in (joint.tensile_strength, joint.cohesion)]
     return kernel.System(
-        ends=np.column_stack(ends).astype(np.int64), contacts=np.ascontiguousarray(table, float),
-        joints=np.zeros((n, 8)), place=np.zeros((m + 1, 5)), velocity=np.zeros((m + 1, 3)),
-        force=np.zeros((m + 1, 3)), mass=mass, energy=np.zeros(4),
-        events=np.zeros((_CAPACITY, 3), np.int64), values=np.zeros((_CAPACITY, 4)),
+        pairs=pairs,
+        contacts=_table(kernel.CONTACT, n, offset=offset, kn=contacts.normal_stiffness * area,
+                        ks=contacts.shear_stiffness * area, ft=strengths[0], cohesion=strengths[1], area=area),
+        joints=np.zeros(n, kernel.JOINT), place=np.zeros(m + 1, kernel.PLACE),
+        motion=_table(kernel.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, free_x=1 / bodies.mass,
+                      free_z=1 / bodies.mass, free_turn=1 / bodies.inertia),
+        energy=np.zeros(4), events=np.zeros((_CAPACITY, 3), np.int64), values=np.zeros((_CAPACITY, 4)),
         n_events=np.zeros(1, np.int64))
+
+
+def _make_pairs(layout):
+    """Table of the pairs of bodies, whose contacts the layout gives one after the other; and the middle
+    (x, z) of its pair for every contact."""
+    contacts, bodies = layout.contacts, layout.bodies
+    first = np.where(contacts.first == GROUND, len(bodies), contacts.first)
+    changes = np.any([np.diff(first) != 0, np.diff(contacts.second) != 0], axis=0)
+    start = np.append(0, np.flatnonzero(changes) + 1)
+    stop = np.append(start[1:], len(contacts))
+    middle = [(np.minimum.reduceat(place, start) + np.maximum.reduceat(place, start)) / 2
+              for place in (contacts.x, contacts.z)]
+    x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
+    a, b = first[start], contacts.second[start]
+    pairs = _table(kernel.PAIR, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
+                   bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.kind[start] == HEAD)
+    return pairs, [np.repeat(values, stop - start) for values in middle]
 
 
 def choose_time_step(settings, critical_s):

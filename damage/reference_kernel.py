@@ -5,8 +5,13 @@ of the base; the last body is the ground and never moves.  Forces of a contact a
 two points, and its axes turn with the mean rotation of both bodies: this makes them the gradient of
 the contact's elastic energy, and keeps linear and angular momentum.
 
-What belongs to one contact or one body lies side by side in one row of a table, whose columns are
-named below: the step is bound by memory, and this is what makes it fast.
+All contacts between two bodies, a pair, lie on one line.  Along the mean axes their points then slide
+equally, and open by what the line's middle opens plus offset times sin(difference of rotations).  This
+is exact, and the geometry is worked out once a pair, not once a contact.
+
+The joint law is homogeneous in the area: given stiffnesses and strengths times area, it returns forces
+and energies.  Between two of its decisions a contact is a linear spring, which changes no state; so
+only springs beyond what is left of their strength are shown to the law.
 """
 
 from typing import NamedTuple
@@ -18,40 +23,48 @@ from damage import joint_law
 from damage.joint_law import INTACT, ContactState, LawParameters
 
 OPENED, SLIPPED = 3, 4  # event kinds beside joint_law's TENSION and SHEAR
+INPUT, FRICTION, FRACTURE, DAMPING = range(4)  # entries of `energy` [J]
 
-# Columns of `contacts`: arms from the bodies' centres to the point [m], head joint or not, area [m2],
-# stiffnesses [Pa/m], strengths [Pa].
-ARM_AX, ARM_AZ, ARM_BX, ARM_BZ, HEAD, AREA, KN, KS, FT, COHESION = range(10)
-# Columns of `joints`: opening (also negative) and shear displacement [m], stresses [Pa], plastic slip
-# [m], flags, bits of first passings (1 opened, 2 slipped).
-OPENING, SHEAR, SIGMA, TAU, SLIP, BROKEN, AT_LIMIT, PASSED = range(8)
-# Columns of `place`: displacement [m], cos - 1 and sin of the rotation, rotation [rad].
-X, Z, COS1, SIN, TURN = range(5)
-# Columns of `mass`: mass [kg], inertia [kg m2], and whether x, z, rotation move by their forces.
-MASS, INERTIA, FREE = 0, 1, 2
-# Entries of `energy` [J].
-INPUT, FRICTION, FRACTURE, DAMPING = range(4)
 
-_compile = njit(cache=True, error_model="numpy", nogil=True)
-_inline = njit(error_model="numpy", inline="always")
+def _row(reals, **others):
+    return np.dtype([(name, np.float64) for name in reals.split()] + list(others.items()), align=True)
+
+
+# Bodies a and b and the arms from their centres to the middle of their contacts [m]; contacts start to
+# stop - 1; head joint or not.
+PAIR = _row("ax az bx bz", a=np.uint32, b=np.uint32, start=np.uint32, stop=np.uint32, head=np.uint64)
+# Offset from the pair's middle, along +x in bed and -z in head joints [m]; stiffnesses times area [N/m];
+# strengths left times area [N], zero once broken; shear displacement [m] and force [N] when the law last
+# changed them; area [m2].
+CONTACT = _row("offset kn ks ft cohesion shear0 tau0 area")
+# For readers: opening (also negative) and shear displacement [m], stresses [Pa], all of the last step of
+# a run; plastic slip [m]; flags; bits of first passings (1 opened, 2 slipped).
+JOINT = _row("opening shear sigma tau slip", broken=np.bool_, at_limit=np.bool_, passed=np.uint8)
+# Displacement [m], cos - 1 and sin of the rotation, force [N], moment [N m], rotation [rad].
+PLACE = _row("x z cos1 sin fx fz moment turn")
+# Velocity half a step ago [m/s], [rad/s]; mass [kg], inertia [kg m2]; their inverses by which x, z and
+# rotation follow their forces, zero where the velocity is prescribed.
+MOTION = _row("vx vz spin mass inertia free_x free_z free_turn")
+
+# Fused multiply-adds, which round once instead of twice, are all the freedom given, and neither springs
+# nor law have it: to the last bit they agree with each other, and a contact at its limit stays there.
+_compile = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+_exactly = njit(cache=True, error_model="numpy", nogil=True)
 
 
 class System(NamedTuple):
-    """Tables of one wall; `n` contacts, `m` bodies and the ground after them.
+    """Tables of one wall, a row each: pairs (PAIR), contacts (CONTACT) in the order of their pairs,
+    joints (JOINT) beside contacts, place (PLACE) and motion (MOTION) of the bodies and the ground.
 
-    ends: (n, 2) bodies of each contact; contacts: (n, 10); joints: (n, 8); place: (m + 1, 5);
-    velocity: (m + 1, 3) half a step ago; force: (m + 1, 3); mass: (m + 1, 5);
     energy: (4,); events: (capacity, 3) step, joint, kind; values: (capacity, 4) normal and shear
     stress [Pa], opening and slip [m]; n_events: (1,).
     """
 
-    ends: np.ndarray
+    pairs: np.ndarray
     contacts: np.ndarray
     joints: np.ndarray
     place: np.ndarray
-    velocity: np.ndarray
-    force: np.ndarray
-    mass: np.ndarray
+    motion: np.ndarray
     energy: np.ndarray
     events: np.ndarray
     values: np.ndarray
@@ -75,69 +88,104 @@ def run_steps(system, constants, base, gravity, first_step, n_steps, dt):
     """Advance `n_steps` steps.
 
     base: (k, 2) base acceleration by step [m/s2], zero beyond its end; gravity: (k,) [m/s2] by step,
-    its last value holds beyond its end.
+    its last value holds beyond its end.  Call `contact_forces` once before the first run: out of numba's
+    cache, runs then use its own machine code instead of a slower copy that is part of this function.
     """
     for step in range(first_step, first_step + n_steps):
         ax = base[step, 0] if step < len(base) else 0.0
         az = base[step, 1] if step < len(base) else 0.0
-        contact_forces(system, constants, step, dt)
+        contact_forces(system, constants, step, dt, step == first_step + n_steps - 1)
         integrate(system, constants, ax, az + gravity[min(step, len(gravity) - 1)], ax, az, dt)
 
 
 @_compile
-def contact_forces(system, constants, step, dt):
-    """Forces on every body at the present places; calling it twice changes nothing."""
-    place, contacts, joints, force, ends = (system.place, system.contacts, system.joints, system.force,
-                                            system.ends)
-    force[:] = 0.0
-    friction_work = fracture_work = damping_work = 0.0
-    for i in range(len(ends)):
-        a, b = ends[i, 0], ends[i, 1]
-        # Arms to the contact's two points, turned with their bodies, and how far the points are apart.
-        rax, raz, rbx, rbz = contacts[i, ARM_AX], contacts[i, ARM_AZ], contacts[i, ARM_BX], contacts[i, ARM_BZ]
-        ca, sa, cb, sb = place[a, COS1], place[a, SIN], place[b, COS1], place[b, SIN]
-        dax, daz = ca * rax - sa * raz, sa * rax + ca * raz
-        dbx, dbz = cb * rbx - sb * rbz, sb * rbx + cb * rbz
-        dx, dz = place[b, X] - place[a, X] + dbx - dax, place[b, Z] - place[a, Z] + dbz - daz
-        # Along the joint's axes, turned by the mean rotation.
-        c, s = 1.0 + 0.5 * (ca + cb), 0.5 * (sa + sb)
-        along_x, along_z = c * dx + s * dz, c * dz - s * dx
-        head = contacts[i, HEAD] != 0.0
-        opening, shear = (along_x, along_z) if head else (along_z, along_x)
-        # The joint law.
-        law = LawParameters(contacts[i, KN], contacts[i, KS], contacts[i, FT], contacts[i, COHESION],
-                            constants.friction)
-        old = ContactState(joints[i, SIGMA], joints[i, TAU], joints[i, SLIP], joints[i, BROKEN] != 0.0,
-                           joints[i, AT_LIMIT] != 0.0, 0.0, 0.0)
-        increment = shear - joints[i, SHEAR]
-        new, event = joint_law.advance(opening, increment, old, law)
-        area = contacts[i, AREA]
+def contact_forces(system, constants, step, dt, keep=True):
+    """Forces on every body at the present places; calling it twice changes nothing.
+
+    keep: write opening, shear displacement and stresses of every contact into `joints`.
+    """
+    pairs, contacts, place, friction = system.pairs, system.contacts, system.place, constants.friction
+    by_law = keep or constants.beta > 0.0
+    for k in range(len(place)):
+        body = place[k]
+        body.fx = body.fz = body.moment = 0.0
+    for p in range(len(pairs)):
+        pair = pairs[p]
+        a, b = place[pair.a], place[pair.b]
+        # How the middle moves with either body, and how far its two places are apart.
+        dax, daz = a.cos1 * pair.ax - a.sin * pair.az, a.sin * pair.ax + a.cos1 * pair.az
+        dbx, dbz = b.cos1 * pair.bx - b.sin * pair.bz, b.sin * pair.bx + b.cos1 * pair.bz
+        dx, dz = (b.x - a.x) + (dbx - dax), (b.z - a.z) + (dbz - daz)
+        # Normal n and tangent t, turned by the mean rotation; opening and shear displacement.
+        c, s = 1.0 + 0.5 * (a.cos1 + b.cos1), 0.5 * (a.sin + b.sin)
+        if pair.head:
+            nx, nz, tx, tz = c, s, -s, c
+        else:
+            nx, nz, tx, tz = -s, c, c, s
+        middle, shear = nx * dx + nz * dz, tx * dx + tz * dz
+        turn = (b.sin - a.sin) + (b.sin * a.cos1 - a.sin * b.cos1)
+        # Normal force, shear force and couple of the pair's springs, or of the law.
+        normal = along = couple = 0.0
+        elastic = not by_law
+        for i in range(pair.start, pair.stop):
+            contact = contacts[i]
+            opening, sigma, tau = spring(contact, middle, shear, turn)
+            elastic &= (sigma <= contact.ft) & (abs(tau) < contact.cohesion - sigma * friction)
+            normal += sigma
+            along += tau
+            couple += sigma * contact.offset
+        if not elastic:
+            normal, along, couple = joint_forces(system, constants, step, dt, pair, middle, shear, turn)
+        # Force on a, its opposite on b, halfway between the middle's two places.
+        fx, fz, couple = nx * normal + tx * along, nz * normal + tz * along, couple * (c * c + s * s)
+        a.fx += fx
+        a.fz += fz
+        a.moment += (pair.ax + dax + 0.5 * dx) * fz - (pair.az + daz + 0.5 * dz) * fx + couple
+        b.fx -= fx
+        b.fz -= fz
+        b.moment -= (pair.bx + dbx - 0.5 * dx) * fz - (pair.bz + dbz - 0.5 * dz) * fx + couple
+
+
+@_exactly
+def spring(contact, middle, shear, turn):
+    """Opening, normal force and shear force of a contact while it stays elastic."""
+    opening = middle + contact.offset * turn
+    return opening, contact.kn * opening, contact.tau0 + contact.ks * (shear - contact.shear0)
+
+
+@_compile
+def joint_forces(system, constants, step, dt, pair, middle, shear, turn):
+    """The joint law for the contacts of a pair: their normal force, shear force and couple."""
+    normal = along = couple = 0.0
+    for i in range(pair.start, pair.stop):
+        contact, joint = system.contacts[i], system.joints[i]
+        opening, sigma, tau = spring(contact, middle, shear, turn)
+        new, event = judge(contact, joint, opening, shear, constants.friction)
         if new.broken:
-            friction_work += new.friction_work * area
-            fracture_work += new.fracture_work * area
-            log_joint(system, constants, step, i, event, opening, old.shear_stress + law[1] * increment, new)
+            log_joint(system, constants, step, i, event, opening, sigma, tau, new)
+            contact.ft = contact.cohesion = 0.0
+            if new.shear_stress != tau:
+                contact.shear0, contact.tau0 = shear, new.shear_stress
         sigma, tau = new.normal_stress, new.shear_stress
         if constants.beta > 0.0 and event == INTACT:
-            rate_sigma = constants.beta / dt * (sigma - old.normal_stress)
-            rate_tau = constants.beta / dt * (tau - old.shear_stress)
-            damping_work += (rate_sigma * (opening - joints[i, OPENING]) + rate_tau * increment) * area
+            rate_sigma = constants.beta / dt * (sigma - joint.sigma * contact.area)
+            rate_tau = constants.beta / dt * (tau - joint.tau * contact.area)
+            system.energy[DAMPING] += rate_sigma * (opening - joint.opening) + rate_tau * (shear - joint.shear)
             sigma, tau = sigma + rate_sigma, tau + rate_tau
-        joints[i, OPENING], joints[i, SHEAR] = opening, shear
-        joints[i, SIGMA], joints[i, TAU] = new.normal_stress, new.shear_stress
-        # Force on b, its opposite on a, in the middle of the two points.
-        normal, along = -sigma * area, -tau * area
-        fx = c * normal - s * along if head else c * along - s * normal
-        fz = s * normal + c * along if head else s * along + c * normal
-        rax, raz, rbx, rbz = rax + dax + 0.5 * dx, raz + daz + 0.5 * dz, rbx + dbx - 0.5 * dx, rbz + dbz - 0.5 * dz
-        force[a, 0] -= fx
-        force[a, 1] -= fz
-        force[a, 2] -= rax * fz - raz * fx
-        force[b, 0] += fx
-        force[b, 1] += fz
-        force[b, 2] += rbx * fz - rbz * fx
-    system.energy[FRICTION] += friction_work
-    system.energy[FRACTURE] += fracture_work
-    system.energy[DAMPING] += damping_work
+        joint.opening, joint.shear = opening, shear
+        joint.sigma, joint.tau = new.normal_stress / contact.area, new.shear_stress / contact.area
+        normal += sigma
+        along += tau
+        couple += sigma * contact.offset
+    return normal, along, couple
+
+
+@_exactly
+def judge(contact, joint, opening, shear, friction):
+    """The joint law of one contact, with the shear displacement since it last changed the contact."""
+    law = LawParameters(contact.kn, contact.ks, contact.ft, contact.cohesion, friction)
+    old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0)
+    return joint_law.advance(opening, shear - contact.shear0, old, law)
 
 
 @_compile
@@ -146,56 +194,69 @@ def integrate(system, constants, field_x, field_z, ax, az, dt):
 
     field: downward and backward acceleration of all masses; ax, az: the base's part of it.
     """
-    place, velocity, force, mass = system.place, system.velocity, system.force, system.mass
-    work = lost = 0.0
-    for body in range(len(mass) - 1):
-        for dof in range(3):
-            if mass[body, FREE + dof] == 0.0:  # the velocity is prescribed
-                work -= force[body, dof] * velocity[body, dof]
-                continue
-            m = mass[body, INERTIA] if dof == 2 else mass[body, MASS]
-            old = velocity[body, dof]
-            rate = force[body, dof] / m - (field_x if dof == 0 else (field_z if dof == 1 else 0.0))
-            taken = constants.alpha * old + constants.local * abs(rate) * np.sign(old)
-            new = old + dt * (rate - taken)
-            velocity[body, dof] = new
-            momentum = 0.5 * (old + new) * m
-            lost += taken * momentum
-            work -= (ax if dof == 0 else (az if dof == 1 else 0.0)) * momentum
-        place[body, X] += dt * velocity[body, 0]
-        place[body, Z] += dt * velocity[body, 1]
-        place[body, TURN] += dt * velocity[body, 2]
-        place[body, COS1], place[body, SIN] = rotation(place[body, TURN])
-    system.energy[INPUT] += work * dt
+    place, motion = system.place, system.motion
+    lost = momentum_x = momentum_z = pushed = 0.0
+    for k in range(len(place) - 1):
+        at, to = place[k], motion[k]
+        to.vx, momentum, loss = accelerate(to.vx, at.fx, to.mass, to.free_x, field_x, constants, dt)
+        momentum_x += momentum
+        lost += loss
+        to.vz, momentum, loss = accelerate(to.vz, at.fz, to.mass, to.free_z, field_z, constants, dt)
+        momentum_z += momentum
+        lost += loss
+        to.spin, momentum, loss = accelerate(to.spin, at.moment, to.inertia, to.free_turn, 0.0, constants, dt)
+        lost += loss
+        if to.free_x == 0.0:  # what moves it works against its force
+            pushed -= at.fx * to.vx
+        at.x += dt * to.vx
+        at.z += dt * to.vz
+        at.turn += dt * to.spin
+        at.cos1, at.sin = rotation(at.turn)
+    system.energy[INPUT] += (pushed - ax * momentum_x - az * momentum_z) * dt
     system.energy[DAMPING] += lost * dt
+
+
+@_compile
+def accelerate(old, force, mass, free, field, constants, dt):
+    """Velocity after a step, momentum in its middle, power lost; a prescribed velocity stays."""
+    if free == 0.0:
+        return old, 0.0, 0.0
+    rate = force * free - field
+    taken = constants.alpha * old
+    if constants.local > 0.0:  # against the motion
+        taken += constants.local * abs(rate) * (1.0 if old > 0.0 else (-1.0 if old < 0.0 else 0.0))
+    new = old + dt * (rate - taken)
+    momentum = 0.5 * (old + new) * mass
+    return new, momentum, taken * momentum
 
 
 @_compile
 def rotation(angle):
     """cos(angle) - 1 and sin(angle); by series where their remainder is below 1e-17."""
     square = angle * angle
-    if square < 1e-4:
-        return (-0.5 * square * (1.0 - square / 12.0 * (1.0 - square / 30.0)),
-                angle * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0))))
+    if square < 1e-4:  # constants in brackets: a product is cheaper than a division
+        return (-0.5 * square * (1.0 - square * (1 / 12) * (1.0 - square * (1 / 30))),
+                angle * (1.0 - square * (1 / 6) * (1.0 - square * (1 / 20) * (1.0 - square * (1 / 42)))))
     return np.cos(angle) - 1.0, np.sin(angle)
 
 
-@_inline
-def log_joint(system, constants, step, i, event, opening, trial, new):
-    """Keep the flags and the slip of a broken contact; log its break and first passings."""
-    joints = system.joints
-    joints[i, SLIP], joints[i, BROKEN] = new.slip, 1.0
-    joints[i, AT_LIMIT] = 1.0 if new.at_limit else 0.0
-    passed = int(joints[i, PASSED])
+@_exactly
+def log_joint(system, constants, step, i, event, opening, sigma, trial, new):
+    """Keep the flags and the slip of a broken contact; log its work, its break and first passings."""
+    contact, joint = system.contacts[i], system.joints[i]
+    joint.slip, joint.broken, joint.at_limit = new.slip, True, new.at_limit
+    system.energy[FRICTION] += new.friction_work
+    system.energy[FRACTURE] += new.fracture_work
+    passed = int(joint.passed)
     opens = opening > constants.threshold and not passed & 1
     slips = abs(new.slip) > constants.threshold and not passed & 2
     if event != INTACT or opens or slips:
-        joints[i, PASSED] = passed + opens + 2 * slips
+        joint.passed = passed + opens + 2 * slips
         log_events(system.events, system.values, system.n_events, step, i, event, opens, slips,
-                   system.contacts[i, KN] * opening, trial, max(opening, 0.0), new.slip)
+                   sigma / contact.area, trial / contact.area, max(opening, 0.0), new.slip)
 
 
-@_compile
+@_exactly
 def log_events(events, values, n_events, step, joint, event, opens, slips, sigma, tau, opening, slip):
     """Append events; those that do not fit are counted all the same, so that the caller sees it."""
     for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):

@@ -29,7 +29,8 @@ class ReferenceRun:
         self._zero = None
         if settings.perturb_m > 0:
             offsets = np.random.default_rng(settings.seed).normal(0, settings.perturb_m, (len(layout.bodies), 2))
-            self.wall.system.place[:-1, :2] += offsets
+            for name, offset in zip("xz", offsets.T):
+                self.wall.system.place[name][:-1] += offset
 
     @property
     def time(self):
@@ -67,7 +68,7 @@ class ReferenceRun:
             wall.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
         else:
             wall.local_damping = 0.0
-            wall.velocity[:] = getattr(loading, "top_velocity_m_s", 0.0) * first_mode
+            wall.velocity = getattr(loading, "top_velocity_m_s", 0.0) * first_mode
         wall.energy[:] = 0.0
         self._zero = wall.displacement.copy(), wall.elastic_energy()
         self.stage = "motion"
