@@ -207,3 +207,25 @@ def test_help_names_every_option(small_wall, yade_command):
     assert done.returncode == 0
     assert {"--harmonic", "--record", "--free-vibration", "--out", "--lintel", "--dt", "--perturb"} <= set(
         re.findall(r"--[a-z-]+", done.stdout))
+
+
+def test_a_loose_brick_is_caught_by_new_contacts(yade_command, tmp_path):
+    """Without collision detection it would fall through; YADE finds a new pair at 1 to 2 mm of overlap."""
+    done = yade_command(REPOSITORY / "tests/yade_checks/loose_brick.py", tmp_path / "result.npz")
+    assert done.returncode == 0, done.stdout + done.stderr
+    with np.load(tmp_path / "result.npz") as result:
+        assert result["contacts"] >= 2
+        assert result["height"].max() > 4.9e-3 and result["height"].min() > -4e-3
+        assert np.ptp(result["height"][-20:]) < 1e-4  # at rest
+
+
+def test_a_fallen_spandrel_ends_the_run_as_collapsed(yade_command, tmp_path):
+    out = tmp_path / "none.h5"
+    done = yade_command(REPOSITORY / "walls/symmetric.py", "--lintel", "none", "--harmonic", 0.2, 0.1, "--out", out,
+                        "--no-pictures")
+    assert done.returncode == 0 and "collapsed at" in done.stdout
+    history = damage.read_history(out)
+    assert history.complete and 0 < history.collapsed_at_s < 0.6
+    assert history.series.time_s.iloc[-1] == pytest.approx(history.collapsed_at_s, abs=0.02)
+    # A brick has dropped by half its height, 37.5 mm.
+    assert history.displacement[-1, :, 1].min() < -0.0375
