@@ -8,7 +8,7 @@ import json
 import os
 import platform
 import sys
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from pathlib import Path
 
 import h5py
@@ -147,7 +147,7 @@ def _write_run_attributes(file, layout, solver, parameters, versions):
                 "h5py": h5py.__version__, "hdf5": h5py.version.hdf5_version, **versions}
     run.attrs.update({
         "solver": solver, "wall": layout.wall.name, "command": " ".join(sys.argv),
-        "created_utc": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "created_utc": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{platform.system()} {platform.machine()}",
         "parameters_json": json.dumps(parameters, sort_keys=True),
         "versions_json": json.dumps(versions, sort_keys=True),

@@ -3,8 +3,8 @@
 import signal
 import sys
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Callable
 
 from damage.errors import InputError
 from damage.history import HistoryWriter, check_output

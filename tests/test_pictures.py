@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
-from small_history import STAGES_21, make_history, small_layout
+from small_history import make_history, small_layout
 
 from damage import pictures
 from damage.errors import InputError

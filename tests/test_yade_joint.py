@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY
 from numpy.testing import assert_allclose
+from scipy.integrate import trapezoid
 
 from damage.joint_law import ContactState, LawParameters, advance
 from damage.layout import BED, lay_out
@@ -105,7 +106,7 @@ def test_the_whole_path_follows_the_law(driven, name):
 def test_cyclic_shear_encloses_the_rectangle_of_friction(driven):
     path, yade, _ = driven["cycle"]
     last = slice(-801, None)  # two legs: one whole cycle
-    work = np.trapz(yade[last, 1], path[last, 1])
+    work = trapezoid(yade[last, 1], path[last, 1])
     peak = 0.5e6 * MU
     assert_allclose(abs(work), 2 * peak * (2 * 4e-5 - 2 * peak / KS), rtol=2 * TOLERANCE)
     assert_allclose(yade[last, 1].max(), peak, rtol=TOLERANCE)

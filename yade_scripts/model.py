@@ -9,9 +9,21 @@ area of its joint.  The contact normal is the line between the two cell centres.
 from dataclasses import dataclass
 
 import numpy as np
-from yade import (Bo1_Polyhedra_Aabb, ForceResetter, Ig2_Polyhedra_Polyhedra_ScGeom,
-                  InsertionSortCollider, InteractionLoop, Ip2_JCFpmMat_JCFpmMat_JCFpmPhys, JCFpmMat,
-                  Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM, NewtonIntegrator, O, Vector3, log, utils)
+from yade import (
+    Bo1_Polyhedra_Aabb,
+    ForceResetter,
+    Ig2_Polyhedra_Polyhedra_ScGeom,
+    InsertionSortCollider,
+    InteractionLoop,
+    Ip2_JCFpmMat_JCFpmMat_JCFpmPhys,
+    JCFpmMat,
+    Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM,
+    NewtonIntegrator,
+    O,
+    Vector3,
+    log,
+    utils,
+)
 
 from damage.layout import GROUND, HEAD
 
