@@ -13,6 +13,10 @@ from damage.records import aligned_with, read_record
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
+RAMP_S, HOLD_S, HOLD_AT_MOST_S = 0.2, 0.2, 3.0
+"""Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
+AT_REST = 1e-5
+"""Unbalanced force below which the static stage is over [-]."""
 SETTLE_S = 0.5
 """Length of the settling stage [s] and its local damping [-]: the residual is its last state."""
 LOCAL_DAMPING = 0.7

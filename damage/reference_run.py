@@ -3,16 +3,11 @@
 import numpy as np
 
 from damage.history import SNAPSHOT_SAMPLES
-from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.loading import TopDisplacement
-from damage.options import LOCAL_DAMPING, SAMPLE_S, SETTLE_S
+from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S, SETTLE_S
 from damage.reference import EVENT_KINDS, ReferenceWall
 from damage.units import GRAVITY
-
-RAMP_S, HOLD_S, HOLD_AT_MOST_S = 0.2, 0.2, 3.0
-"""Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
-AT_REST = 1e-5
-"""Unbalanced force below which the static stage is over [-]."""
+from damage.watch import has_collapsed, index_now
 
 
 class ReferenceRun:
@@ -144,11 +139,7 @@ class ReferenceRun:
             self.writer.event(start_s + step * self.wall.time_step, joint, EVENT_KINDS[kind], sigma, tau, opening, slip)
 
     def _watch(self, motion, drift):
-        """Note a collapse (a brick dropped by half its height) and the index for the progress line."""
-        bodies, n = self.layout.bodies, self.layout.n_bricks
-        if np.any(-motion[:n, 1] > bodies.height[:n] / 2):
+        """Note a collapse, and the index for the progress line."""
+        if has_collapsed(self.layout, motion):
             self.collapsed_at_s = self.time
-        length = self.layout.contacts.length[:self.layout.n_joints]
-        self.index = float(combine(min(1.0, drift_component(drift)),
-                                   length_fraction(self.wall.opening > THRESHOLD, length),
-                                   length_fraction(np.abs(self.wall.slip) > THRESHOLD, length)))
+        self.index = index_now(self.layout, drift, self.wall.opening, self.wall.slip)

@@ -46,7 +46,8 @@ def describe(summary):
         lines.append(f"energy error {100 * summary['energy_error_fraction']:.3f} % of the input")
     if summary["peak_top_force_n"] is not None:
         lines.append(f"peak force {summary['peak_top_force_n'] / 1e3:.1f} kN at "
-                     f"{100 * summary['drift_at_peak_force']:.4f} % drift; stiffness {summary['initial_stiffness_n_per_m'] / 1e6:.1f} kN/mm at first, "
+                     f"{100 * summary['drift_at_peak_force']:.4f} % drift; stiffness "
+                     f"{summary['initial_stiffness_n_per_m'] / 1e6:.1f} kN/mm at first, "
                      f"{summary['secant_stiffness_n_per_m'] / 1e6:.1f} kN/mm to 0.7 of the peak")
     if summary["period_s"] is not None:
         lines.append(f"period of the free vibration {summary['period_s']:.4f} s")

@@ -26,8 +26,8 @@ def symmetric_wall():
 def run_command(*words, **options):
     """Run a command from the repository with no screen; returns the completed process with text."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
-    return subprocess.run([str(word) for word in words], cwd=REPOSITORY, capture_output=True, text=True,
-                          env=environment, **{"timeout": 600, **options})
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True,
+                          env=environment, **{"timeout": 600, "cwd": REPOSITORY, **options})
 
 
 @pytest.fixture(scope="session")

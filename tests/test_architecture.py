@@ -12,7 +12,7 @@ LAYERS = [
     {"errors", "units"},
     {"parameters", "joint_law", "records"},
     {"layout", "loading", "intensity", "index"},
-    {"modes", "kinematics", "wall_file", "options", "energy", "progress", "study"},
+    {"modes", "kinematics", "wall_file", "options", "energy", "progress", "study", "watch"},
     {"history", "reference_kernel"},
     {"reading", "reference"},
     {"summary", "pictures", "wall_picture", "tables", "reference_run"},

@@ -105,8 +105,12 @@ class TestDamagedWall:
         tension = events[events.kind == "tension"]
         assert len(tension) > 0
         assert np.all(tension.normal_stress_pa > joint.tensile_strength)
-        # The trial stress overshoots by what one step adds, a few percent for most.
-        assert np.median(tension.normal_stress_pa) < 1.05 * joint.tensile_strength
+        # The stress overshoots by what one step adds: little at the first break, more in the waves that
+        # the breaks release.  No joint opens faster than the base moves, 0.07 m/s.
+        assert tension.normal_stress_pa.iloc[0] < 1.02 * joint.tensile_strength
+        stiffness = history.joints.normal_stiffness_pa_m[tension.joint].to_numpy()
+        one_step = 0.07 * stiffness * history.parameters["time_step_s"]
+        assert np.all(tension.normal_stress_pa < joint.tensile_strength + one_step)
         shear = events[events.kind == "shear"]
         strength = joint.cohesion - shear.normal_stress_pa * np.tan(joint.friction_angle)
         # The kinematic shear stress is the law's but for the tilt of YADE's normals.

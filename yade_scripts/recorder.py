@@ -8,9 +8,10 @@ import numpy as np
 from yade import O
 
 from damage.history import AT_LIMIT, BROKEN, SNAPSHOT_SAMPLES
-from damage.index import THRESHOLD, combine, drift_component, length_fraction
+from damage.index import THRESHOLD
 from damage.kinematics import ContactKinematics
 from damage.units import GRAVITY
+from damage.watch import has_collapsed, index_now
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.scene import SceneReader
 
@@ -170,11 +171,7 @@ class Recorder:
                 "damping_energy_j": self._undamped_balance - balance}
 
     def _watch(self, motion, drift):
-        """Note a collapse (a brick dropped by half its height) and the index for the progress line."""
-        bodies, n = self.layout.bodies, self.layout.n_bricks
-        if self.collapsed_at_s is None and np.any(-motion[:n, 1] > bodies.height[:n] / 2):
+        """Note a collapse, and the index for the progress line."""
+        if self.collapsed_at_s is None and has_collapsed(self.layout, motion):
             self.collapsed_at_s = self.time
-        length = self.layout.contacts.length[:self.layout.n_joints]
-        self.index = float(combine(min(1.0, drift_component(drift)),
-                                   length_fraction(self.tracker.opening > THRESHOLD, length),
-                                   length_fraction(np.abs(self.tracker.slip) > THRESHOLD, length)))
+        self.index = index_now(self.layout, drift, self.tracker.opening, self.tracker.slip)

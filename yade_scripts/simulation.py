@@ -6,17 +6,13 @@ import numpy as np
 from yade import O, PyRunner, Vector3, utils
 
 from damage.errors import InputError
-from damage.options import LOCAL_DAMPING, SAMPLE_S, SETTLE_S
+from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S, SETTLE_S
 from damage.units import GRAVITY
 from yade_scripts.model import build
 from yade_scripts.recorder import JOINT_STEPS, Recorder
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
-RAMP_S, HOLD_S, HOLD_AT_MOST_S = 0.2, 0.2, 3.0
-"""Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
-AT_REST = 1e-5
-"""Unbalanced force below which the static stage is over [-]."""
 _CHUNK = 500  # steps between two looks at interrupts and progress
 
 
