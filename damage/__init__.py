@@ -1,8 +1,15 @@
 """Damage of masonry walls under induced seismicity: walls, joint law, histories, damage index."""
 
+import sys
+
 from damage.errors import InputError
 from damage.parameters import Brick, Joint, ModelOptions, Opening, Wall
-from damage.reading import History, read_history
+
+try:
+    from damage.reading import History, read_history
+except ModuleNotFoundError as error:
+    raise ImportError(f"{sys.executable} has no {error.name}: on Debian use /usr/bin/python3, which has the "
+                      "packages after ./run_all.sh or tests/run.sh; elsewhere: pip install .") from None
 
 __version__ = "0.1.0"
 

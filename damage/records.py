@@ -341,7 +341,7 @@ def _obspy(path):
     except ImportError:
         raise InputError(
             f"{path}: miniSEED is read with obspy, which is missing;"
-            " run pip install obspy (the extra damage[obspy]) or give the record as CSV"
+            " run pip install obspy (the extra masonry-damage[obspy]) or give the record as CSV"
         ) from None
     return obspy
 

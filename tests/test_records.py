@@ -316,7 +316,7 @@ class TestMiniSeed:
         monkeypatch.setitem(sys.modules, "obspy", None)
         message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"))
         assert "pip install obspy" in message
-        assert "damage[obspy]" in message
+        assert "masonry-damage[obspy]" in message
 
 
 class TestScaling:
