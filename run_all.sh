@@ -13,14 +13,14 @@ shipped() {
 
 usage() {
     cat <<END
-usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade]
+usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both]
 
 STUDY is one of: $(shipped | paste -sd' ')
 or the path of a study file of your own (.toml; copy studies/quick.toml).
 
   -j N           simulations at a time (default: one for each core, here $(nproc))
   --out DIR      where everything goes (default: results/STUDY in the repository)
-  --solver yade  what simulates; the reference solver is not there yet
+  --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
   -h, --help     this help
 
 DIR gets runs/ (histories), tables/ (summary.csv and three tables a run), pictures/ and logs/.
@@ -67,9 +67,8 @@ done
 [ -n "$study" ] || fail "no study given: expected $(shipped | paste -sd' ') or a study file; see --help"
 [[ $jobs =~ ^[1-9][0-9]{0,3}$ ]] || fail "-j $jobs: expected a whole number, 1 or more; mend it"
 case $solver in
-    yade) ;;
-    reference | both) fail "--solver $solver: the reference solver is not there yet; use --solver yade" ;;
-    *) fail "--solver $solver: expected yade; mend it" ;;
+    yade | reference | both) ;;
+    *) fail "--solver $solver: expected yade, reference or both; mend it" ;;
 esac
 case $study in
     *.toml)

@@ -89,6 +89,7 @@ def _check_ids_differ(study):
 def load_study(path, solver="yade", root=REPOSITORY):
     """Read and check the study file at `path`; every run's options are tried now, not after hours.
 
+    solver: "yade", "reference", or "both", which makes every run twice.
     Raises InputError, which says what came, what was expected and how to mend it.
     """
     path = Path(path).absolute()
@@ -98,8 +99,9 @@ def load_study(path, solver="yade", root=REPOSITORY):
     if not isinstance(runs, list) or not all(isinstance(run, dict) for run in runs):
         raise InputError(f"{path}: runs is no list of tables; write one [[runs]] for each run")
     return Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
-                 runs=tuple(_load_run(run, f"{path}, run {number}", path.parent, solver, root)
-                            for number, run in enumerate(runs, start=1)))
+                 runs=tuple(_load_run(run, f"{path}, run {number}", path.parent, name, root)
+                            for number, run in enumerate(runs, start=1)
+                            for name in (("yade", "reference") if solver == "both" else (solver,))))
 
 
 def _read_toml(path):

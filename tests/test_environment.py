@@ -231,7 +231,7 @@ class TestRunAll:
         (("quick", "-j", "0"), "-j 0: expected a whole number"),
         (("quick", "-jmany"), "-j many: expected a whole number"),
         (("quick", "--out="), "--out without a value"),
-        (("quick", "--solver", "reference"), "the reference solver is not there yet"),
+        (("quick", "--solver", "udec"), "expected yade, reference or both"),
         (("quick", "--solver=udec"), "--solver udec: expected yade"),
     ], ids=str)
     def test_bad_command_lines_get_one_line_and_status_2(self, words, told):

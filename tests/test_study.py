@@ -348,7 +348,7 @@ class TestBatch:
 @pytest.mark.slow
 @pytest.mark.yade
 @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
-def test_a_study_with_yade_itself(tmp_path):
+def test_a_study_with_both_solvers(tmp_path):
     (tmp_path / "tiny.py").write_text(
         "import sys\n"
         f"sys.path.insert(0, {str(REPOSITORY)!r})\n"
@@ -357,9 +357,14 @@ def test_a_study_with_yade_itself(tmp_path):
         "if __name__ == '__main__':\n    from yade_scripts.run import main\n    main(wall)\n")
     study = write_study(tmp_path, 'name = "tiny"\n[[runs]]\nwall = "tiny.py"\n'
                         'options = { harmonic = [0.05, 0.05], cycles = 1, rest = 0.05 }\n')
-    done = subprocess.run([REPOSITORY / "run_all.sh", study, "--out", tmp_path / "out"], timeout=300,
+    done = subprocess.run([REPOSITORY / "run_all.sh", study, "--solver", "both", "--out", tmp_path / "out"],
+                          timeout=300,
                           capture_output=True, text=True, env={**os.environ, "PYTHON": sys.executable})
     assert done.returncode == 0, done.stderr
     summary = pd.read_csv(tmp_path / "out" / "tables" / "summary.csv")
-    assert summary.loc[0, "run"] == "tiny_harmonic-0.05-0.05_cycles-1_rest-0.05_yade"
-    assert (summary.loc[0, "solver"], summary.loc[0, "status"]) == ("yade", "complete")
+    name = "tiny_harmonic-0.05-0.05_cycles-1_rest-0.05"
+    assert list(summary["run"]) == [f"{name}_yade", f"{name}_reference"]
+    assert list(summary["solver"]) == ["yade", "reference"] and set(summary["status"]) == {"complete"}
+    drifts = summary["max_drift_ratio"]
+    # Elastic: the two sample at slightly different instants, 2 ms apart.
+    assert drifts[1] == pytest.approx(drifts[0], rel=0.02)

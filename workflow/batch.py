@@ -1,6 +1,6 @@
 """One study from its file to tables and pictures, by way of Snakemake; `run_all.sh` starts this.
 
-    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade]
+    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both]
 
 Exit status: 0 all done, 1 something failed, 2 bad input, 130 interrupted.
 """
@@ -53,7 +53,7 @@ def _parse():
     parser.add_argument("study", type=Path)
     parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count())
     parser.add_argument("--out", type=Path)
-    parser.add_argument("--solver", default="yade", choices=("yade",))
+    parser.add_argument("--solver", default="yade", choices=("yade", "reference", "both"))
     return parser.parse_args()
 
 

@@ -1,9 +1,9 @@
-"""One run of a study in YADE: logged, its progress told, its history put in place when it is whole.
+"""One run of a study: logged, its progress told, its history put in place when it is whole.
 
-    simulate.py RUN --out FILE.h5 --log FILE.log -- walls/NAME.py [OPTIONS]
+    simulate.py RUN [--solver yade|reference] --out FILE.h5 --log FILE.log -- walls/NAME.py [OPTIONS]
 
-The history grows in FILE.part.h5 and gets its name when YADE ended well and marked it complete, so a
-FILE.h5 is always a whole run.  Exit status: YADE's own; 1 where its history is not complete.
+The history grows in FILE.part.h5 and gets its name when the solver ended well and marked it complete,
+so a FILE.h5 is always a whole run.  Exit status: the solver's own; 1 where its history is not complete.
 """
 
 import argparse
@@ -19,22 +19,24 @@ from pathlib import Path
 from shared import ROOT, end_with_parent, tell
 
 PATIENCE_S = 60.0
-"""How long an interrupted YADE may take to close its history before it is killed [s]."""
+"""How long an interrupted solver may take to close its history before it is killed [s]."""
 EXIT_INTERRUPTED = 130
+COMMANDS = {"yade": ["yade", "-n", "-j1"], "reference": [sys.executable, "-m", "damage", "reference"]}
+"""What runs a wall file, by solver."""
 _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.progress
 
 
 def main():
     """Run one simulation; returns the exit status."""
     end_with_parent(signal.SIGTERM)
-    run, out, log_path, words = _arguments()
+    run, solver, out, log_path, words = _arguments()
     part = out.with_name(f"{out.stem}.part.h5")
     for folder in (out.parent, log_path.parent):
         folder.mkdir(parents=True, exist_ok=True)
     with open(log_path, "a+", buffering=1, encoding="utf-8") as log:
-        fcntl.flock(log, fcntl.LOCK_EX)  # a killed batch's YADE may still be closing its file
+        fcntl.flock(log, fcntl.LOCK_EX)  # a killed batch's solver may still be closing its file
         log.truncate(0)
-        status = _simulate(run, words, part, log)
+        status = _simulate(run, COMMANDS[solver], words, part, log)
     if status == 0:
         complaint = _not_whole(part)
         if complaint is None:
@@ -51,41 +53,42 @@ def main():
 def _arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("run")
+    parser.add_argument("--solver", default="yade", choices=COMMANDS)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--log", type=Path, required=True)
     parser.add_argument("words", nargs="+")
     parsed = parser.parse_args()
-    return parsed.run, parsed.out.absolute(), parsed.log.absolute(), parsed.words
+    return parsed.run, parsed.solver, parsed.out.absolute(), parsed.log.absolute(), parsed.words
 
 
-def _simulate(run, words, part, log):
-    """Run YADE into the file `part` with its output into `log`; returns its exit status."""
+def _simulate(run, program, words, part, log):
+    """Run the solver's program into the file `part` with its output into `log`; returns its exit status."""
     wall, *options = words
-    command = ["yade", "-n", "-j1", wall, *options, "--out", str(part), "--overwrite", "--no-pictures"]
+    command = [*program, wall, *options, "--out", str(part), "--overwrite", "--no-pictures"]
     tell(f"{run}: started")
     with _Interrupts() as interrupts:
         try:
-            yade = subprocess.Popen(
+            solver = subprocess.Popen(
                 command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT, text=True, errors="replace",
                 env={**os.environ, "PYTHONUNBUFFERED": "1"},
-                pass_fds=(log.fileno(),),  # so that the lock lasts as long as YADE does
+                pass_fds=(log.fileno(),),  # so that the lock lasts as long as the solver does
                 preexec_fn=lambda: end_with_parent(signal.SIGTERM))
         except OSError as error:
-            log.write(f"error: yade does not start: {error.strerror}\n")
+            log.write(f"error: {program[0]} does not start: {error.strerror}\n")
             return 1
-        interrupts.go_to(yade)
-        _follow(run, yade.stdout, log)
-        status = yade.wait()
+        interrupts.go_to(solver)
+        _follow(run, solver.stdout, log)
+        status = solver.wait()
     if interrupts.came and status != 0:
         return EXIT_INTERRUPTED
     if status < 0:
-        log.write(f"error: YADE was ended by signal {-status} ({signal.Signals(-status).name})\n")
+        log.write(f"error: {program[0]} was ended by signal {-status} ({signal.Signals(-status).name})\n")
     return status if status >= 0 else 128 - status
 
 
 class _Interrupts:
-    """While this lasts, SIGINT and SIGTERM end YADE politely; an alarm kills it if it lingers."""
+    """While this lasts, SIGINT and SIGTERM end the solver politely; an alarm kills it if it lingers."""
 
     def __init__(self):
         self.came, self._process = False, None
@@ -113,7 +116,7 @@ class _Interrupts:
 
 
 def _follow(run, lines, log):
-    """Copy YADE's lines into the log; tell its progress at every tenth, or once a minute."""
+    """Copy the solver's lines into the log; tell its progress at every tenth, or once a minute."""
     told_share, told_at = 0, time.monotonic()
     for line in lines:
         log.write(line)

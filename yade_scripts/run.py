@@ -1,9 +1,12 @@
 """Run one wall in YADE from the command line of `yade walls/NAME.py`."""
 
 import os
+import shutil
 import sys
+from pathlib import Path
 
 import yade
+from yade import O
 
 from damage.errors import InputError
 from damage.loading import TopDisplacement
@@ -18,8 +21,16 @@ def main(make_wall):
     status = run_session(solver, make_wall, sys.argv[1:], prog=f"yade {sys.argv[0]}")
     sys.stdout.flush()
     sys.stderr.flush()
+    _remove_scratch()
     # YADE would open its prompt here; its threads make an orderly exit slow and unsafe.
     os._exit(status)
+
+
+def _remove_scratch():
+    """Remove YADE's folder for temporary files, as YADE does when it exits by itself."""
+    scratch = Path(O.tmpFilename()).parent
+    if scratch.name.startswith("yade-"):
+        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _check(settings):
