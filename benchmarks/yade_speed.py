@@ -1,9 +1,7 @@
 """Inside YADE: seconds a step of the intact symmetric wall, for benchmarks/speed.py."""
 
-import os
 import sys
 import time
-import traceback
 from pathlib import Path
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
@@ -13,11 +11,12 @@ from yade import O
 from damage.layout import lay_out
 from damage.modes import natural_modes
 from damage.wall_file import load_wall
+from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import build
 from yade_scripts.simulation import STEP_FACTOR
 
-status = 1
-try:
+
+def main():
     layout = lay_out(load_wall("walls/symmetric.py"))
     step = STEP_FACTOR * natural_modes(layout).critical_time_step_s
     model = build(layout, step)
@@ -29,9 +28,6 @@ try:
         O.run(500, True)
         times.append((time.perf_counter() - start) / 500)
     print(f"speed {min(times)} {step}")
-    status = 0
-except Exception:
-    traceback.print_exc()
-sys.stdout.flush()
-sys.stderr.flush()
-os._exit(status)
+
+
+run_and_leave(main)

@@ -184,7 +184,8 @@ def _pushed(parsed):
                              "like 0.05,0.1,0.2") from error
         if cycles < 1:
             raise InputError(f"--cycles {cycles}: expected at least one cycle at each drift; mend it")
-    return TopDisplacement(drifts, cycles, parsed.boundary or "cantilever", parsed.speed or 5e-3)
+    return TopDisplacement(drifts, cycles, parsed.boundary or "cantilever",
+                           5e-3 if parsed.speed is None else parsed.speed)
 
 
 def _recorded(parsed):

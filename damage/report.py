@@ -2,6 +2,7 @@
 
 import sys
 
+from damage.options import AT_REST
 from damage.reading import read_history
 from damage.summary import summarise
 
@@ -12,6 +13,8 @@ def report(path, pictures=True):
     The history is complete by then: whatever fails here is told and loses nothing.
     """
     history = read_history(path)
+    for warning in static_warnings(history):
+        print(f"warning: {warning}", file=sys.stderr)
     if len(history.series) == 0:
         print(f"{history.status}: no sample was written")
         return
@@ -26,6 +29,17 @@ def report(path, pictures=True):
         except Exception as error:
             print(f"warning: the history is whole, its pictures failed ({error}); "
                   f"try: python3 -m damage plot {path} --out {path.with_suffix('')}", file=sys.stderr)
+
+
+def static_warnings(history):
+    """What is odd about the start of a run, a line each: broken joints, or a wall not at rest."""
+    static, warnings = history.static, []
+    if static["broken_joints"] > 0:
+        warnings.append(f"{static['broken_joints']:.0f} contact points broke under gravity, before the motion")
+    if static["unbalanced_force"] > AT_REST:
+        warnings.append(f"the motion began before the wall was at rest: unbalanced force "
+                        f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}")
+    return warnings
 
 
 def describe(summary):
@@ -44,8 +58,8 @@ def describe(summary):
     lines.append(f"{summary['tension_breaks']} tension and {summary['shear_breaks']} shear breaks")
     if summary["energy_error_fraction"] is not None:
         lines.append(f"energy error {100 * summary['energy_error_fraction']:.3f} % of the input")
-    if summary["peak_top_force_n"] is not None:
-        lines.append(f"peak force {summary['peak_top_force_n'] / 1e3:.1f} kN at "
+    if summary["peak_force_n"] is not None:
+        lines.append(f"peak force {summary['peak_force_n'] / 1e3:.1f} kN at "
                      f"{100 * summary['drift_at_peak_force']:.4f} % drift; stiffness "
                      f"{summary['initial_stiffness_n_per_m'] / 1e6:.1f} kN/mm at first, "
                      f"{summary['secant_stiffness_n_per_m'] / 1e6:.1f} kN/mm to 0.7 of the peak")

@@ -42,7 +42,7 @@ INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
 
 def _pushed(history):
     """Peak force and stiffnesses of a quasi-static run, None for any other."""
-    names = ("peak_top_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
+    names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
     if history.parameters["loading"]["kind"] not in ("pushover", "cyclic"):
         return dict.fromkeys(names)
     # The base's reaction in place of the top's force: the two differ by inertia and damping only, and

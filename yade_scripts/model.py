@@ -28,7 +28,7 @@ from yade import (
 from damage.layout import GROUND, HEAD
 
 _UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
-_NO_SMALLER_BOX = 0.97  # a slightly smaller box keeps touching cells out of the narrow phase
+_BOX_FACTOR = 0.97  # a slightly smaller box keeps touching cells out of the narrow phase
 
 _BRICK_COLORS = ((0.75, 0.42, 0.32), (0.66, 0.35, 0.27), (0.82, 0.50, 0.38))  # so that bricks tell apart
 
@@ -60,7 +60,7 @@ def build(layout, dt):
     law = Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM(neverErase=True, smoothJoint=False,
                                                             label="jointLaw")
     newton = NewtonIntegrator(damping=0.0, gravity=(0, 0, 0), label="newton")
-    collider = InsertionSortCollider([Bo1_Polyhedra_Aabb(aabbEnlargeFactor=_NO_SMALLER_BOX)], verletDist=1e-4)
+    collider = InsertionSortCollider([Bo1_Polyhedra_Aabb(aabbEnlargeFactor=_BOX_FACTOR)], verletDist=1e-4)
     O.engines = [ForceResetter(), collider, InteractionLoop([ig2], [ip2], [law]), newton]
 
     cells, clumps, ground = _add_bodies(layout)

@@ -1,16 +1,13 @@
 """Run one wall in YADE from the command line of `yade walls/NAME.py`."""
 
-import os
-import shutil
 import sys
-from pathlib import Path
 
 import yade
-from yade import O
 
 from damage.errors import InputError
 from damage.loading import TopDisplacement
 from damage.session import Solver, run_session
+from yade_scripts.leaving import run_and_leave
 from yade_scripts.simulation import Simulation, choose_time_step
 from yade_scripts.view import open_view
 
@@ -18,19 +15,7 @@ from yade_scripts.view import open_view
 def main(make_wall):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE."""
     solver = Solver("yade", {"yade": yade.config.version}, _check, choose_time_step, Simulation, open_view)
-    status = run_session(solver, make_wall, sys.argv[1:], prog=f"yade {sys.argv[0]}")
-    sys.stdout.flush()
-    sys.stderr.flush()
-    _remove_scratch()
-    # YADE would open its prompt here; its threads make an orderly exit slow and unsafe.
-    os._exit(status)
-
-
-def _remove_scratch():
-    """Remove YADE's folder for temporary files, as YADE does when it exits by itself."""
-    scratch = Path(O.tmpFilename()).parent
-    if scratch.name.startswith("yade-"):
-        shutil.rmtree(scratch, ignore_errors=True)
+    run_and_leave(lambda: run_session(solver, make_wall, sys.argv[1:], prog=f"yade {sys.argv[0]}"))
 
 
 def _check(settings):

@@ -6,9 +6,7 @@ RESULT holds `height` (n,), of the brick over where it was bonded [m], from the 
 `contacts`, how many pairs of cells touch at the end.
 """
 
-import os
 import sys
-import traceback
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +17,7 @@ from yade import O, Vector3
 
 from damage.layout import BED, lay_out
 from damage.parameters import Wall
+from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import build
 
 
@@ -42,13 +41,9 @@ def drop():
     return np.array(heights), touching
 
 
-status = 1
-try:
+def main():
     height, contacts = drop()
     np.savez(sys.argv[1], height=height, contacts=contacts)
-    status = 0
-except Exception:
-    traceback.print_exc()
-sys.stdout.flush()
-sys.stderr.flush()
-os._exit(status)
+
+
+run_and_leave(main)

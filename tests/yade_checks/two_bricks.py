@@ -6,9 +6,7 @@ PATHS holds one array (n_steps, 2) a case, opening and shear displacement [m] of
 the bricks; RESULTS gets (n_steps, 2), normal and shear stress [Pa] on it, under the same names.
 """
 
-import os
 import sys
-import traceback
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +17,7 @@ from yade import O, Vector3
 
 from damage.layout import BED, lay_out
 from damage.parameters import Wall
+from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import build
 
 STEP = 1e-6  # [s]; nothing is free to move, so any step will do
@@ -46,13 +45,9 @@ def drive(path):
     return np.array(stresses)
 
 
-status = 1
-try:
+def main():
     with np.load(sys.argv[1]) as paths:
         np.savez(sys.argv[2], **{name: drive(paths[name]) for name in paths})
-    status = 0
-except Exception:
-    traceback.print_exc()
-sys.stdout.flush()
-sys.stderr.flush()
-os._exit(status)
+
+
+run_and_leave(main)

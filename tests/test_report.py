@@ -1,0 +1,19 @@
+"""What a run says of itself."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from damage.report import static_warnings
+
+
+@pytest.mark.parametrize(("broken", "unbalanced", "words"), [
+    (0, 1e-6, []), (3, 1e-6, ["3 contact points broke"]), (0, 2e-5, ["at rest"]),
+    (0, float("nan"), []),  # interrupted before the static stage ended
+    (1, 1.0, ["1 contact points broke", "at rest"]),
+])
+def test_an_odd_static_stage_is_told(broken, unbalanced, words):
+    history = SimpleNamespace(static={"broken_joints": broken, "unbalanced_force": unbalanced})
+    warnings = static_warnings(history)
+    assert len(warnings) == len(words)
+    assert all(word in warning for word, warning in zip(words, warnings))
