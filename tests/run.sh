@@ -2,7 +2,8 @@
 # Runs the tests: all of them, or what pytest's arguments choose.
 #
 #     bash tests/run.sh
-#     bash tests/run.sh -m "not slow"
+#     bash tests/run.sh -m "not slow and not long"
+#     bash tests/run.sh -m long                       # what takes minutes each
 #     bash tests/run.sh tests/test_study.py -k quick
 #
 # The exit status is pytest's; 3 when something that the tests need is missing.
