@@ -169,6 +169,8 @@ def _write_tables(file, layout):
         "length_m": (contacts.length, "m"), "area_m2": (contacts.area, "m2"),
         "normal_stiffness_pa_m": (contacts.normal_stiffness, "Pa/m"),
         "shear_stiffness_pa_m": (contacts.shear_stiffness, "Pa/m"), "elastic": (contacts.elastic, "bool"),
+        "tensile_strength_pa": (contacts.tensile_strength, "Pa, infinite where elastic"),
+        "cohesion_pa": (contacts.cohesion, "Pa, infinite where elastic"),
     }
     for name, (values, unit) in joints.items():
         file.create_dataset(f"joints/{name}", data=values[:n]).attrs["unit"] = unit

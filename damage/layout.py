@@ -60,8 +60,8 @@ class Contacts:
 
     kind: BED, HEAD or CAP; first, second: bodies, the normal points from first to second;
     x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
-    bricks' compliance; elastic: never breaks; first_cell, second_cell: the facing cells
-    (GROUND below the base; -1 also at corner contacts, which belong to no cell).
+    bricks' compliance; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
+    first_cell, second_cell: the facing cells (GROUND below the base).
     """
 
     kind: np.ndarray
@@ -74,6 +74,8 @@ class Contacts:
     normal_stiffness: np.ndarray
     shear_stiffness: np.ndarray
     elastic: np.ndarray
+    tensile_strength: np.ndarray
+    cohesion: np.ndarray
     first_cell: np.ndarray
     second_cell: np.ndarray
 
@@ -285,8 +287,11 @@ def _make_contacts(wall, options, bodies, n_bricks, cells):
         np.array(column) for column in zip(*rows))
     normal, shear = _effective_stiffness(wall, bodies, kind, first, second)
     elastic = (kind == CAP) | _in_lintel(wall, options, kind, x, z)
+    factors = _strength_factors(options, kind, first, second)
+    strengths = [np.where(elastic, np.inf, strength * factors)
+                 for strength in (wall.joint.tensile_strength, wall.joint.cohesion)]
     return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
-                    normal, shear, elastic, first_cell, second_cell)
+                    normal, shear, elastic, *strengths, first_cell, second_cell)
 
 
 def _bed_pairs(wall, bodies, n_bricks, cells):
@@ -347,6 +352,17 @@ def _effective_stiffness(wall, bodies, kind, first, second):
     normal = 1 / (1 / joint.normal_stiffness + distance / brick.young_modulus)
     shear = 1 / (1 / joint.shear_stiffness + distance / brick.shear_modulus)
     return normal, shear
+
+
+def _strength_factors(options, kind, first, second):
+    """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same for
+    every placing of its contact points: (n_contacts,)."""
+    if options.strength_cov == 0:
+        return np.ones(len(kind))
+    joints, number = np.unique(np.column_stack([first, second]), axis=0, return_inverse=True)
+    spread = np.sqrt(np.log1p(options.strength_cov**2))
+    normal = np.random.default_rng(options.strength_seed).standard_normal(len(joints))
+    return np.exp(spread * normal - spread**2 / 2)[number]
 
 
 def _in_lintel(wall, options, kind, x, z):

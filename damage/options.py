@@ -76,7 +76,8 @@ def parse_run(arguments, prog, solver):
         perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, view=getattr(parsed, "view", False),
         model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells,
-                           contacts=getattr(parsed, "contacts", "interior")))
+                           contacts=getattr(parsed, "contacts", "interior"),
+                           strength_cov=parsed.strength_cov, strength_seed=parsed.strength_seed))
 
 
 def make_parser(prog, solver):
@@ -127,6 +128,9 @@ def _add_model(group, solver):
     if solver == "reference":
         group.add_argument("--contacts", default="interior", choices=CONTACT_OPTIONS,
                            help="where the contact points of a joint lie")
+    group.add_argument("--strength-cov", type=float, default=0.0, metavar="COV",
+                       help="lognormal scatter of the joints' strengths: coefficient of variation (default 0)")
+    group.add_argument("--strength-seed", type=int, default=0, metavar="N", help="of that scatter (default 0)")
     group.add_argument("--beta", type=float, default=0.0, metavar="S",
                        help="stiffness-proportional damping (default 0)")
     group.add_argument("--perturb", type=float, default=0.0, metavar="M",
@@ -203,6 +207,8 @@ def free_name(wall, settings, solver, folder="results"):
     parts += [f"lintel-{settings.model.lintel}"] if settings.model.lintel != "elastic" else []
     parts += [f"top-{settings.model.top}"] if settings.model.top != "piers" else []
     parts += [settings.model.contacts] if settings.model.contacts != "interior" else []
+    parts += [f"strength-{settings.model.strength_cov:g}-{settings.model.strength_seed}"] \
+        if settings.model.strength_cov else []
     stem, number = "_".join(parts), 1
     while True:
         path = Path(folder) / f"{stem}{'' if number == 1 else f'_{number}'}.h5"

@@ -196,12 +196,16 @@ class ModelOptions:
     cells: contact points per half brick of a bed joint.
     contacts: where the points of a bed joint lie: "interior" of the cells, or at the "corners"
         (ends) of each overlap; head joints have one at mid-height, or one at each end.
+    strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
+        each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     """
 
     lintel: str = "elastic"
     top: str = "piers"
     cells: int = 2
     contacts: str = "interior"
+    strength_cov: float = 0.0
+    strength_seed: int = 0
 
     def __post_init__(self):
         check_choice("lintel", self.lintel, LINTEL_OPTIONS)
@@ -209,3 +213,7 @@ class ModelOptions:
         check_choice("contacts", self.contacts, CONTACT_OPTIONS)
         if not isinstance(self.cells, int) or not 1 <= self.cells <= 16:
             raise InputError(f"cells = {self.cells!r}: expected a whole number from 1 to 16; two is usual")
+        if not 0 <= self.strength_cov <= 2:
+            raise InputError(f"strength_cov = {self.strength_cov!r}: expected a number from 0 to 2; 0.3 is usual")
+        if not isinstance(self.strength_seed, int) or self.strength_seed < 0:
+            raise InputError(f"strength_seed = {self.strength_seed!r}: expected a whole number, 0 or more; mend it")

@@ -188,15 +188,14 @@ def _make_system(layout):
     contacts, bodies = layout.contacts, layout.bodies
     n, m = len(contacts), len(bodies)
     pairs, middle = _make_pairs(layout)
-    joint, area = layout.wall.joint, contacts.area
+    area = contacts.area
     # Offsets turn with the joint's axes: along +x in bed joints, along -z in head joints.
     offset = np.where(contacts.kind == HEAD, middle[1] - contacts.z, contacts.x - middle[0])
-    strengths = [np.where(contacts.elastic, np.inf, strength) * area
-                 for strength in (joint.tensile_strength, joint.cohesion)]
     return kernel.System(
         pairs=pairs,
         contacts=_table(kernel.CONTACT, n, offset=offset, kn=contacts.normal_stiffness * area,
-                        ks=contacts.shear_stiffness * area, ft=strengths[0], cohesion=strengths[1], area=area),
+                        ks=contacts.shear_stiffness * area, ft=contacts.tensile_strength * area,
+                        cohesion=contacts.cohesion * area, area=area),
         joints=np.zeros(n, kernel.JOINT), place=np.zeros(m + 1, kernel.PLACE),
         motion=_table(kernel.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, free_x=1 / bodies.mass,
                       free_z=1 / bodies.mass, free_turn=1 / bodies.inertia),

@@ -50,7 +50,8 @@ def _motion_columns(parameters):
 
 def _model_columns(parameters):
     model = parameters.get("model", {})
-    return {**{key: model.get(key) for key in ("lintel", "top", "cells", "contacts")},
+    return {**{key: model.get(key) for key in ("lintel", "top", "cells", "contacts", "strength_cov",
+                                           "strength_seed")},
             **{key: parameters.get(key) for key in ("beta_s", "perturb_m", "seed", "time_step_s",
                                                      "eigen_period_s")}}
 

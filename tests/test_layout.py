@@ -145,8 +145,38 @@ def test_mirrored_wall_is_the_mirror_image(symmetric_wall):
     (lambda: Brick(length=float("nan")), "finite"),
     (lambda: ModelOptions(lintel="steel"), "expected one of"),
     (lambda: ModelOptions(cells=0), "whole number"),
+    (lambda: ModelOptions(strength_cov=-0.1), "from 0 to 2"),
+    (lambda: ModelOptions(strength_cov=float("nan")), "from 0 to 2"),
+    (lambda: ModelOptions(strength_seed=-1), "whole number"),
 ])
 def test_bad_parameters_are_refused_in_one_line(change, complaint):
     with pytest.raises(InputError, match=complaint) as caught:
         change()
     assert "\n" not in str(caught.value)
+
+
+def test_scattered_strengths_are_lognormal_of_mean_one_joint_by_joint():
+    wall = Wall("big", 9.0, 6.0)
+    samples = []
+    for seed in range(5):
+        layout = lay_out(wall, ModelOptions(strength_cov=0.4, strength_seed=seed))
+        contacts = layout.contacts
+        factor = contacts.tensile_strength[:layout.n_joints] / wall.joint.tensile_strength
+        assert_allclose(contacts.cohesion[:layout.n_joints] / wall.joint.cohesion, factor)
+        joints = {}
+        for pair, value in zip(zip(contacts.first, contacts.second), factor):
+            assert joints.setdefault(pair, value) == value
+        samples += joints.values()
+    logs = np.log(samples)
+    assert_allclose(np.std(logs), np.sqrt(np.log(1.16)), rtol=3e-2)
+    assert_allclose(np.mean(samples), 1.0, atol=4 * 0.4 / np.sqrt(len(samples)))
+
+
+def test_scattered_strengths_do_not_depend_on_the_placing_of_contact_points():
+    found = []
+    for options in ({}, {"cells": 3}, {"contacts": "corners"}):
+        layout = lay_out(Wall("small", 0.9, 0.45), ModelOptions(strength_cov=0.3, strength_seed=7, **options))
+        contacts = layout.contacts
+        found.append({(a, b): s for a, b, s in zip(contacts.first, contacts.second, contacts.tensile_strength)})
+    assert found[0] == found[1] == found[2]
+    assert np.all(np.isinf(contacts.tensile_strength[contacts.kind == CAP]))

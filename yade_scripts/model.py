@@ -135,8 +135,8 @@ def _bond(layout, index, cells, ground):
     phys.crossSection = area
     phys.kn = float(contacts.normal_stiffness[index]) * area
     phys.ks = float(contacts.shear_stiffness[index]) * area
-    phys.FnMax = _UNBREAKABLE if contacts.elastic[index] else joint.tensile_strength * area
-    phys.FsMax = _UNBREAKABLE if contacts.elastic[index] else joint.cohesion * area
+    phys.FnMax = min(_UNBREAKABLE, float(contacts.tensile_strength[index]) * area)
+    phys.FsMax = min(_UNBREAKABLE, float(contacts.cohesion[index]) * area)
     phys.tanFrictionAngle = float(np.tan(joint.friction_angle))
     return bond
 

@@ -89,7 +89,7 @@ class Recorder:
             opening = self.scene.opening_of(joint)
             sigma = tracker.normal_stiffness[joint] * opening
             tau = tracker.shear_stiffness[joint] * slip
-            kind = "tension" if sigma > self.layout.wall.joint.tensile_strength else "shear"
+            kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
             tracker.breaks(joint, kind, sigma, tau)
             self._event(int(joint), kind, sigma, tau)
 
