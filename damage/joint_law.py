@@ -61,6 +61,8 @@ def advance(opening, shear_increment, state, parameters):
         fracture_work += elastic_energy(sigma, trial, kn, ks)
         broken, event = True, TENSION
     if broken and opening > 0.0:
+        if event == INTACT:  # what shear it still held slides off as it opens
+            friction_work += max(0.5 * state.shear_stress * trial / ks, 0.0)
         return ContactState(0.0, 0.0, slip, broken, at_limit, friction_work, fracture_work), event
 
     limit = -sigma * friction if broken else cohesion - sigma * friction  # (11)
@@ -76,8 +78,10 @@ def advance(opening, shear_increment, state, parameters):
         fracture_work += 0.5 * (abs(trial) - limit) ** 2 / ks
         friction_work += limit * (abs(trial) - limit) / ks
     else:
-        # Mid-point of trial and limit stress: the work of an elastic-perfectly plastic step.
-        friction_work += limit * (abs(trial) - limit) / ks
+        # Trapezium of the stresses before and after, as central differences do work on the bodies: the
+        # limit changes with the normal stress, and joints slide mostly while it falls.
+        before = max(state.shear_stress if trial > 0.0 else -state.shear_stress, 0.0)
+        friction_work += 0.5 * (before + limit) * (abs(trial) - limit) / ks
     sign = 1.0 if trial > 0.0 else -1.0
     slip += sign * (abs(trial) - limit) / ks
     return ContactState(sigma, sign * limit, slip, broken, True, friction_work, fracture_work), event

@@ -31,11 +31,12 @@ def _row(reals, **others):
 
 
 # Bodies a and b and the arms from their centres to the middle of their contacts [m]; contacts start to
-# stop - 1; head joint or not.
-PAIR = _row("ax az bx bz", a=np.uint32, b=np.uint32, start=np.uint32, stop=np.uint32, head=np.uint64)
+# stop - 1; head joint or not; whether one is broken.
+PAIR = _row("ax az bx bz", a=np.uint32, b=np.uint32, start=np.uint32, stop=np.uint32, head=np.uint32,
+            broken=np.uint32)
 # Offset from the pair's middle, along +x in bed and -z in head joints [m]; stiffnesses times area [N/m];
-# strengths left times area [N], zero once broken; shear displacement [m] and force [N] when the law last
-# changed them; area [m2].
+# strengths left times area [N], zero once broken; shear displacement [m] and force [N] of the last step once
+# broken, zero before; area [m2].
 CONTACT = _row("offset kn ks ft cohesion shear0 tau0 area")
 # For readers: opening (also negative) and shear displacement [m], stresses [Pa], all of the last step of
 # a run; plastic slip [m]; flags; bits of first passings (1 opened, 2 slipped).
@@ -136,6 +137,8 @@ def contact_forces(system, constants, step, dt, keep=True):
             couple += sigma * contact.offset
         if not elastic:
             normal, along, couple = joint_forces(system, constants, step, dt, pair, middle, shear, turn)
+        elif pair.broken:
+            remember(contacts, pair, shear)
         # Force on a, its opposite on b, halfway between the middle's two places.
         fx, fz, couple = nx * normal + tx * along, nz * normal + tz * along, couple * (c * c + s * s)
         a.fx += fx
@@ -153,6 +156,15 @@ def spring(contact, middle, shear, turn):
     return opening, contact.kn * opening, contact.tau0 + contact.ks * (shear - contact.shear0)
 
 
+@_exactly
+def remember(contacts, pair, shear):
+    """Keep the shear force of broken contacts that stick: sliding works against the last one."""
+    for i in range(pair.start, pair.stop):
+        contact = contacts[i]
+        if contact.ft == 0.0:
+            contact.tau0, contact.shear0 = contact.tau0 + contact.ks * (shear - contact.shear0), shear
+
+
 @_compile
 def joint_forces(system, constants, step, dt, pair, middle, shear, turn):
     """The joint law for the contacts of a pair: their normal force, shear force and couple."""
@@ -164,8 +176,8 @@ def joint_forces(system, constants, step, dt, pair, middle, shear, turn):
         if new.broken:
             log_joint(system, constants, step, i, event, opening, sigma, tau, new)
             contact.ft = contact.cohesion = 0.0
-            if new.shear_stress != tau:
-                contact.shear0, contact.tau0 = shear, new.shear_stress
+            contact.shear0, contact.tau0 = shear, new.shear_stress
+            pair.broken = 1
         sigma, tau = new.normal_stress, new.shear_stress
         if constants.beta > 0.0 and event == INTACT:
             rate_sigma = constants.beta / dt * (sigma - joint.sigma * contact.area)

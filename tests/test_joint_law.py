@@ -101,6 +101,29 @@ def test_mirrored_shear_gives_mirrored_state():
         assert (a.normal_stress, a.shear_stress, a.slip) == (b.normal_stress, -b.shear_stress, -b.slip)
 
 
+def test_sliding_under_a_changing_normal_stress_balances_step_by_step():
+    """Coarse steps: the normal stress falls from 1 MPa to nothing and rises again while the joint slides."""
+    state, opening, shear, work = ContactState(broken=True), -1e6 / KN, 0.0, 0.0
+    state, _ = advance(opening, 1e-4, state, LAW)  # to the limit
+    state = state._replace(friction_work=0.0)
+    stored = elastic_energy(state.normal_stress, state.shear_stress, KN, KS)
+    for k in range(1, 21):
+        old, sigma = state, -1e6 * abs(math.cos(math.pi * k / 20))
+        state, _ = advance(sigma / KN, 2e-5, state, LAW)
+        work += (old.normal_stress + state.normal_stress) / 2 * (sigma - old.normal_stress) / KN
+        work += (old.shear_stress + state.shear_stress) / 2 * 2e-5
+        balance = elastic_energy(state.normal_stress, state.shear_stress, KN, KS) - stored + state.friction_work
+        assert balance == approx(work, rel=1e-12)
+    assert state.friction_work > 10
+
+
+def test_shear_that_a_joint_still_holds_as_it_opens_is_dissipated():
+    state = ContactState(normal_stress=-1e5, shear_stress=5e4, broken=True)
+    opened, _ = advance(1e-9, 0.0, state, LAW)
+    assert opened.friction_work == approx(0.5 * 5e4**2 / KS)
+    assert (opened.normal_stress, opened.shear_stress, opened.slip) == (0.0, 0.0, 0.0)
+
+
 steps = st.lists(st.tuples(st.floats(-6e-6, 6e-6), st.floats(-2e-5, 2e-5)), min_size=1, max_size=40)
 
 
