@@ -74,8 +74,8 @@ def figures_of(history):
 
 
 def cycle_length(series):
-    """Mean length of the full cycles of the drift in the rest stage [s], None without one."""
-    rest = series[series["stage"] == "rest"]
+    """Mean length of the full cycles of the drift in the first shock's rest [s], None without one."""
+    rest = series[(series["stage"] == "rest") & (series["shock"] == 1)]
     time, drift = rest["time_s"].to_numpy(), rest["drift_ratio"].to_numpy()
     up = np.flatnonzero((drift[:-1] < 0) & (drift[1:] >= 0))
     if len(up) < 2:

@@ -26,13 +26,15 @@ LOCAL_DAMPING = 0.7
 class RunSettings:
     """One run: what drives the wall, how it is modelled, where the history goes.
 
-    rest_s: free vibration after the motion [s]; time_step_s: None for the solver's own;
+    sequence: factors of the motion, a shock each; rest_s: free vibration after each shock [s], which ends
+    with a settling stage; time_step_s: None for the solver's own;
     beta_s: stiffness-proportional damping [s]; perturb_m: size of random offsets of the bricks [m]
     drawn with `seed`; out: history file, None for a name of its own below `results/`.
     """
 
     loading: object
     model: ModelOptions
+    sequence: tuple[float, ...] = (1.0,)
     rest_s: float = 2.0
     time_step_s: float | None = None
     beta_s: float = 0.0
@@ -44,16 +46,24 @@ class RunSettings:
     view: bool = False
 
     def __post_init__(self):
+        if not self.sequence or not all(map(math.isfinite, self.sequence)):
+            raise InputError(f"--sequence {self.sequence}: expected factors of the motion, like 1,0.5,0.4")
         for option, value in (("--rest", self.rest_s), ("--beta", self.beta_s), ("--perturb", self.perturb_m)):
             if not (math.isfinite(value) and value >= 0):
                 raise InputError(f"{option} {value:g}: expected zero or a positive number; mend it")
         if self.time_step_s is not None and not (math.isfinite(self.time_step_s) and self.time_step_s > 0):
             raise InputError(f"--dt {self.time_step_s:g}: expected a positive number of seconds; mend it")
 
+    @property
+    def duration_s(self):
+        """From time zero to the end of the last settling stage [s]."""
+        return len(self.sequence) * (self.loading.duration_s + self.rest_s + SETTLE_S)
+
     def describe(self):
         """All parameters as a plain dictionary, for files."""
-        return {"loading": self.loading.describe(), "model": asdict(self.model), "rest_s": self.rest_s,
-                "settle_s": SETTLE_S, "beta_s": self.beta_s, "perturb_m": self.perturb_m, "seed": self.seed}
+        return {"loading": self.loading.describe(), "sequence": [float(factor) for factor in self.sequence],
+                "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "beta_s": self.beta_s,
+                "perturb_m": self.perturb_m, "seed": self.seed}
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -72,8 +82,8 @@ def parse_run(arguments, prog, solver):
     """RunSettings from a command line (a list of words) of `solver`, "yade" or "reference"."""
     parsed = make_parser(prog, solver).parse_args(arguments)
     return RunSettings(
-        loading=_loading(parsed), rest_s=parsed.rest, time_step_s=parsed.dt, beta_s=parsed.beta,
-        perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
+        loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
+        beta_s=parsed.beta, perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, view=getattr(parsed, "view", False),
         model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells,
                            contacts=getattr(parsed, "contacts", "interior"),
@@ -108,6 +118,8 @@ def _add_motion(group):
                        help="band-pass the record, 4th order Butterworth, zero phase")
     group.add_argument("--free-vibration", action="store_true",
                        help="no base motion: start in the first mode with 1 mm/s at the top")
+    group.add_argument("--sequence", metavar="F,F,...", help="shake the same wall again and again: the harmonic "
+                       "or recorded motion times each factor, with rest and settling after each (default 1)")
 
 
 def _add_push(group):
@@ -152,6 +164,7 @@ def _add_run(group, solver):
 
 
 _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"), "speed": ("pushover", "cyclic"),
+            "sequence": ("harmonic", "record"),
             **{name: ("record",) for name in ("scale", "window", "vertical", "baseline", "band")}}
 
 
@@ -175,17 +188,24 @@ def _harmonic(parsed):
     return Harmonic(period, amplitude, 3 if parsed.cycles is None else parsed.cycles)
 
 
+def _sequence(parsed):
+    return (1.0,) if parsed.sequence is None else _numbers("--sequence", parsed.sequence, "factors", "1,0.5,0.4")
+
+
+def _numbers(option, words, what, example):
+    try:
+        return tuple(float(word) for word in words.split(","))
+    except ValueError as error:
+        raise InputError(f"{option} {words}: expected {what} with commas between, like {example}") from error
+
+
 def _pushed(parsed):
     cycles = 0
     if parsed.pushover is not None:
         drifts = (parsed.pushover,)
     else:
         cycles = 2 if parsed.cycles is None else parsed.cycles
-        try:
-            drifts = tuple(float(word) for word in parsed.cyclic.split(","))
-        except ValueError as error:
-            raise InputError(f"--cyclic {parsed.cyclic}: expected drifts in percent with commas between, "
-                             "like 0.05,0.1,0.2") from error
+        drifts = _numbers("--cyclic", parsed.cyclic, "drifts in percent", "0.05,0.1,0.2")
         if cycles < 1:
             raise InputError(f"--cycles {cycles}: expected at least one cycle at each drift; mend it")
     return TopDisplacement(drifts, cycles, parsed.boundary or "cantilever",
@@ -207,6 +227,8 @@ def free_name(wall, settings, solver, folder="results"):
     parts += [f"lintel-{settings.model.lintel}"] if settings.model.lintel != "elastic" else []
     parts += [f"top-{settings.model.top}"] if settings.model.top != "piers" else []
     parts += [settings.model.contacts] if settings.model.contacts != "interior" else []
+    parts += ["sequence-" + "-".join(f"{factor:g}" for factor in settings.sequence)] \
+        if settings.sequence != (1.0,) else []
     parts += [f"strength-{settings.model.strength_cov:g}-{settings.model.strength_seed}"] \
         if settings.model.strength_cov else []
     stem, number = "_".join(parts), 1

@@ -109,15 +109,13 @@ def add_title(figure, history, *more):
 
 def mark_times(history, axes):
     """Label the shared time axis, shade the settling stage and mark a collapse; returns their handles."""
-    times = history.series["time_s"].to_numpy()
-    settling = times[(history.series["stage"] == "settling").to_numpy()]
+    settling = history.series[history.series["stage"] == "settling"].groupby("shock")["time_s"].agg(["first", "last"])
     handles = {}
     for ax in axes:
         ax.margins(x=0)
         show_single_points(ax)
-        if len(settling):
-            handles["settling"] = ax.axvspan(settling[0], settling[-1], color=LIGHT, lw=0, zorder=0,
-                                             label="settling")
+        for first, last in settling.to_numpy():
+            handles["settling"] = ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling")
         if history.collapsed_at_s is not None:
             handles["collapse"] = ax.axvline(history.collapsed_at_s, color=VERMILLION, lw=1, ls="--",
                                              clip_on=False, label=_collapse(history))

@@ -112,11 +112,18 @@ def _read(file, path):
         attributes=dict(run.attrs),
         joints=_decode(_columns(file["joints"])[0], "kind", KINDS),
         bodies=_columns(file["bodies"])[0],
-        series=_decode(series, "stage", STAGES), events=_decode(events, "kind", EVENTS),
+        series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
         opening_m=file["frames/opening_m"][:n_times], slip_m=file["frames/slip_m"][:n_times],
         broken=(state & BROKEN) > 0, at_limit=(state & AT_LIMIT) > 0,
         snapshot_time_s=file["snapshots/time_s"][:n_snapshots],
         displacement=file["snapshots/displacement"][:n_snapshots])
+
+
+def _number_shocks(series):
+    """The series with the number of the shock, from 1: a new one begins with each motion after settling."""
+    settling = (series["stage"] == "settling").to_numpy()
+    series["shock"] = 1 + np.cumsum(np.diff(settling.astype(int), prepend=0) < 0)
+    return series
 
 
 def _columns(group, n_rows=None):

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from damage import schedule
 from damage.history import SNAPSHOT_SAMPLES
 from damage.loading import TopDisplacement
-from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S, SETTLE_S
+from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
 from damage.reference import EVENT_KINDS, ReferenceWall
 from damage.units import GRAVITY
 from damage.watch import has_collapsed, index_now
@@ -20,6 +21,7 @@ class ReferenceRun:
         self.layout, self.settings, self.writer, self.keep_going = layout, settings, writer, keep_going
         self.wall = ReferenceWall(layout, time_step, beta=settings.beta_s)
         self.sample_steps = max(1, round(SAMPLE_S / time_step))
+        self.schedule = schedule.stages(settings, time_step, self.sample_steps)
         self.stage, self.index, self.samples, self.collapsed_at_s = "static", 0.0, 0, None
         self._zero = None
         if settings.perturb_m > 0:
@@ -57,8 +59,7 @@ class ReferenceRun:
         first_mode: shape (n_bodies, 3), 1 at the top.
         """
         wall, loading = self.wall, self.settings.loading
-        times = np.arange(round(loading.duration_s / wall.time_step) + 1) * wall.time_step
-        wall.start(loading.base_acceleration(times))
+        wall.start(schedule.base_acceleration(self.settings, self.schedule, wall.time_step))
         if isinstance(loading, TopDisplacement):
             wall.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
         else:
@@ -96,13 +97,10 @@ class ReferenceRun:
     def _run_stages(self):
         if isinstance(self.settings.loading, TopDisplacement):
             return self.run_pushed()
-        dt, driven = self.wall.time_step, self.settings.loading.duration_s
-        rest = driven + self.settings.rest_s
-        for stage, until_s in (("motion", driven), ("rest", rest), ("settling", rest + SETTLE_S)):
-            self.stage = stage
-            self.wall.local_damping = LOCAL_DAMPING if stage == "settling" else 0.0
-            # Each stage is a whole number of samples: the last one is its end.
-            while self.time < until_s - dt / 2:
+        for stage in self.schedule:
+            self.stage = stage.name
+            self.wall.local_damping = LOCAL_DAMPING if stage.name == "settling" else 0.0
+            while self.wall.step - self.wall.first_step < stage.end_step:
                 if not self.keep_going(self, self.time):
                     return False
                 self.wall.run(self.sample_steps)

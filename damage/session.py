@@ -10,7 +10,7 @@ from damage.errors import InputError
 from damage.history import HistoryWriter, check_output
 from damage.layout import lay_out
 from damage.modes import natural_modes
-from damage.options import SETTLE_S, free_name, parse_run
+from damage.options import free_name, parse_run
 from damage.progress import Progress
 from damage.report import report
 
@@ -89,7 +89,7 @@ def _announce(layout, settings, modes, time_step):
 def _simulate(solver, layout, settings, modes, time_step, writer, show):
     """Run all stages; the history is closed and marked however this ends."""
     interrupted = _InterruptFlag()
-    progress = Progress(layout.wall.name, settings.loading.duration_s + settings.rest_s + SETTLE_S)
+    progress = Progress(layout.wall.name, settings.duration_s)
 
     def keep_going(simulation, time_s):
         progress.show(time_s, simulation.stage, simulation.index)

@@ -1,6 +1,7 @@
 """Tables of histories as CSV for spreadsheets and scripts; units stand in the column names.
 
-    python3 -m damage.tables run FILE.h5 --out STEM          STEM_index.csv, _events.csv, _joints.csv
+    python3 -m damage.tables run FILE.h5 --out STEM          STEM_index.csv, _events.csv, _joints.csv;
+                                                             of a sequence of shocks also _shocks.csv
     python3 -m damage.tables summary FILE.h5 ... --out FILE.csv      one row a history
 """
 
@@ -71,6 +72,26 @@ def index_table(history):
     return table
 
 
+def shocks_table(history):
+    """A row a shock: its factor on the motion, the largest index and drift in it, and those at its end.
+
+    Residual values are those of the last sample of its settling stage, empty where it has none.
+    """
+    index, series = history.index(), history.series
+    factors = history.parameters.get("sequence", [1.0])
+    rows = []
+    for shock, members in series.groupby("shock"):
+        settled = members["stage"].iloc[-1] == "settling"
+        row = {"shock": shock, "factor": factors[shock - 1], "start_s": members["time_s"].iloc[0],
+               "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
+               "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
+        mine = index.loc[members.index]
+        row |= {f"max_{name}": mine[name].max() for name in COMPONENTS}
+        row |= {f"residual_{name}": mine[name].iloc[-1] if settled else None for name in COMPONENTS}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
 def events_table(history):
     """Every break and every first passing of the threshold, with the place of its joint."""
     place = history.joints.loc[history.events["joint"], ["kind", "x_m", "z_m"]].reset_index(drop=True)
@@ -94,10 +115,12 @@ def _with_first(table, *columns):
 
 
 def write_run_tables(history, stem):
-    """Write the three tables of a run to STEM_index.csv and so on; returns their paths."""
+    """Write the tables of a run to STEM_index.csv and so on; returns their paths."""
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
     tables = {"index": index_table(history), "events": events_table(history), "joints": joints_table(history)}
+    if history.series["shock"].iloc[-1] > 1:
+        tables["shocks"] = shocks_table(history)
     return [write_table(table, Path(f"{stem}_{name}.csv")) for name, table in tables.items()]
 
 

@@ -13,7 +13,7 @@ LAYERS = [
     {"parameters", "joint_law", "records"},
     {"layout", "loading", "intensity", "index"},
     {"modes", "kinematics", "wall_file", "options", "energy", "progress", "study", "watch"},
-    {"history", "reference_kernel"},
+    {"history", "reference_kernel", "schedule"},
     {"reading", "reference"},
     {"summary", "pictures", "wall_picture", "tables", "reference_run"},
     {"report", "compare"},

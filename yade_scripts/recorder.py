@@ -37,7 +37,7 @@ class Recorder:
         self._first_step, self._breaks_seen, self._early_events = None, 0, []
         self._zero, self._known = None, (0, None)
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
-        self._undamped_balance = 0.0
+        self._undamped_balance = self._damped = 0.0
 
     # --- the clock ------------------------------------------------------------------------------
 
@@ -154,7 +154,7 @@ class Recorder:
 
     def _energies(self, motion, base):
         """Energies since the end of the static stage [J]; damping is what local damping took in
-        the settling stage, inferred from the balance there."""
+        the settling stages, inferred from the balance there."""
         speed = self.scene.synchronous_velocities(O.dt / 2, base)
         _, elastic, friction, fracture = self._zero
         energies = {
@@ -165,10 +165,11 @@ class Recorder:
             "fracture_energy_j": self.tracker.fracture_energy - fracture,
         }
         balance = sum(energies.values()) - self._input_energy
-        if self.stage != "settling":
-            self._undamped_balance = balance
-        return {**energies, "input_energy_j": self._input_energy,
-                "damping_energy_j": self._undamped_balance - balance}
+        if self.stage == "settling":
+            self._damped = self._undamped_balance - balance
+        else:
+            self._undamped_balance = balance + self._damped
+        return {**energies, "input_energy_j": self._input_energy, "damping_energy_j": self._damped}
 
     def _watch(self, motion, drift):
         """Note a collapse, and the index for the progress line."""

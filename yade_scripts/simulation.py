@@ -5,8 +5,9 @@ import builtins
 import numpy as np
 from yade import O, PyRunner, Vector3, utils
 
+from damage import schedule
 from damage.errors import InputError
-from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S, SETTLE_S
+from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
 from damage.units import GRAVITY
 from yade_scripts.model import build
 from yade_scripts.recorder import JOINT_STEPS, Recorder
@@ -41,6 +42,7 @@ class Simulation:
         self.model = build(layout, time_step)
         self.layout, self.newton = layout, self.model.newton
         sample_steps = JOINT_STEPS * max(1, round(SAMPLE_S / time_step / JOINT_STEPS))
+        self.schedule = schedule.stages(settings, time_step, sample_steps)
         self.recorder = Recorder(self.model, writer, sample_steps)
         builtins.masonry_recorder = self.recorder  # where the engine's command can find it
         O.engines = [*O.engines[:-1], PyRunner(command="masonry_recorder.step()", iterPeriod=1),
@@ -89,12 +91,10 @@ class Simulation:
 
         first_mode: shape (n_bodies, 3), 1 at the top.
         """
-        loading = self.settings.loading
-        times = np.arange(round(loading.duration_s / O.dt) + 1) * O.dt
-        speed = getattr(loading, "top_velocity_m_s", 0.0)
+        speed = getattr(self.settings.loading, "top_velocity_m_s", 0.0)
         for state, (vx, vz, turn) in zip(self.recorder.scene.states, speed * first_mode):
             state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -turn, 0)
-        self.recorder.start_clock(loading.base_acceleration(times))
+        self.recorder.start_clock(schedule.base_acceleration(self.settings, self.schedule, O.dt))
 
     def run(self, stage, until_step):
         """Run one stage up to a step since time zero; True unless interrupted or collapsed."""
@@ -111,12 +111,9 @@ class Simulation:
 
     def run_all(self):
         """Motion, rest and settling; True unless interrupted."""
-        driven = round(self.settings.loading.duration_s / O.dt)
-        rest = driven + round(self.settings.rest_s / O.dt)
-        # The last step is a sample: it is the residual state.
-        every = self.recorder.sample_steps
-        last = -(-(rest + round(SETTLE_S / O.dt)) // every) * every + 1
-        finished = self.run("motion", driven) and self.run("rest", rest) and self.run("settling", last)
+        finished = all(self.run(stage.name, stage.end_step) for stage in self.schedule)
+        # One step more takes the last sample: the residual state.
+        finished = finished and self.run("settling", self.schedule[-1].end_step + 1)
         self.recorder.snapshot()
         return finished or self.collapsed_at_s is not None
 

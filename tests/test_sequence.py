@@ -1,0 +1,89 @@
+"""The same wall shaken again and again: the schedule, the damage carried over, the tables."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import damage
+from damage.energy import energy_error
+from damage.errors import InputError
+from damage.options import SETTLE_S, parse_run
+from damage.reference_session import run_reference
+from damage.schedule import base_acceleration, stages
+from damage.tables import shocks_table, write_run_tables
+
+DT = 2e-5
+
+
+def settings(*words):
+    return parse_run(["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3", *words], "test", "reference")
+
+
+def test_stages_follow_one_another_and_end_with_samples():
+    schedule = stages(settings("--sequence", "1,0.5"), DT, 100)
+    assert [(stage.shock, stage.name) for stage in schedule] == [
+        (shock, name) for shock in (1, 2) for name in ("motion", "rest", "settling")]
+    assert schedule[0].start_step == 0
+    for before, after in zip(schedule, schedule[1:]):
+        assert before.end_step == after.start_step
+    assert all(stage.end_step % 100 == 0 for stage in schedule)
+    lengths = [(stage.end_step - stage.start_step) * DT for stage in schedule]
+    assert_allclose(lengths, 2 * [0.2, 0.3, SETTLE_S], atol=100 * DT)
+
+
+def test_base_moves_in_every_shock_by_its_factor():
+    sequence = settings("--sequence", "1,-0.5,2")
+    schedule = stages(sequence, DT, 100)
+    base = base_acceleration(sequence, schedule, DT)
+    once = base_acceleration(settings(), stages(settings(), DT, 100), DT)
+    assert_array_equal(base[:len(once)], once)
+    for factor, stage in zip((1, -0.5, 2), schedule[::3]):
+        assert_array_equal(base[stage.start_step:stage.start_step + len(once)], factor * once)
+    assert_allclose(np.abs(base).sum(), 3.5 * np.abs(once).sum())
+
+
+@pytest.mark.parametrize("words, message", [
+    (["--sequence", "1,x"], "factors with commas"),
+    (["--sequence", "1,nan"], "factors of the motion"),
+    (["--free-vibration", "--sequence", "1,1"], "belongs to"),
+])
+def test_bad_sequences_are_refused(words, message):
+    with pytest.raises(InputError, match=message):
+        parse_run(words, "test", "reference")
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """{name: History}: a narrow wall shaken once, and twice."""
+    folder = tmp_path_factory.mktemp("sequence")
+    wall = folder / "narrow.py"
+    wall.write_text("from damage.parameters import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n")
+    for name, words in (("once", []), ("twice", ["--sequence", "1,1"])):
+        assert run_reference([str(wall), "--harmonic", "0.15", "0.35", "--rest", "0.2", *words, "--no-pictures",
+                              "--out", str(folder / f"{name}.h5")]) == 0
+    return {name: damage.read_history(folder / f"{name}.h5") for name in ("once", "twice")}
+
+
+def test_the_first_shock_is_the_run_by_itself(runs):
+    once, twice = runs["once"], runs["twice"]
+    n = len(once.series)
+    assert_array_equal(once.series["drift_ratio"], twice.series["drift_ratio"][:n])
+    assert_array_equal(once.slip_m, twice.slip_m[:n])
+    assert twice.series["shock"].tolist() == [1] * n + [2] * (len(twice.series) - n)
+
+
+def test_damage_is_carried_over(runs):
+    table = shocks_table(runs["twice"])
+    assert table["residual_DI"].iloc[0] > 0
+    assert runs["twice"].broken[-1].sum() >= runs["once"].broken[-1].sum() > 0
+    # The second shock finds a broken wall: its first state is the residual one of the first.
+    second = runs["twice"].index()[runs["twice"].series["shock"] == 2]
+    assert second["DI"].min() <= table["max_DI"].iloc[1]
+    assert_allclose(table["residual_DI"].iloc[0], runs["once"].index()["DI"].iloc[-1])
+    assert energy_error(runs["twice"].series) < 5e-3
+
+
+def test_a_sequence_has_a_table_of_its_shocks(runs, tmp_path):
+    names = [path.name for path in write_run_tables(runs["twice"], tmp_path / "t")]
+    assert "t_shocks.csv" in names
+    assert "o_shocks.csv" not in [path.name for path in write_run_tables(runs["once"], tmp_path / "o")]
