@@ -89,7 +89,21 @@ def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.nd
 
 
 def _pseudo_acceleration(record: Record, period_s: float, damping: float) -> float:
-    """Peak displacement of one oscillator times its squared angular frequency [g].
+    """Peak displacement of one oscillator times its squared angular frequency [g]."""
+    response = oscillator_response(
+        record.acceleration_m_s2, record.time_step_s, period_s, damping
+    )
+    return float(np.abs(response).max()) / GRAVITY
+
+
+def oscillator_response(
+    acceleration_m_s2: np.ndarray, time_step_s: float, period_s: float, damping: float = 0.05
+) -> np.ndarray:
+    """Displacement times squared angular frequency of an oscillator over time [m/s2].
+
+    acceleration_m_s2: (n_samples,), of the base; the response is linear in it.
+    Returns (instants, n_samples - 1): in each step, `instants` times equally far apart, the
+    last of them the step's end, so many that POINTS_PER_PERIOD hold.
 
     With the pole p = w (-z + i sqrt(1 - z^2)) and q = x' - conj(p) x, the equation
     x'' + 2 z w x' + w^2 x = -a becomes q' = p q - a, and x = Im q / Im p. Over a time h in which
@@ -97,21 +111,21 @@ def _pseudo_acceleration(record: Record, period_s: float, damping: float) -> flo
     """
     omega = 2 * math.pi / period_s
     pole = omega * complex(-damping, math.sqrt(1 - damping**2))
-    start = record.acceleration_m_s2[:-1]
-    change = np.diff(record.acceleration_m_s2)
-    phi0, phi1 = _ramp_weights(pole * record.time_step_s, record.time_step_s)
+    start = acceleration_m_s2[:-1]
+    change = np.diff(acceleration_m_s2)
+    phi0, phi1 = _ramp_weights(pole * time_step_s, time_step_s)
     state = signal.lfilter(
-        [1.0], [1.0, -np.exp(pole * record.time_step_s)], -(start * phi0 + change * phi1)
+        [1.0], [1.0, -np.exp(pole * time_step_s)], -(start * phi0 + change * phi1)
     )
     state = np.concatenate(([0.0], state[:-1]))  # (n_samples - 1,) at the start of each step
-    peak = 0.0
-    instants = math.ceil(POINTS_PER_PERIOD * record.time_step_s / period_s)
-    for part in np.arange(1, instants + 1) / instants:
-        elapsed_s = part * record.time_step_s
+    instants = math.ceil(POINTS_PER_PERIOD * time_step_s / period_s)
+    response = np.empty((instants, start.size))
+    for number, part in enumerate(np.arange(1, instants + 1) / instants):
+        elapsed_s = part * time_step_s
         phi0, phi1 = _ramp_weights(pole * elapsed_s, elapsed_s)
         then = np.exp(pole * elapsed_s) * state - start * phi0 - part * change * phi1
-        peak = max(peak, float(np.abs(then.imag).max()))
-    return omega**2 * peak / pole.imag / GRAVITY
+        response[number] = then.imag
+    return omega**2 / pole.imag * response
 
 
 def _ramp_weights(exponent: complex, elapsed_s: float) -> tuple[complex, complex]:

@@ -7,6 +7,7 @@ one returns a new `Record` and leaves the old one as it was.
 import hashlib
 import io
 import math
+import os
 import re
 import warnings
 from dataclasses import dataclass, replace
@@ -34,13 +35,7 @@ QUIET_S = 2.0
 ACCELERATION_UNITS = {"M/S**2", "M/S^2", "M/S2", "M/SEC**2", "M/S/S"}
 """Spellings of m/s2 that StationXML files use, in capitals."""
 
-_SHIPPED_FOLDER = Path(__file__).parent / "data" / "zeerijp_20180108"
-_SHIPPED = {
-    "BGAR_HGE": "BGAR_HGE_acc_m_s2.csv",
-    "NL.BGAR..HGE": "NL.BGAR..HGE__20180108T140037Z__20180108T140122Z.mseed",
-    "NL.BGAR..HGN": "NL.BGAR..HGN__20180108T140037Z__20180108T140122Z.mseed",
-    "NL.BGAR..HGZ": "NL.BGAR..HGZ__20180108T140037Z__20180108T140122Z.mseed",
-}
+_SHIPPED_FOLDER = Path(__file__).parent / "data"
 _MINISEED_START = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03")
 _CSV_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
 _NUMBER = r"([-+.\dEe]+)"
@@ -102,10 +97,13 @@ class Record:
 
 
 def shipped_record_path(name: str = "BGAR_HGE") -> Path:
-    """Path of a record that comes with the package (Zeerijp 2018, KNMI, CC BY 4.0)."""
-    if name not in _SHIPPED:
-        raise InputError(f"record {name!r} is not shipped; expected one of {', '.join(_SHIPPED)}")
-    return _SHIPPED_FOLDER / _SHIPPED[name]
+    """Path of a record that comes with the package; damage/data/*/README.md say what each is."""
+    shipped = {path.name.split("__")[0]: path for path in _SHIPPED_FOLDER.glob("*/*.mseed")}
+    shipped |= {_csv_name(path): path for path in _SHIPPED_FOLDER.glob("*/*.csv")}
+    if name not in shipped:
+        known = ", ".join(sorted(shipped))
+        raise InputError(f"record {name!r} is not shipped; expected one of {known}")
+    return shipped[name]
 
 
 def read_record(path, response=None) -> Record:
@@ -125,6 +123,24 @@ def read_record(path, response=None) -> Record:
         read = _read_at2 if suffix == ".at2" or like_at2 else _read_csv
         record = read(path, lines)
     return replace(record, sha256=hashlib.sha256(data).hexdigest())
+
+
+def write_csv(record: Record, path, comments=()) -> Path:
+    """Write a record as CSV in m/s2 with seven digits, each comment on a line of its own.
+
+    Time has four decimals, so the time step must be a multiple of 0.1 ms.
+    """
+    rows = (f"{t:.4f},{a:.6e}" for t, a in zip(record.time_s, record.acceleration_m_s2, strict=True))
+    lines = [*(f"# {comment}" for comment in comments), "time_s,acc_m_s2", *rows]
+    unfinished = Path(path).with_name(f".{Path(path).name}.{os.getpid()}.tmp")
+    try:
+        unfinished.write_text("\n".join(lines) + "\n")
+        os.replace(unfinished, path)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}; choose another place") from error
+    finally:
+        unfinished.unlink(missing_ok=True)
+    return Path(path)
 
 
 def scaled(record: Record, factor: float) -> Record:
@@ -242,8 +258,12 @@ def _read_csv(path, lines: list[str]) -> Record:
     step_s = _uniform_step(path, [number for number, _ in rows], values[:, 0])
     found = filter(None, map(_CSV_START_UTC.match, lines))
     start_utc = next((_utc(start.group(1), float(values[0, 0]), path) for start in found), "")
-    name = re.sub(r"_acc_(m_s2|g)$", "", Path(path).stem)
-    return Record(name, step_s, values[:, 1] * to_m_s2, start_utc, str(path))
+    return Record(_csv_name(path), step_s, values[:, 1] * to_m_s2, start_utc, str(path))
+
+
+def _csv_name(path) -> str:
+    """Name of a record by its file's: without the quantity and unit at the end."""
+    return re.sub(r"_acc_(m_s2|g)$", "", Path(path).stem)
 
 
 def _header_unit(path, number: int, line: str) -> float:

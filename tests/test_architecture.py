@@ -12,7 +12,7 @@ LAYERS = [
     {"errors", "units"},
     {"parameters", "joint_law", "records"},
     {"layout", "loading", "intensity", "index"},
-    {"modes", "kinematics", "wall_file", "options", "energy", "progress", "study", "watch"},
+    {"synthetic", "modes", "kinematics", "wall_file", "options", "energy", "progress", "study", "watch"},
     {"history", "reference_kernel", "schedule"},
     {"reading", "reference"},
     {"summary", "pictures", "wall_picture", "tables", "cracks", "reference_run"},

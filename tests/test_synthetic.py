@@ -1,0 +1,135 @@
+"""The synthetic Huizinge record against its targets, and the files that scripts/make_records.py makes."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+
+from damage import synthetic
+from damage.intensity import pgv_cm_s, response_spectrum, summary
+from damage.records import QUIET_S, Record, read_record, scaled, shipped_record_path, windowed, write_csv
+from damage.synthetic import HUIZINGE, SEED, Target, synthetic_record
+from damage.units import GRAVITY
+
+SCRIPT = REPOSITORY / "scripts" / "make_records.py"
+STATIONS = ("BGAR", "BWSE", "BZN1", "BLOP")
+
+
+@pytest.fixture(scope="module")
+def record():
+    return read_record(shipped_record_path("MID1_N_synthetic"))
+
+
+def make(what, folder):
+    done = subprocess.run([sys.executable, SCRIPT, what, "--out", folder], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return [folder / line.split("/")[-1] for line in done.stdout.splitlines()]
+
+
+class TestShippedFile:
+    def test_its_name_and_its_first_line_say_synthetic(self, record):
+        assert "synthetic" in record.name
+        assert "SYNTHETIC" in shipped_record_path(record.name).read_text().splitlines()[0]
+
+    def test_peaks_and_spectrum_are_the_published_ones(self, record):
+        measures = summary(record)
+        assert_allclose(measures["pga_g"] * GRAVITY, HUIZINGE.pga_m_s2, rtol=0.03)
+        assert_allclose(measures["pgv_cm_s"], 100 * HUIZINGE.pgv_m_s, rtol=0.10)
+        assert_allclose(response_spectrum(record, HUIZINGE.periods_s), HUIZINGE.sa_g, rtol=0.05)
+
+    def test_the_spectrum_has_no_hole_or_peak_between_the_published_periods(self, record):
+        periods_s = np.geomspace(0.06, 1.0, 60)
+        line = np.exp(np.interp(np.log(periods_s), np.log(HUIZINGE.periods_s), np.log(HUIZINGE.sa_g)))
+        assert_allclose(response_spectrum(record, periods_s), line, rtol=0.25)
+
+    def test_it_is_short_and_starts_quietly(self, record):
+        measures = summary(record)
+        assert 0.2 < measures["d5_75_s"] < 0.45
+        assert record.duration_s == pytest.approx(6.0) and record.time_step_s == 0.005
+        assert not windowed(record, 0.0, 0.9).acceleration_m_s2.any()
+
+    def test_velocity_and_displacement_end_at_zero(self, record):
+        """Exact but for the file's seven digits: at most 5e-8 m/s2 a sample, for 6 s."""
+        velocity = np.cumsum(record.acceleration_m_s2) * record.time_step_s
+        displacement = np.cumsum(velocity) * record.time_step_s
+        assert abs(velocity[-1]) < 5e-8 * 6.0
+        assert abs(displacement[-1]) < 5e-8 * 6.0**2
+        assert np.abs(displacement).max() < 5e-3  # no drift on the way: PGV for the 0.3 s of the strong part, halved
+
+
+def test_another_target_is_met_and_the_seed_alone_decides(monkeypatch):
+    """In a few iterations, which two periods and one arrival need."""
+    monkeypatch.setattr(synthetic, "ITERATIONS", 15)
+    target = Target("t_synthetic", "made up", (0.1, 0.3), (0.3, 0.1), 1.0, 0.05, (1.0,))
+    first, again, other = (synthetic_record(target, seed).acceleration_m_s2 for seed in (1, 1, 2))
+    assert np.array_equal(first, again)
+    assert np.abs(first - other).max() > 0.1
+    found = Record("found", 0.005, first)
+    assert_allclose(response_spectrum(found, target.periods_s), target.sa_g, rtol=0.02)
+    assert_allclose(pgv_cm_s(found), 5.0, rtol=0.02)
+
+
+@pytest.mark.slow
+def test_the_script_makes_the_shipped_motion_again(record, tmp_path):
+    """Within 2 % of PGA: linear algebra rounds differently on another machine, and a search goes on from there."""
+    [path] = make("synthetic", tmp_path)
+    assert f"seed {SEED}" in path.read_text()
+    assert_allclose(read_record(path).acceleration_m_s2, record.acceleration_m_s2, atol=0.02 * HUIZINGE.pga_m_s2)
+
+
+class TestZeerijp:
+    @pytest.mark.parametrize("station", STATIONS)
+    def test_the_script_makes_the_shipped_files_again(self, station, tmp_path, made):
+        for component in ("HGE", "HGN"):
+            path = made / f"{station}_{component}_acc_m_s2.csv"
+            assert path.read_bytes() == shipped_record_path(f"{station}_{component}").read_bytes()
+
+    @pytest.fixture(scope="class")
+    def made(self, tmp_path_factory):
+        pytest.importorskip("obspy")
+        folder = tmp_path_factory.mktemp("zeerijp")
+        assert len(make("zeerijp", folder)) == 2 * len(STATIONS)
+        return folder
+
+    @pytest.mark.parametrize("station", STATIONS)
+    def test_components_are_whole_and_their_first_seconds_average_to_zero(self, station):
+        for component in ("HGE", "HGN"):
+            found = read_record(shipped_record_path(f"{station}_{component}"))
+            assert found.time_step_s == 0.005 and found.duration_s > 45 and found.start_utc.startswith("2018-01-08T14")
+            quiet = found.acceleration_m_s2[: round(QUIET_S / found.time_step_s)]
+            assert abs(quiet.mean()) < 1e-9
+
+    # station and component, window, PGA [g], PGV [cm/s], Arias [m/s], D5-75 [s], Sa(0.2 s) [g]: the README's table
+    @pytest.mark.parametrize("name, window_s, pga, pgv, arias, d5_75, sa", [
+        ("BWSE_HGN", (19.5, 27.5), 0.0645, 1.70, 0.0046, 0.62, 0.090),
+        ("BZN1_HGE", (17.0, 25.0), 0.0557, 1.80, 0.0035, 0.17, 0.109),
+        ("BLOP_HGE", (16.5, 24.5), 0.0481, 1.64, 0.0030, 0.62, 0.074)])
+    def test_measures_and_windows_of_the_readme(self, name, window_s, pga, pgv, arias, d5_75, sa):
+        whole = read_record(shipped_record_path(name))
+        found = summary(whole)
+        assert found["pga_g"] == pytest.approx(pga, abs=5e-5) and found["pgv_cm_s"] == pytest.approx(pgv, abs=5e-3)
+        assert found["arias_m_s"] == pytest.approx(arias, abs=5e-5)
+        assert found["d5_75_s"] == pytest.approx(d5_75, abs=5e-3)
+        assert found["sa_g"]["0.2"] == pytest.approx(sa, abs=5e-4)
+        cut, periods_s = windowed(whole, *window_s), np.geomspace(0.05, 1, 20)
+        assert np.abs(cut.acceleration_m_s2).max() == np.abs(whole.acceleration_m_s2).max()
+        assert_allclose(response_spectrum(cut, periods_s), response_spectrum(whole, periods_s), rtol=0.02)
+
+
+def test_a_record_written_is_read_back(tmp_path):
+    whole = scaled(read_record(shipped_record_path("BZN1_HGN")), 2.0)
+    path = write_csv(whole, tmp_path / "BZN1_HGN_acc_m_s2.csv", [f"start {whole.start_utc}"])
+    back = read_record(path)
+    assert (back.name, back.time_step_s, back.start_utc) == (whole.name, whole.time_step_s, whole.start_utc)
+    assert_allclose(back.acceleration_m_s2, whole.acceleration_m_s2, rtol=5e-7)
+    assert [found.name for found in tmp_path.iterdir()] == [path.name]
+
+
+def test_bad_calls_are_said_in_one_line(tmp_path):
+    (tmp_path / "file").write_text("")
+    done = subprocess.run([sys.executable, SCRIPT, "synthetic", "--out", tmp_path / "file" / "below"],
+                          capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
