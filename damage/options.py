@@ -20,6 +20,9 @@ AT_REST = 1e-5
 SETTLE_S = 0.5
 """Length of the settling stage [s] and its local damping [-]: the residual is its last state."""
 LOCAL_DAMPING = 0.7
+ADAPTIVE_DAMPING = 1.0
+"""Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to rest fastest."""
+RELAXATIONS = ("adaptive", "local")
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,8 @@ class RunSettings:
 
     sequence: factors of the motion, a shock each; rest_s: free vibration after each shock [s], which ends
     with a settling stage; time_step_s: None for the solver's own;
-    beta_s: stiffness-proportional damping [s]; perturb_m: size of random offsets of the bricks [m]
+    alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics; relaxation: how static
+    solutions are found, one of RELAXATIONS; perturb_m: size of random offsets of the bricks [m]
     drawn with `seed`; out: history file, None for a name of its own below `results/`.
     """
 
@@ -37,7 +41,9 @@ class RunSettings:
     sequence: tuple[float, ...] = (1.0,)
     rest_s: float = 2.0
     time_step_s: float | None = None
+    alpha_1_s: float = 0.0
     beta_s: float = 0.0
+    relaxation: str = "local"
     perturb_m: float = 0.0
     seed: int = 0
     out: Path | None = None
@@ -62,8 +68,8 @@ class RunSettings:
     def describe(self):
         """All parameters as a plain dictionary, for files."""
         return {"loading": self.loading.describe(), "sequence": [float(factor) for factor in self.sequence],
-                "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "beta_s": self.beta_s,
-                "perturb_m": self.perturb_m, "seed": self.seed}
+                "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
+                "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m, "seed": self.seed}
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -81,9 +87,11 @@ class OneLineParser(argparse.ArgumentParser):
 def parse_run(arguments, prog, solver):
     """RunSettings from a command line (a list of words) of `solver`, "yade" or "reference"."""
     parsed = make_parser(prog, solver).parse_args(arguments)
+    alpha_1_s, beta_s = _damping(parsed)
     return RunSettings(
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
-        beta_s=parsed.beta, perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
+        alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
+        perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, view=getattr(parsed, "view", False),
         model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells,
                            contacts=getattr(parsed, "contacts", "interior"),
@@ -145,6 +153,12 @@ def _add_model(group, solver):
     group.add_argument("--strength-seed", type=int, default=0, metavar="N", help="of that scatter (default 0)")
     group.add_argument("--beta", type=float, default=0.0, metavar="S",
                        help="stiffness-proportional damping (default 0)")
+    if solver == "reference":
+        group.add_argument("--rayleigh", nargs=3, type=float, metavar=("RATIO", "F1_HZ", "F2_HZ"),
+                           help="mass- and stiffness-proportional damping with this ratio at two frequencies")
+        group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
+                           help="damping of the static stage and of a pushed top: adaptive (default), or "
+                           "local as in YADE")
     group.add_argument("--perturb", type=float, default=0.0, metavar="M",
                        help="random offsets of the bricks, for ensembles (default 0)")
     group.add_argument("--seed", type=int, default=0, help="of the random offsets (default 0)")
@@ -181,6 +195,28 @@ def _loading(parsed):
                              f"--{motion.replace('_', '-')}; leave it out")
     return {"harmonic": _harmonic, "record": _recorded, "free_vibration": lambda parsed: FreeVibration(),
             "pushover": _pushed, "cyclic": _pushed}[motion](parsed)
+
+
+def _damping(parsed):
+    """(alpha [1/s], beta [s]) of --beta or --rayleigh."""
+    if getattr(parsed, "rayleigh", None) is None:
+        return 0.0, parsed.beta
+    if parsed.beta:
+        raise InputError("--beta and --rayleigh given together: choose one kind of damping")
+    return rayleigh_factors(*parsed.rayleigh)
+
+
+def rayleigh_factors(ratio, first_hz, second_hz):
+    """(alpha [1/s], beta [s]) of C = alpha M + beta K with this damping ratio at two frequencies.
+
+    ratio = alpha / (2 omega) + beta omega / 2 at both (Chopra, Dynamics of Structures, section 11.4).
+    """
+    if not (0 <= ratio < 1 and 0 < first_hz < second_hz < math.inf):
+        raise InputError(f"--rayleigh {ratio:g} {first_hz:g} {second_hz:g}: expected a ratio from 0 to 1 and two "
+                         "rising frequencies, like 0.02 5 20")
+    first, second = 2 * math.pi * first_hz, 2 * math.pi * second_hz
+    beta = 2 * ratio / (first + second)
+    return beta * first * second, beta
 
 
 def _harmonic(parsed):

@@ -24,12 +24,13 @@ class ReferenceWall:
     """One wall and its state; time is counted in steps.
 
     layout: damage.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
-    alpha: mass-proportional damping [1/s].
+    alpha: mass-proportional damping [1/s].  These, `local_damping` (Cundall's) and `adaptive_damping` (the
+    share of the change of kinetic energy that adaptive global damping takes) can be set at any time.
     """
 
     def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0):
         self.layout, self.time_step, self.step = layout, time_step, 0
-        self.beta, self.alpha, self.local_damping = beta, alpha, 0.0
+        self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
@@ -84,21 +85,17 @@ class ReferenceWall:
     # --- what moves it --------------------------------------------------------------------------
 
     def run(self, n_steps):
-        """Advance; afterwards forces and stresses belong to the present places."""
+        """Advance; before and afterwards forces and stresses belong to the present places."""
         step = self.step - self.first_step
         kernel.run_steps(self.system, self._constants(), self.base, self.gravity, step, n_steps, self.time_step)
         self.step += n_steps
-        self.refresh()
-
-    def refresh(self):
-        """Forces and stresses at the present places.
-
-        Stiffness-proportional damping sees no rate in the step that follows.
-        """
-        kernel.contact_forces(self.system, self._constants(), self.step - self.first_step, self.time_step, True)
         if not np.isfinite(self.force).all():
             raise FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
                                      f"{self.time_step:.3g} s is too large for this wall")
+
+    def refresh(self):
+        """Forces and stresses at the present places, to be called where these were changed by hand."""
+        kernel.contact_forces(self.system, self._constants(), self.step - self.first_step, self.time_step, True)
 
     def start(self, base, gravity=None):
         """From this step on move the base by `base` (k, 2) [m/s2] under `gravity` (k,) [m/s2]."""
@@ -107,9 +104,11 @@ class ReferenceWall:
         self.first_step = self.step
 
     def _constants(self):
+        if self.adaptive_damping == 0.0:
+            self.system.relaxation[:] = 0.0
         joint = self.layout.wall.joint
         return kernel.Constants(float(np.tan(joint.friction_angle)), THRESHOLD, self.layout.n_joints,
-                                self.local_damping, self.alpha, self.beta)
+                                self.local_damping, self.alpha, self.beta, self.adaptive_damping)
 
     def drain_events(self):
         """(steps since `start`, joints, kinds, values (n, 4)) logged since the last call."""
@@ -200,7 +199,7 @@ def _make_system(layout):
         motion=_table(kernel.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, free_x=1 / bodies.mass,
                       free_z=1 / bodies.mass, free_turn=1 / bodies.inertia),
         energy=np.zeros(4), events=np.zeros((_CAPACITY, 3), np.int64), values=np.zeros((_CAPACITY, 4)),
-        n_events=np.zeros(1, np.int64))
+        n_events=np.zeros(1, np.int64), relaxation=np.zeros(2))
 
 
 def _make_pairs(layout):
@@ -223,12 +222,12 @@ def _make_pairs(layout):
 def choose_time_step(settings, critical_s):
     """The run's time step [s]; InputError above the stable one.
 
-    Stiffness-proportional damping lowers the critical step to
-    (2 / omega) (sqrt(1 + xi^2) - xi), xi = beta omega / 2; local damping by sqrt(1 + damping).
+    Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
+    xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
     """
     from damage.options import LOCAL_DAMPING
 
-    xi = settings.beta_s / critical_s
+    xi = settings.beta_s / critical_s + settings.alpha_1_s * critical_s / 4
     limit = critical_s * min(np.sqrt(1 + xi**2) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
     if settings.time_step_s is None:
         return settings.loading.preferred_step_s(min(STEP_FACTOR * critical_s, 0.85 * limit))

@@ -58,7 +58,8 @@ class System(NamedTuple):
     joints (JOINT) beside contacts, place (PLACE) and motion (MOTION) of the bodies and the ground.
 
     energy: (4,); events: (capacity, 3) step, joint, kind; values: (capacity, 4) normal and shear
-    stress [Pa], opening and slip [m]; n_events: (1,).
+    stress [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the mass-proportional damping that
+    adapts itself [1/s], and the kinetic energy of the last step [J].
     """
 
     pairs: np.ndarray
@@ -70,11 +71,13 @@ class System(NamedTuple):
     events: np.ndarray
     values: np.ndarray
     n_events: np.ndarray
+    relaxation: np.ndarray
 
 
 class Constants(NamedTuple):
     """friction = tan(phi); threshold [m] of first passings; n_joints: contacts from there on are glue;
-    local: Cundall's damping [-]; alpha [1/s], beta [s]: damping proportional to mass, to stiffness."""
+    local: Cundall's damping [-]; alpha [1/s], beta [s]: damping proportional to mass, to stiffness;
+    adaptive: share of the change of kinetic energy that adaptive damping takes [-]."""
 
     friction: float
     threshold: float
@@ -82,11 +85,12 @@ class Constants(NamedTuple):
     local: float
     alpha: float
     beta: float
+    adaptive: float
 
 
 @_compile
 def run_steps(system, constants, base, gravity, first_step, n_steps, dt):
-    """Advance `n_steps` steps.
+    """Advance `n_steps` steps from places whose forces are known; afterwards they are known again.
 
     base: (k, 2) base acceleration by step [m/s2], zero beyond its end; gravity: (k,) [m/s2] by step,
     its last value holds beyond its end.  Call `contact_forces` once before the first run: out of numba's
@@ -95,8 +99,10 @@ def run_steps(system, constants, base, gravity, first_step, n_steps, dt):
     for step in range(first_step, first_step + n_steps):
         ax = base[step, 0] if step < len(base) else 0.0
         az = base[step, 1] if step < len(base) else 0.0
-        contact_forces(system, constants, step, dt, step == first_step + n_steps - 1)
         integrate(system, constants, ax, az + gravity[min(step, len(gravity) - 1)], ax, az, dt)
+        if constants.adaptive > 0.0:
+            adapt(system, constants, dt)
+        contact_forces(system, constants, step + 1, dt, step == first_step + n_steps - 1)
 
 
 @_compile
@@ -206,17 +212,18 @@ def integrate(system, constants, field_x, field_z, ax, az, dt):
 
     field: downward and backward acceleration of all masses; ax, az: the base's part of it.
     """
-    place, motion = system.place, system.motion
+    place, motion, local = system.place, system.motion, constants.local
+    alpha = constants.alpha + system.relaxation[0]
     lost = momentum_x = momentum_z = pushed = 0.0
     for k in range(len(place) - 1):
         at, to = place[k], motion[k]
-        to.vx, momentum, loss = accelerate(to.vx, at.fx, to.mass, to.free_x, field_x, constants, dt)
+        to.vx, momentum, loss = accelerate(to.vx, at.fx, to.mass, to.free_x, field_x, alpha, local, dt)
         momentum_x += momentum
         lost += loss
-        to.vz, momentum, loss = accelerate(to.vz, at.fz, to.mass, to.free_z, field_z, constants, dt)
+        to.vz, momentum, loss = accelerate(to.vz, at.fz, to.mass, to.free_z, field_z, alpha, local, dt)
         momentum_z += momentum
         lost += loss
-        to.spin, momentum, loss = accelerate(to.spin, at.moment, to.inertia, to.free_turn, 0.0, constants, dt)
+        to.spin, momentum, loss = accelerate(to.spin, at.moment, to.inertia, to.free_turn, 0.0, alpha, local, dt)
         lost += loss
         if to.free_x == 0.0:  # what moves it works against its force
             pushed -= at.fx * to.vx
@@ -229,17 +236,31 @@ def integrate(system, constants, field_x, field_z, ax, az, dt):
 
 
 @_compile
-def accelerate(old, force, mass, free, field, constants, dt):
+def accelerate(old, force, mass, free, field, alpha, local, dt):
     """Velocity after a step, momentum in its middle, power lost; a prescribed velocity stays."""
     if free == 0.0:
         return old, 0.0, 0.0
     rate = force * free - field
-    taken = constants.alpha * old
-    if constants.local > 0.0:  # against the motion
-        taken += constants.local * abs(rate) * (1.0 if old > 0.0 else (-1.0 if old < 0.0 else 0.0))
+    taken = alpha * old
+    if local > 0.0:  # against the motion
+        taken += local * abs(rate) * (1.0 if old > 0.0 else (-1.0 if old < 0.0 else 0.0))
     new = old + dt * (rate - taken)
     momentum = 0.5 * (old + new) * mass
     return new, momentum, taken * momentum
+
+
+@_compile
+def adapt(system, constants, dt):
+    """Adaptive global damping, for static solutions (Cundall's, as in UDEC): it takes a constant share of
+    the rate at which the kinetic energy changes, and so follows whichever mode still moves."""
+    motion, old = system.motion, system.relaxation[1]
+    kinetic = 0.0
+    for k in range(len(motion) - 1):
+        to = motion[k]
+        kinetic += 0.5 * (to.mass * (to.vx * to.vx + to.vz * to.vz) + to.inertia * to.spin * to.spin)
+    # No more than what would stop every body in two steps: near a standstill the ratio has no bound.
+    wanted = constants.adaptive * abs(kinetic - old) / (dt * (kinetic + old)) if kinetic > 0.0 else 0.0
+    system.relaxation[0], system.relaxation[1] = min(wanted, 0.5 / dt), kinetic
 
 
 @_compile

@@ -5,7 +5,7 @@ import numpy as np
 from damage import schedule
 from damage.history import SNAPSHOT_SAMPLES
 from damage.loading import TopDisplacement
-from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
+from damage.options import ADAPTIVE_DAMPING, AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
 from damage.reference import EVENT_KINDS, ReferenceWall
 from damage.units import GRAVITY
 from damage.watch import has_collapsed, index_now
@@ -19,7 +19,7 @@ class ReferenceRun:
 
     def __init__(self, layout, settings, time_step, writer, keep_going):
         self.layout, self.settings, self.writer, self.keep_going = layout, settings, writer, keep_going
-        self.wall = ReferenceWall(layout, time_step, beta=settings.beta_s)
+        self.wall = ReferenceWall(layout, time_step)
         self.sample_steps = max(1, round(SAMPLE_S / time_step))
         self.schedule = schedule.stages(settings, time_step, self.sample_steps)
         self.stage, self.index, self.samples, self.collapsed_at_s = "static", 0.0, 0, None
@@ -28,6 +28,7 @@ class ReferenceRun:
             offsets = np.random.default_rng(settings.seed).normal(0, settings.perturb_m, (len(layout.bodies), 2))
             for name, offset in zip("xz", offsets.T):
                 self.wall.system.place[name][:-1] += offset
+            self.wall.refresh()
 
     @property
     def time(self):
@@ -37,7 +38,10 @@ class ReferenceRun:
     def settle_under_gravity(self):
         """The static stage; True when the wall came to rest, False when interrupted."""
         wall, dt = self.wall, self.wall.time_step
-        wall.local_damping = LOCAL_DAMPING
+        if self.settings.relaxation == "adaptive":
+            wall.adaptive_damping = ADAPTIVE_DAMPING
+        else:
+            wall.local_damping = LOCAL_DAMPING
         wall.start(np.zeros((0, 2)), GRAVITY * np.minimum(1.0, np.arange(round(RAMP_S / dt) + 1) * dt / RAMP_S))
         while self.keep_going(self, self.time):
             wall.run(self.sample_steps)
@@ -63,7 +67,8 @@ class ReferenceRun:
         if isinstance(loading, TopDisplacement):
             wall.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
         else:
-            wall.local_damping = 0.0
+            wall.local_damping = wall.adaptive_damping = 0.0
+            wall.alpha, wall.beta = self.settings.alpha_1_s, self.settings.beta_s
             wall.velocity = getattr(loading, "top_velocity_m_s", 0.0) * first_mode
         wall.energy[:] = 0.0
         self._zero = wall.displacement.copy(), wall.elastic_energy()

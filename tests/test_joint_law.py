@@ -103,7 +103,7 @@ def test_mirrored_shear_gives_mirrored_state():
 
 def test_sliding_under_a_changing_normal_stress_balances_step_by_step():
     """Coarse steps: the normal stress falls from 1 MPa to nothing and rises again while the joint slides."""
-    state, opening, shear, work = ContactState(broken=True), -1e6 / KN, 0.0, 0.0
+    state, work, opening = ContactState(broken=True), 0.0, -1e6 / KN
     state, _ = advance(opening, 1e-4, state, LAW)  # to the limit
     state = state._replace(friction_work=0.0)
     stored = elastic_energy(state.normal_stress, state.shear_stress, KN, KS)

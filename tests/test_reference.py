@@ -134,7 +134,6 @@ def test_energy_of_an_intact_wall_is_kept_over_100_000_steps():
     settle(solver)
     start = solver.displacement.copy()
     solver.velocity = 1e-3 * natural_modes(solver.layout).shape[0]
-    solver.refresh()
     kick, errors = solver.kinetic_energy(), []
     zero = total_energy(solver, start)
     for _ in range(100):

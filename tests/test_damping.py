@@ -1,0 +1,100 @@
+"""Damping of the reference solver: Rayleigh's ratio at two frequencies, adaptive for static solutions."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import damage
+from damage.errors import InputError
+from damage.layout import lay_out
+from damage.modes import natural_modes
+from damage.options import ADAPTIVE_DAMPING, LOCAL_DAMPING, parse_run, rayleigh_factors
+from damage.parameters import Joint, Wall
+from damage.reference import STEP_FACTOR, ReferenceWall
+from damage.reference_session import run_reference
+from damage.units import GRAVITY
+
+STRONG = Joint(tensile_strength=1e12, cohesion=1e12)
+
+
+def slender():
+    """A wall of 20 courses: {layout, modes}."""
+    layout = lay_out(Wall("slender", 0.9, 1.5, joint=STRONG))
+    return layout, natural_modes(layout)
+
+
+def decay_ratio(solver, shape, period):
+    """Damping ratio from the logarithmic decrement of the motion in one mode's shape over ten cycles."""
+    mass = np.column_stack([solver.layout.bodies.mass] * 2 + [solver.layout.bodies.inertia])
+    solver.velocity = 1e-3 * shape
+    steps = round(period / solver.time_step)
+    amplitudes = []
+    for _ in range(10):
+        track = []
+        for _ in range(20):
+            solver.run(steps // 20)
+            track.append(np.sum(mass * shape * solver.displacement))
+        amplitudes.append(np.ptp(track))
+    decrement = np.log(amplitudes[1] / amplitudes[9]) / 8
+    return decrement / np.hypot(2 * np.pi, decrement)
+
+
+def test_rayleigh_damping_has_its_ratio_at_both_frequencies():
+    layout, modes = slender()
+    frequencies = 1 / modes.period_s[[0, 3]]
+    alpha, beta = rayleigh_factors(0.03, *frequencies)
+    for mode in (0, 3):
+        solver = ReferenceWall(layout, 0.3 * modes.critical_time_step_s, alpha=alpha, beta=beta)
+        solver.gravity = np.zeros(1)
+        assert_allclose(decay_ratio(solver, modes.shape[mode], modes.period_s[mode]), 0.03, rtol=0.02)
+
+
+def test_damping_between_the_two_frequencies_is_lower():
+    alpha, beta = rayleigh_factors(0.05, 5.0, 20.0)
+    ratios = [alpha / (2 * w) + beta * w / 2 for w in 2 * np.pi * np.array([5.0, 10.0, 20.0])]
+    assert_allclose(ratios, [0.05, 0.04, 0.05])
+
+
+@pytest.mark.parametrize("words, message", [
+    (["--rayleigh", "2", "5", "20"], "ratio from 0 to 1"),
+    (["--rayleigh", "0.02", "20", "5"], "rising"),
+    (["--rayleigh", "0.02", "5", "20", "--beta", "1e-6"], "choose one"),
+])
+def test_bad_damping_is_refused(words, message):
+    with pytest.raises(InputError, match=message):
+        parse_run(words, "test", "reference")
+
+
+def relaxed(**damping):
+    """(unbalanced force, settlement of the top course) 12 000 steps after gravity came all at once."""
+    layout, modes = slender()
+    solver = ReferenceWall(layout, STEP_FACTOR * modes.critical_time_step_s)
+    for name, value in damping.items():
+        setattr(solver, name, value)
+    solver.run(12_000)
+    return solver.unbalanced_force(), solver.displacement[layout.drift_bodies, 1].mean()
+
+
+def test_adaptive_damping_finds_the_static_solution_sooner_than_local():
+    adaptive, here = relaxed(adaptive_damping=ADAPTIVE_DAMPING)
+    local, there = relaxed(local_damping=LOCAL_DAMPING)
+    assert adaptive < 1e-9 and adaptive < local
+    # Springs in series: every bed joint settles by the weight above it over its stiffness.
+    layout, _ = slender()
+    contacts, bodies = layout.contacts, layout.bodies
+    settlement = 0.0
+    for course in range(20):
+        above = GRAVITY * bodies.mass[(bodies.course >= course) | (bodies.course < 0)].sum()
+        below = np.isclose(contacts.z, 0.075 * course) & (contacts.kind == 0)
+        settlement -= above / (contacts.normal_stiffness * contacts.area)[below].sum()
+    assert_allclose([here, there], settlement, rtol=2e-3)
+
+
+def test_push_force_and_base_shear_are_one_under_adaptive_damping(tmp_path):
+    wall = tmp_path / "stub.py"
+    wall.write_text("from damage.parameters import Wall\n\n\ndef wall():\n    return Wall('stub', 0.9, 0.6)\n")
+    out = tmp_path / "push.h5"
+    assert run_reference([str(wall), "--pushover", "0.05", "--speed", "0.002", "--no-pictures", "--out", str(out)]) == 0
+    series = damage.read_history(out).series
+    peak = series["base_shear_n"].max()
+    assert_allclose(series["top_force_n"].max(), peak, rtol=0.05)
