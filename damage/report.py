@@ -55,7 +55,12 @@ def describe(summary):
     lines.append(f"drift ratio up to {100 * summary['max_drift_ratio']:.4f} %, base shear up to "
                  f"{summary['peak_base_shear_n'] / 1e3:.2f} kN, opening up to "
                  f"{summary['max_opening_mm']:.3f} mm, slip up to {summary['max_slip_mm']:.3f} mm")
-    lines.append(f"{summary['tension_breaks']} tension and {summary['shear_breaks']} shear breaks")
+    lines.append(f"{summary['tension_breaks']} tension and {summary['shear_breaks']} shear breaks, Psi up to "
+                 f"{summary['max_psi']:.2f} ({summary['psi_class']}), friction and fracture took "
+                 f"{summary['dissipated_energy_j']:.3g} J")
+    if summary["period_elongation"] is not None:
+        lines.append(f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
+                     f"{summary['period_elongation']:.2f} of the intact wall's period")
     if summary["energy_error_fraction"] is not None:
         lines.append(f"energy error {100 * summary['energy_error_fraction']:.3f} % of the input")
     if summary["peak_force_n"] is not None:

@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from damage.cracks import psi_summary
 from damage.energy import energy_error
 from damage.errors import InputError
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
+from damage.measures import classes, cycle_measures, energy_measures
 
 
 def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
@@ -18,12 +20,14 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     index = history.index(threshold, drift_limit, slip)
     latched = history.index(threshold, drift_limit, "shear-limit")
     series = history.series
+    max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
+    cracks = psi_summary(history, threshold)
     return {
         "wall": history.wall, "solver": history.solver, "motion": history.parameters["loading"]["name"],
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
         "slip": slip, "max": _largest(index), "residual": _last(index, history),
         "max_shear_limit": _largest(latched), "residual_shear_limit": _last(latched, history),
-        "max_drift_ratio": float(np.abs(series["drift_ratio"]).max()),
+        "max_drift_ratio": max_drift_ratio,
         "residual_drift_ratio": float(series["drift_ratio"].iloc[-1]) if history.complete else None,
         "total_joint_length_m": float(history.joints["length_m"].sum()),
         "peak_base_shear_n": float(np.abs(series["base_shear_n"]).max()),
@@ -33,6 +37,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "energy_error_fraction": energy_error(series),
         "period_s": period_of(history), **_pushed(history),
+        **cracks, **cycle_measures(history), **energy_measures(history),
+        **classes(max_drift_ratio, cracks["max_psi"]),
     }
 
 

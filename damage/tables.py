@@ -1,7 +1,7 @@
 """Tables of histories as CSV for spreadsheets and scripts; units stand in the column names.
 
-    python3 -m damage.tables run FILE.h5 --out STEM          STEM_index.csv, _events.csv, _joints.csv;
-                                                             of a sequence of shocks also _shocks.csv
+    python3 -m damage.tables run FILE.h5 --out STEM          STEM_index.csv, _events.csv, _joints.csv,
+                                                             _cycles.csv; of a sequence also _shocks.csv
     python3 -m damage.tables summary FILE.h5 ... --out FILE.csv      one row a history
 """
 
@@ -14,6 +14,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.index import COMPONENTS
+from damage.measures import cycles_table
 from damage.reading import read_history
 from damage.summary import summarise
 
@@ -118,7 +119,8 @@ def write_run_tables(history, stem):
     """Write the tables of a run to STEM_index.csv and so on; returns their paths."""
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
-    tables = {"index": index_table(history), "events": events_table(history), "joints": joints_table(history)}
+    tables = {"index": index_table(history), "events": events_table(history), "joints": joints_table(history),
+              "cycles": cycles_table(history)}
     if history.series["shock"].iloc[-1] > 1:
         tables["shocks"] = shocks_table(history)
     return [write_table(table, Path(f"{stem}_{name}.csv")) for name, table in tables.items()]

@@ -15,7 +15,7 @@ LAYERS = [
     {"synthetic", "modes", "kinematics", "wall_file", "options", "energy", "progress", "study", "watch"},
     {"history", "reference_kernel", "schedule"},
     {"reading", "reference"},
-    {"summary", "pictures", "wall_picture", "tables", "cracks", "reference_run"},
+    {"summary", "pictures", "wall_picture", "tables", "cracks", "measures", "reference_run"},
     {"report", "compare"},
     {"session"},
     {"reference_session"},

@@ -1,0 +1,142 @@
+"""Measures of a run, on signals and histories whose values are known."""
+
+import numpy as np
+import pytest
+from small_history import LOADINGS, make_history, small_layout
+
+from damage.measures import (
+    CYCLE_COLUMNS,
+    LIMITS,
+    classes,
+    cycle_measures,
+    cycles_table,
+    energy_measures,
+    upward_crossings,
+)
+from damage.summary import summarise
+from damage.tables import summary_row
+
+STEP_S = 0.002
+MOTION, REST, SETTLING = 300, 700, 250  # samples: 0.6 s of motion, 1.4 s of rest, 0.5 s of settling
+STAGES = ("motion",) * MOTION + ("rest",) * REST + ("settling",) * SETTLING
+TIME_S = STEP_S * np.arange(len(STAGES))
+
+
+@pytest.fixture
+def harmonic(tmp_path, monkeypatch):
+    """Make histories of three cycles of 0.2 s, then rest and settling; returns the maker."""
+    def make(drift, **options):
+        monkeypatch.setitem(LOADINGS, "harmonic", {"kind": "harmonic", "name": "h", "period_s": 0.2, "cycles": 3})
+        return make_history(tmp_path / "run.h5", stages=STAGES, step_s=STEP_S, drift=drift, **options)
+    return make
+
+
+def softening(free_period_s):
+    """A sine of 0.2 s up to 0.6 s, then one of another period, zero at 0.6 s."""
+    driven = np.sin(2 * np.pi * TIME_S / 0.2)
+    return 1e-3 * np.where(TIME_S < 0.6, driven, np.sin(2 * np.pi * (TIME_S - 0.6) / free_period_s))
+
+
+def test_crossings_of_a_sine_lie_a_period_apart():
+    time_s = np.arange(0, 3, 0.0021)
+    crossings = upward_crossings(time_s, np.sin(2 * np.pi * (time_s - 0.03) / 0.237))
+    assert np.diff(crossings) == pytest.approx(0.237, rel=1e-4)
+
+
+def test_ripples_around_zero_are_no_cycles():
+    time_s = np.arange(0, 2, 0.001)
+    rippled = np.sin(2 * np.pi * 4 * (time_s - 0.1)) + 0.01 * np.sin(2 * np.pi * 300 * time_s)
+    assert np.diff(upward_crossings(time_s, rippled)) == pytest.approx(0.25, abs=0.002)
+
+
+def test_no_crossing_in_a_wall_that_leans_or_stands_still():
+    time_s = np.arange(0, 1, 0.01)
+    assert len(upward_crossings(time_s, 1 + 0.5 * np.sin(20 * time_s))) == 0
+    assert len(upward_crossings(time_s, 0 * time_s)) == 0
+
+
+def test_free_cycle_shows_the_softened_period(harmonic, monkeypatch):
+    history = harmonic(softening(0.3))
+    history.parameters["eigen_period_s"] = 0.2
+    found = cycle_measures(history)
+    assert found["last_cycle_s"] == pytest.approx(0.2, rel=1e-3)
+    assert found["first_free_cycle_s"] == pytest.approx(0.3, rel=1e-3)
+    assert found["period_elongation"] == pytest.approx(1.5, rel=1e-3)
+
+
+def test_last_cycle_may_end_after_the_motion(harmonic):
+    """A wall of 0.25 s: cycles begin at 0, 0.25, 0.5 s; the third is the last that begins driven."""
+    found = cycle_measures(harmonic(1e-3 * np.sin(2 * np.pi * TIME_S / 0.25 - 1e-9)))
+    assert found["last_cycle_s"] == pytest.approx(0.25, rel=1e-3)
+    assert found["first_free_cycle_s"] == pytest.approx(0.25, rel=1e-3)
+    assert found["period_elongation"] is None  # the period of the intact wall is not in the file
+
+
+def test_cycles_of_the_motion_then_free_ones(harmonic):
+    drift = softening(0.25) * np.select([TIME_S < 0.2, TIME_S < 0.4, TIME_S < 0.6], [1, 2, 3], 2)
+    table = cycles_table(harmonic(drift))
+    assert list(table.columns) == list(CYCLE_COLUMNS)
+    driven, free = (table[table["kind"] == kind] for kind in ("driven", "free"))
+    assert driven["start_s"].tolist() == pytest.approx([0, 0.2, 0.4])
+    assert driven["duration_s"].tolist() == pytest.approx([0.2] * 3)
+    assert driven["max_drift_ratio"].tolist() == pytest.approx([1e-3, 2e-3, 3e-3], rel=1e-3)
+    assert driven["max_DI_drift"].tolist() == pytest.approx([0.05, 0.10, 0.15], rel=1e-3)
+    assert free["duration_s"].to_numpy() == pytest.approx(0.25, rel=1e-3)
+    assert free["max_DI"].to_numpy() == pytest.approx(0.10, rel=1e-3)
+    assert free["cumulative_max_DI"].to_numpy() == pytest.approx(0.15, rel=1e-3)
+
+
+def test_cycles_count_an_opening_only_where_it_is(harmonic):
+    opening = {3: np.where((TIME_S >= 0.25) & (TIME_S < 0.35), 0.2e-3, 0.0)}
+    table = cycles_table(harmonic(0.0, opening=opening))
+    share = small_layout().contacts.length[3] / small_layout().total_joint_length
+    assert table["max_DI_open"].tolist() == pytest.approx([0, share, 0])
+    assert table["cumulative_max_DI"].tolist() == pytest.approx([0, share, share])
+
+
+def test_a_run_cut_short_has_its_whole_cycles_only(tmp_path, monkeypatch):
+    monkeypatch.setitem(LOADINGS, "harmonic", {"kind": "harmonic", "name": "h", "period_s": 0.2, "cycles": 3})
+    history = make_history(tmp_path / "cut.h5", stages=("motion",) * 131, step_s=STEP_S)
+    assert cycles_table(history)["end_s"].tolist() == pytest.approx([0.2])
+    assert set(cycle_measures(history).values()) == {None}
+
+
+def test_energies_leave_the_damping_of_the_settling_out(harmonic):
+    settling = np.array(STAGES) == "settling"
+    found = energy_measures(harmonic(0.0, row={
+        "friction_energy_j": 3 * TIME_S, "fracture_energy_j": 0.5, "input_energy_j": 7.0,
+        "damping_energy_j": np.where(settling, 10.0, TIME_S / TIME_S[MOTION + REST - 1])}))
+    assert found["dissipated_energy_j"] == pytest.approx(3 * TIME_S[-1] + 0.5)
+    assert found["input_energy_j"] == 7.0
+    assert found["damping_energy_j"] == pytest.approx(1.0)
+
+
+def test_classes_of_published_limits():
+    found = classes(0.0009, 1.2)
+    assert found["drift_class_korswagen_clay"] == "light"
+    assert found["drift_class_korswagen_calcium_silicate"] == "light"
+    assert found["drift_class_graziotti"] == "minor"
+    assert found["drift_class_en_1998_1"] == "up to 0.5 %"
+    assert found["drift_class_asce_7_16"] == "up to 1/600"
+    assert found["psi_class"] == "visible"
+
+
+@pytest.mark.parametrize("limits", LIMITS, ids=lambda limits: limits.name)
+def test_limits_rise_and_part_the_classes(limits):
+    assert list(limits.bounds) == sorted(limits.bounds)
+    just_below = [limits.classify(bound * (1 - 1e-9)) for bound in limits.bounds]
+    assert (*just_below, limits.classify(1e9)) == limits.classes
+    assert limits.classify(limits.bounds[0]) == limits.classes[1]
+    assert limits.classify(None) is None
+    assert limits.source
+
+
+def test_summary_row_holds_every_measure(harmonic):
+    history = harmonic(softening(0.25), opening={3: 0.4e-3})
+    row = summary_row(history)
+    assert summarise(history)["psi_class"] == "visible"
+    assert row["max_psi"] == pytest.approx(2 * 0.4**0.3, rel=1e-3)
+    assert row["residual_crack_width_mm"] == pytest.approx(0.4, rel=1e-3)
+    for name in ("last_cycle_s", "first_free_cycle_s", "period_elongation", "dissipated_energy_j",
+                 "damping_energy_j", "max_crack_width_mm", "residual_psi", *(one.name for one in LIMITS)):
+        assert name in row
