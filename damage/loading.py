@@ -217,11 +217,15 @@ class FreeVibration:
 
 
 BOUNDARIES = ("cantilever", "fixed")
+EASE_S = 0.1
+"""Time that a pushed top takes to start, to turn round and to stop [s]: longer than a wall's first period,
+so that it does not make the wall vibrate."""
 
 
 @dataclass(frozen=True)
 class TopDisplacement:
-    """Quasi-static: the top is moved to and fro at a constant speed; the base stands still.
+    """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the base
+    stands still.
 
     amplitudes_pct: drift ratios [%] to go to, in this order.
     cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
@@ -272,15 +276,33 @@ class TopDisplacement:
         return np.array([*points, 0.0])
 
     def top_displacement(self, time_s, height: float) -> np.ndarray:
-        """Displacement of the top [m] at times (n,) [s]; it stays where it ends."""
+        """Displacement of the top [m] at times (n,) [s]; it stays where it ends.
+
+        The mean of the schedule over the last EASE_S: the speed changes linearly, every turning point is reached.
+        """
         times, points = self.schedule(height)
-        return np.interp(time_s, times, points)
+        areas = np.concatenate([[0.0], np.cumsum((points[1:] + points[:-1]) / 2 * np.diff(times))])
+
+        def area(until_s):
+            until_s = np.maximum(until_s, 0.0)
+            knot = np.searchsorted(times, until_s, side="right") - 1
+            there = np.interp(until_s, times, points)
+            return areas[knot] + (points[knot] + there) / 2 * (until_s - times[knot])
+
+        time_s = np.asarray(time_s, dtype=np.float64)
+        return (area(time_s) - area(time_s - EASE_S)) / EASE_S
+
+    def velocities(self, interval_s: float, height: float) -> np.ndarray:
+        """Velocity of the top [m/s] in every interval of that length, until the motion's end: (n,)."""
+        n = math.ceil(self.schedule(height)[0][-1] / interval_s)
+        return np.diff(self.top_displacement(np.arange(n + 1) * interval_s, height)) / interval_s
 
     def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:
-        """Times (k,) [s] and top displacements (k,) [m] of the turning points, from (0, 0)."""
+        """Times (k,) [s] and top displacements (k,) [m] from (0, 0): to every turning point, and a rest there."""
         points = np.concatenate([[0.0], self.turning_points(height)])
-        times = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(points)) / self.speed_m_s)])
-        return times, points
+        moves = np.abs(np.diff(points)) / self.speed_m_s
+        times = np.cumsum(np.column_stack([moves, np.full(len(moves), EASE_S)]))
+        return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
     def describe(self) -> dict:
         """Everything that defines the motion, fit for JSON."""
@@ -291,6 +313,7 @@ class TopDisplacement:
             "cycles": int(self.cycles),
             "boundary": self.boundary,
             "speed_m_s": float(self.speed_m_s),
+            "ease_s": EASE_S,
         }
 
 

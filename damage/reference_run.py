@@ -77,17 +77,12 @@ class ReferenceRun:
 
     def run_pushed(self):
         """Move the top as a quasi-static loading says; True unless interrupted."""
-        loading, wall, layout = self.settings.loading, self.wall, self.layout
-        end_s = loading.schedule(layout.pushed_height)[0][-1]
-        interval = self.sample_steps * wall.time_step
-        here = 0.0
-        while self.time < end_s:
+        interval = self.sample_steps * self.wall.time_step
+        for velocity in self.settings.loading.velocities(interval, self.layout.pushed_height):
             if not self.keep_going(self, self.time):
                 return False
-            there = float(loading.top_displacement(self.time + interval, layout.pushed_height))
-            wall.push((there - here) / interval)
-            here = there
-            wall.run(self.sample_steps)
+            self.wall.push(velocity)
+            self.wall.run(self.sample_steps)
             self.record()
             if self.collapsed_at_s is not None:
                 break

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from damage.errors import InputError
 from damage.history import HistoryWriter, check_output
 from damage.layout import lay_out
+from damage.loading import TopDisplacement
 from damage.modes import natural_modes
 from damage.options import free_name, parse_run
 from damage.progress import Progress
@@ -89,7 +90,7 @@ def _announce(layout, settings, modes, time_step):
 def _simulate(solver, layout, settings, modes, time_step, writer, show):
     """Run all stages; the history is closed and marked however this ends."""
     interrupted = _InterruptFlag()
-    progress = Progress(layout.wall.name, settings.duration_s)
+    progress = Progress(layout.wall.name, _duration_s(layout, settings))
 
     def keep_going(simulation, time_s):
         progress.show(time_s, simulation.stage, simulation.index)
@@ -110,6 +111,13 @@ def _simulate(solver, layout, settings, modes, time_step, writer, show):
         progress.close()
         writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
+
+
+def _duration_s(layout, settings):
+    """Of all stages after the static one [s]."""
+    if isinstance(settings.loading, TopDisplacement):
+        return settings.loading.schedule(layout.pushed_height)[0][-1]
+    return settings.duration_s
 
 
 class _InterruptFlag:

@@ -35,7 +35,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "max_slip_mm": float(np.abs(history.slip_m).max() * 1e3),
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
-        "energy_error_fraction": energy_error(series),
+        "energy_error_fraction": None if _infers_damping(history) else energy_error(series),
         "period_s": period_of(history), **_pushed(history),
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),
@@ -46,10 +46,19 @@ INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
 """Shares of the peak force at which the initial and the secant stiffness are taken, on first loading."""
 
 
+def _infers_damping(history):
+    """Whether the damping energy of the motion itself closes the balance: it then tells no error."""
+    return history.solver == "yade" and _is_pushed(history)
+
+
+def _is_pushed(history):
+    return history.parameters["loading"]["kind"] in ("pushover", "cyclic")
+
+
 def _pushed(history):
     """Peak force and stiffnesses of a quasi-static run, None for any other."""
     names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
-    if history.parameters["loading"]["kind"] not in ("pushover", "cyclic"):
+    if not _is_pushed(history):
         return dict.fromkeys(names)
     # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
     # the base feels less of the jolts of a prescribed top.

@@ -50,7 +50,6 @@ OPTIONS = {
     "viscous-damping": (["--beta", "1e-6"], "--beta"),
     "cyclic-text": (["--cyclic", "0.1;0.2"], "commas"),
     "boundary-without-push": (["--boundary", "fixed"], "--boundary"),
-    "pushover-in-yade": (["--pushover", "0.1"], "reference"),
     "no-screen": (["--view"], "screen"),
     "unknown-lintel": (["--lintel", "steel"], "steel"),
 }

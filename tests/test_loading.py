@@ -1,4 +1,4 @@
-"""What drives a run: sines, records with their preparation, free vibration."""
+"""What drives a run: sines, records with their preparation, free vibration, a pushed top."""
 
 import hashlib
 import json
@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
-from damage.loading import FreeVibration, Harmonic, Recorded
+from damage.loading import EASE_S, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.records import (
     Record,
     aligned_with,
@@ -215,6 +215,35 @@ class TestFreeVibration:
     def test_velocity_must_be_positive(self, velocity):
         with pytest.raises(InputError, match="top velocity"):
             FreeVibration(velocity)
+
+
+class TestTopDisplacement:
+    HEIGHT, LOAD = 2.8, TopDisplacement((0.01, 0.1), cycles=1, speed_m_s=2e-3)
+
+    def test_reaches_every_turning_point_and_no_further(self):
+        time_s = np.linspace(0, self.LOAD.schedule(self.HEIGHT)[0][-1] + 1, 100_001)
+        top = self.LOAD.top_displacement(time_s, self.HEIGHT)
+        turns = top[np.flatnonzero(np.diff(np.sign(np.diff(top))))]
+        assert_allclose([turns.max(), turns.min()], [2.8e-3, -2.8e-3], rtol=1e-6)
+        assert_allclose(self.LOAD.turning_points(self.HEIGHT), [2.8e-4, -2.8e-4, 2.8e-3, -2.8e-3, 0])
+        assert top[0] == 0 and abs(top[-1]) < 1e-15 and np.abs(top).max() <= 2.8e-3 * (1 + 1e-12)
+
+    def test_speed_is_kept_and_changes_smoothly(self):
+        interval = 1e-4
+        speed = self.LOAD.velocities(interval, self.HEIGHT)
+        assert_allclose(np.abs(speed).max(), 2e-3, rtol=1e-6)
+        assert np.abs(np.diff(speed)).max() < 2e-3 * interval / EASE_S * 1.001
+        assert abs(speed[0]) < 2e-5 and abs(speed[-1]) < 2e-5
+
+    def test_velocities_add_up_to_the_displacement(self):
+        interval = 2.1e-3
+        moved = np.cumsum(self.LOAD.velocities(interval, self.HEIGHT)) * interval
+        asked = self.LOAD.top_displacement(np.arange(1, len(moved) + 1) * interval, self.HEIGHT)
+        assert_allclose(moved, asked, atol=1e-12)
+
+    def test_a_push_goes_one_way(self):
+        top = TopDisplacement((0.1,), cycles=0).top_displacement(np.linspace(0, 10, 1001), 1.0)
+        assert np.all(np.diff(top) >= -1e-15) and top[-1] == pytest.approx(1e-3)
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,7 @@ class Recorder:
         self.stage, self.samples, self.index = "static", 0, 0.0
         self.collapsed_at_s = None
         self.base = np.zeros((1, 2))  # base acceleration of every step [m/s2]; zero afterwards
+        self.top = None  # a PushedTop where the wall is pushed
         self.ramp_steps = 1  # over which the static stage brings gravity up
         self._first_step, self._breaks_seen, self._early_events = None, 0, []
         self._zero, self._known = None, (0, None)
@@ -79,6 +80,8 @@ class Recorder:
             self._integrate_input((ax, az))
         if step % self.sample_steps == 0:
             self.record()
+            if self.top:
+                self._push(step // self.sample_steps)
 
     def _log_breaks(self):
         law, tracker = self.model.law, self.tracker
@@ -116,10 +119,16 @@ class Recorder:
         else:
             self.writer.event(self.time, joint, kind, *values, **named)
 
+    def _push(self, interval):
+        self._input_energy += self.top.prescribe(interval)
+        self._input_power = self.top.power()
+
     def _integrate_input(self, base):
-        """Work of the base's inertia forces in the frame that moves with it, by trapezia."""
-        momentum = self._momentum() if np.any(base) else np.zeros(2)
-        power = -float(np.dot(base, momentum))
+        """Work of the pushed top, or of the base's inertia forces in the frame that moves with it, by trapezia."""
+        if self.top:
+            power = self.top.power()
+        else:
+            power = -float(np.dot(base, self._momentum())) if np.any(base) else 0.0
         self._input_energy += (power + self._input_power) / 2 * (self.time - self._input_time)
         self._input_power, self._input_time = power, self.time
 
@@ -141,6 +150,7 @@ class Recorder:
         ax, az = self.base_acceleration()
         row = {"time_s": self.time, "base_acceleration_x_m_s2": ax, "base_acceleration_z_m_s2": az,
                "top_displacement_m": top, "drift_ratio": drift, "base_shear_n": self.scene.base_shear(),
+               "top_force_n": self.top.force() if self.top else np.nan,
                **self._energies(motion, (ax, az))}
         self.writer.append(self.stage, row, self.tracker.opening, self.tracker.slip, state)
         if self.samples % SNAPSHOT_SAMPLES == 0:
@@ -154,7 +164,8 @@ class Recorder:
 
     def _energies(self, motion, base):
         """Energies since the end of the static stage [J]; damping is what local damping took in
-        the settling stages, inferred from the balance there."""
+        the settling stages, or while the top is pushed, inferred from the balance there: YADE's own sum of
+        it takes the contacts' forces alone, without the weights that balance them."""
         speed = self.scene.synchronous_velocities(O.dt / 2, base)
         _, elastic, friction, fracture = self._zero
         energies = {
@@ -165,7 +176,7 @@ class Recorder:
             "fracture_energy_j": self.tracker.fracture_energy - fracture,
         }
         balance = sum(energies.values()) - self._input_energy
-        if self.stage == "settling":
+        if self.stage == "settling" or self.top:
             self._damped = self._undamped_balance - balance
         else:
             self._undamped_balance = balance + self._damped

@@ -5,7 +5,6 @@ import sys
 import yade
 
 from damage.errors import InputError
-from damage.loading import TopDisplacement
 from damage.session import Solver, run_session
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.simulation import Simulation, choose_time_step
@@ -19,9 +18,6 @@ def main(make_wall):
 
 
 def _check(settings):
-    if isinstance(settings.loading, TopDisplacement):
-        raise InputError("--pushover and --cyclic run in the reference solver only so far; use: "
-                         "python3 -m damage reference")
     if settings.beta_s > 0:
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")

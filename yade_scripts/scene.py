@@ -13,6 +13,8 @@ class SceneReader:
     def __init__(self, model):
         contacts, bodies = model.layout.contacts, model.layout.bodies
         self.model = model
+        # YADE sums the forces of a clump's cells only in its integrator, after these are read.
+        self.members = [[*O.bodies[clump].shape.members] for clump in model.clumps]
         self.states = [O.bodies[clump].state for clump in model.clumps]
         self.geometries = [bond.geom for bond in model.bonds]
         self.physics = [bond.phys for bond in model.bonds]
@@ -20,6 +22,7 @@ class SceneReader:
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
         self.shear_stiffness = contacts.shear_stiffness * contacts.area
         self.mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
+        self.follows = np.ones_like(self.mass)  # 0 where a velocity is prescribed, whatever the force
         self.start = np.column_stack([bodies.x, bodies.z])
         self.first_orientation = np.array([tuple(state.ori) for state in self.states])
         self.vertical = contacts.kind == 1  # head joints slip along z, others along x
@@ -49,11 +52,20 @@ class SceneReader:
 
     def synchronous_velocities(self, half_step, base_acceleration):
         """Velocities at the instant of the positions: v(t - dt/2) + dt/2 a(t)."""
-        sync = True
-        forces = np.array([(f[0], f[2], -t[1]) for f, t in
-                           ((O.forces.f(c, sync), O.forces.t(c, sync)) for c in self.model.clumps)])
+        forces = np.array([self._resultant(members, state.pos[0]) for members, state in
+                           zip(self.members, self.states)])
         field = (-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0)
-        return self.velocities() + half_step * (forces / self.mass + field)
+        return self.velocities() + half_step * self.follows * (forces / self.mass + field)
+
+    def _resultant(self, members, x_centre):
+        """Force along x and z [N] and moment [N m] of the contacts on a clump; rotations are small."""
+        along = upward = moment = 0.0
+        for cell in members:
+            force = O.forces.f(cell, True)
+            along += force[0]
+            upward += force[2]
+            moment += (O.bodies[cell].state.pos[0] - x_centre) * force[2] - O.forces.t(cell, True)[1]
+        return along, upward, moment
 
     def openings(self):
         """Normal opening of every contact [m], tension positive: (n_contacts,)."""

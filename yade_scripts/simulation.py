@@ -7,9 +7,11 @@ from yade import O, PyRunner, Vector3, utils
 
 from damage import schedule
 from damage.errors import InputError
+from damage.loading import TopDisplacement
 from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
 from damage.units import GRAVITY
 from yade_scripts.model import build
+from yade_scripts.pushed_top import PushedTop
 from yade_scripts.recorder import JOINT_STEPS, Recorder
 
 STEP_FACTOR = 0.643
@@ -87,19 +89,23 @@ class Simulation:
             duration_s=O.iter * O.dt)
 
     def start(self, first_mode):
-        """Time zero: the base motion starts, or the wall is kicked into its first mode.
+        """Time zero: the base motion starts, the top is taken hold of, or the wall is kicked into its
+        first mode.
 
         first_mode: shape (n_bodies, 3), 1 at the top.
         """
         speed = getattr(self.settings.loading, "top_velocity_m_s", 0.0)
         for state, (vx, vz, turn) in zip(self.recorder.scene.states, speed * first_mode):
             state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -turn, 0)
-        self.recorder.start_clock(schedule.base_acceleration(self.settings, self.schedule, O.dt))
+        loading, recorder = self.settings.loading, self.recorder
+        if isinstance(loading, TopDisplacement):
+            recorder.top = PushedTop(self.layout, recorder.scene, loading, recorder.sample_steps * O.dt)
+        recorder.start_clock(schedule.base_acceleration(self.settings, self.schedule, O.dt))
 
     def run(self, stage, until_step):
         """Run one stage up to a step since time zero; True unless interrupted or collapsed."""
         self.recorder.stage = stage
-        self.newton.damping = LOCAL_DAMPING if stage == "settling" else 0.0
+        self.newton.damping = LOCAL_DAMPING if stage == "settling" or self.recorder.top else 0.0
         left = until_step - round(self.recorder.time / O.dt)
         while left > 0:
             if self.collapsed_at_s is not None or not self.keep_going(self, self.recorder.time):
@@ -110,12 +116,20 @@ class Simulation:
         return True
 
     def run_all(self):
-        """Motion, rest and settling; True unless interrupted."""
-        finished = all(self.run(stage.name, stage.end_step) for stage in self.schedule)
-        # One step more takes the last sample: the residual state.
-        finished = finished and self.run("settling", self.schedule[-1].end_step + 1)
+        """All stages; True unless interrupted."""
+        finished = self._run_stages()
         self.recorder.snapshot()
         return finished or self.collapsed_at_s is not None
+
+    def _run_stages(self):
+        if self.recorder.top:
+            last, end = "motion", len(self.recorder.top.velocities) * self.recorder.sample_steps
+            finished = self.run(last, end)
+        else:
+            last, end = "settling", self.schedule[-1].end_step
+            finished = all(self.run(stage.name, stage.end_step) for stage in self.schedule)
+        # One step more takes the last sample: the residual state.
+        return finished and self.run(last, end + 1)
 
 
 def _perturb(model, settings):

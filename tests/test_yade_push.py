@@ -1,0 +1,100 @@
+"""A wall's top pushed in YADE and in the reference solver: two codes, one answer."""
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+
+import damage
+from damage.summary import summarise
+
+pytestmark = pytest.mark.yade
+
+# A square panel: as a cantilever it rocks on its base, held at the top its joints slide.
+PANEL = '''
+import sys
+sys.path.insert(0, {repository!r})
+from damage import Wall
+
+def wall():
+    return Wall(name="panel", length=0.9, height=0.9, precompression=0.3e6)
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+    main(wall)
+'''
+
+
+@pytest.fixture(scope="module", params=["cantilever", "fixed"])
+def runs(request, tmp_path_factory, yade_command, damage_command):
+    """The same push, 0.12 % of drift at 2 mm/s, in both solvers."""
+    folder = tmp_path_factory.mktemp(request.param)
+    wall = folder / "panel.py"
+    wall.write_text(PANEL.format(repository=str(REPOSITORY)))
+    histories = {}
+    for solver, run in (("yade", yade_command), ("reference", lambda *words: damage_command("reference", *words))):
+        out = folder / f"{solver}.h5"
+        done = run(wall, "--pushover", 0.12, "--boundary", request.param, "--speed", 2e-3, "--out", out,
+                   "--no-pictures")
+        assert done.returncode == 0, done.stdout + done.stderr
+        histories[solver] = damage.read_history(out)
+    return request.param, histories
+
+
+def test_initial_stiffness_and_peak_force_agree(runs):
+    _, histories = runs
+    yade, reference = (summarise(histories[solver]) for solver in ("yade", "reference"))
+    assert_allclose(yade["initial_stiffness_n_per_m"], reference["initial_stiffness_n_per_m"], rtol=0.01)
+    assert_allclose(yade["peak_force_n"], reference["peak_force_n"], rtol=0.03)
+
+
+def test_the_same_mechanism(runs):
+    boundary, histories = runs
+    for history in histories.values():
+        index = history.index().iloc[-1]
+        if boundary == "cantilever":  # a bed joint opens from one end nearly to the other, none slides
+            assert 0.5 < history.joints.length_m[history.opening_m[-1] > 1e-4].sum() / 0.9 < 1
+            assert index.DI_slip == 0
+        else:
+            assert history.joints.length_m[np.abs(history.slip_m[-1]) > 1e-4].sum() >= 0.9 * 0.8
+            assert index.DI_open == 0
+
+
+def test_forces_by_hand(runs):
+    """Rocking about the toe at the base; friction under the cap and the course that slide."""
+    boundary, histories = runs
+    cap, course, wall = (np.array([0.3e6 * 0.9, 1900 * 9.81 * 0.9 * 0.075, 1900 * 9.81 * 0.9 * 0.9]) * 0.1025)
+    for solver, history in histories.items():
+        force = history.series.base_shear_n
+        if boundary == "cantilever":
+            # The force acts 1 m above the base; contact points lie an eighth of a brick inside the toe.
+            assert_allclose(force.max(), (cap + wall) * (0.45 - 0.225 / 8) / 1.0, rtol=0.08)
+        else:
+            slip = np.abs(history.slip_m[-1]).max()
+            # YADE's normals, between the centres of cells, tilt with the slip.
+            tilt = slip / 0.075 if solver == "yade" else 0.0
+            friction = (cap + course) * np.tan(np.radians(32) - tilt)
+            assert_allclose(force.iloc[-20:].mean(), friction, rtol=5e-3)
+
+
+def test_the_top_goes_where_it_is_told(runs):
+    boundary, histories = runs
+    series = histories["yade"].series
+    cap = histories["yade"].displacement[-1, -1]
+    assert_allclose(cap[0], 0.12e-2 * 1.0, rtol=1e-4)  # the cap's centre is 1 m above the base
+    assert abs(cap[2]) < 1e-9 if boundary == "fixed" else cap[2] < -1e-4
+    # At rest the force at the top is the base's.
+    slow = series.time_s > 0.2
+    assert_allclose(series.top_force_n[slow].mean(), series.base_shear_n[slow].mean(), rtol=0.02)
+
+
+def test_damping_that_closes_yades_balance_is_lost_energy(runs):
+    """YADE's damping energy is inferred; that it only grows, to what the reference counts, is the check."""
+    _, histories = runs
+    yade, reference = (histories[solver].series for solver in ("yade", "reference"))
+    lost, work = yade.damping_energy_j.to_numpy(), yade.input_energy_j.iloc[-1]
+    assert np.max(np.maximum.accumulate(lost) - lost) < 1e-3 * work
+    assert_allclose(lost[-1], reference.damping_energy_j.iloc[-1], atol=0.01 * work)
+    assert_allclose(work, reference.input_energy_j.iloc[-1], rtol=0.03)
+    assert summarise(histories["yade"])["energy_error_fraction"] is None
+    assert summarise(histories["reference"])["energy_error_fraction"] < 1e-3
