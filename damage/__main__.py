@@ -83,6 +83,7 @@ def _add_modes(commands):
     command.add_argument("--top", default="piers", choices=TOP_OPTIONS)
     command.add_argument("--cells", type=int, default=2, metavar="N")
     command.add_argument("--contacts", default="interior", choices=CONTACT_OPTIONS)
+    command.add_argument("--out", type=Path, metavar="DIR", help="folder for a picture of the shapes")
 
 
 def _modes(parsed):
@@ -92,7 +93,12 @@ def _modes(parsed):
     from damage.wall_file import load_wall
 
     options = ModelOptions(top=parsed.top, cells=parsed.cells, contacts=parsed.contacts)
-    modes = natural_modes(lay_out(load_wall(parsed.wall), options))
+    layout = lay_out(load_wall(parsed.wall), options)
+    modes = natural_modes(layout)
+    if parsed.out:
+        from damage.modes_picture import modes_picture
+
+        _save([("modes", modes_picture(layout, modes))], parsed.out)
     periods = [float(period) for period in modes.period_s]
     if parsed.json:
         print(json.dumps({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s}))
@@ -100,6 +106,17 @@ def _modes(parsed):
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
+
+
+def _save(figures, folder):
+    """Write figures, pairs (name, Figure), and tell their paths on stderr: stdout may be JSON."""
+    from damage.pictures import save_figures
+
+    try:
+        for path in save_figures(figures, folder):
+            print(f"picture: {path}", file=sys.stderr)
+    except OSError as error:
+        raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
 
 
 def _add_record(commands):
@@ -145,13 +162,19 @@ def _add_compare(commands):
     command.add_argument("first", type=Path, metavar="A.h5")
     command.add_argument("others", type=Path, nargs="+", metavar="B.h5", help="of several the median counts")
     command.add_argument("--json", action="store_true", help="as JSON")
+    command.add_argument("--out", type=Path, metavar="DIR", help="folder for a picture of drift and joints")
 
 
 def _compare(parsed):
     from damage.compare import compare, describe
     from damage.reading import read_history
 
-    result = compare(read_history(parsed.first), [read_history(path) for path in parsed.others])
+    first, others = read_history(parsed.first), [read_history(path) for path in parsed.others]
+    result = compare(first, others)
+    if parsed.out:
+        from damage.compare_picture import compare_picture
+
+        _save([("compare", compare_picture(first, others[0]))], parsed.out)
     print(json.dumps(result, indent=2) if parsed.json else describe(result))
 
 

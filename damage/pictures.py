@@ -368,6 +368,12 @@ FORMATS = {"png": {"Software": None}, "pdf": {"CreationDate": None}}  # without 
 @styled
 def save_all(history, folder):
     """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
+    return save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder)
+
+
+@styled
+def save_figures(figures, folder):
+    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, made where missing; their paths."""
     folder = Path(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -375,8 +381,7 @@ def save_all(history, folder):
         raise InputError(f"cannot make folder {folder} for the pictures ({error.strerror}): expected a "
                          "folder that can be written to; choose another") from error
     paths = []
-    for name, draw in PICTURES.items():
-        figure = draw(history)
+    for name, figure in figures:
         for ending, metadata in FORMATS.items():
             paths.append(folder / f"{name}.{ending}")
             with _whole_or_nothing(paths[-1]) as unfinished:

@@ -1,0 +1,45 @@
+"""Pictures of modes and of two histories: what they show, and that the commands write them."""
+
+import json
+
+import numpy as np
+from small_history import make_history, small_layout
+
+from damage.__main__ import main
+from damage.compare_picture import JOINTS, compare_picture, joint_agreement
+from damage.modes import natural_modes
+from damage.modes_picture import modes_picture
+
+
+def test_agreement_of_joints(tmp_path):
+    layout = small_layout()
+    pairs = list(zip(layout.contacts.first, layout.contacts.second))[:layout.n_joints]
+    joints = [pairs.index(pair) for pair in sorted(set(pairs))[:4]]
+    first = make_history(tmp_path / "a.h5", broken=joints[:3], opening={joints[1]: 1e-3})
+    second = make_history(tmp_path / "b.h5", broken=[joints[0], joints[1], joints[3]])
+    agreement = joint_agreement(first, second)
+    for joint, expected in zip(joints, ("same", "other", "first", "second")):
+        mine = [agreement[k] for k, pair in enumerate(pairs) if pair == pairs[joint]]
+        assert set(mine) == {expected}
+    assert set(agreement) == set(JOINTS)
+    figure = compare_picture(first, second)
+    assert len(figure.axes) == 2
+
+
+def test_every_mode_is_drawn_with_its_period():
+    layout = small_layout()
+    modes = natural_modes(layout, 4)
+    titles = [ax.get_title() for ax in modes_picture(layout, modes).axes]
+    assert titles == [f"mode {k + 1}: {period:.4f} s" for k, period in enumerate(modes.period_s)]
+
+
+def test_commands_write_the_pictures(tmp_path, capsys):
+    out = tmp_path / "pictures"
+    assert main(["modes", "walls/solid.py", "--json", "--out", str(out)]) == 0
+    assert len(json.loads(capsys.readouterr().out)["period_s"]) == 6
+    for name in "ab":
+        make_history(tmp_path / f"{name}.h5", drift=np.linspace(0, 1e-3, 21))
+    assert main(["compare", str(tmp_path / "a.h5"), str(tmp_path / "b.h5"), "--out", str(out)]) == 0
+    assert {path.name for path in out.iterdir()} == {f"{n}.{e}" for n in ("modes", "compare") for e in ("png", "pdf")}
+    (tmp_path / "file").touch()
+    assert main(["modes", "walls/solid.py", "--out", str(tmp_path / "file")]) == 2
