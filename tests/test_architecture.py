@@ -9,7 +9,7 @@ from conftest import REPOSITORY
 
 # Layers of `damage`, lowest first: a module imports from its own layer's left or from lower ones.
 LAYERS = [
-    {"errors", "units"},
+    {"errors", "units", "paper_criteria"},
     {"parameters", "joint_law", "records"},
     {"layout", "loading", "intensity", "index"},
     {"synthetic", "modes", "kinematics", "wall_file", "options", "energy", "progress", "study", "watch"},
