@@ -40,6 +40,7 @@ def _parser():
     _add_record(commands)
     _add_plot(commands)
     _add_compare(commands)
+    _add_figures(commands)
     return parser
 
 
@@ -176,6 +177,32 @@ def _compare(parsed):
 
         _save([("compare", compare_picture(first, others[0]))], parsed.out)
     print(json.dumps(result, indent=2) if parsed.json else describe(result))
+
+
+def _add_figures(commands):
+    command = _add_command(commands, "figures", _figures,
+                           "figures 6 to 12 of the source paper and crack maps from the results of studies")
+    command.add_argument("results", type=Path, metavar="RESULTS_DIR",
+                         help="folder that holds the studies' folders, each with tables/points.csv")
+    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the figures")
+
+
+def _figures(parsed):
+    from damage.study_figures import make_figures
+    from damage.study_results import load_results
+
+    made = 0
+    try:
+        for name, outcome in make_figures(load_results(parsed.results), parsed.out):
+            if isinstance(outcome, str):
+                print(f"not made: {name}: {outcome}")
+                continue
+            made += 1
+            print(*outcome, sep="\n", flush=True)
+    except OSError as error:
+        raise InputError(f"cannot write to {parsed.out}: {error.strerror}; choose another --out") from error
+    if made == 0:
+        raise InputError(f"{parsed.results} allows no figure; expected results of the studies harmonic or ida")
 
 
 if __name__ == "__main__":

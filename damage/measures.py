@@ -54,14 +54,20 @@ def cycle_measures(history):
     names = ("last_cycle_s", "first_free_cycle_s", "period_elongation")
     if history.parameters["loading"]["kind"] not in ("harmonic", "record"):
         return dict.fromkeys(names)
-    series = last_shock(history)
-    crossings = upward_crossings(series["time_s"], series["drift_ratio"])
-    begins_driven = crossings[:-1] <= _motion_end(series)
-    lengths = np.diff(crossings)
-    last = float(lengths[begins_driven][-1]) if begins_driven.any() else None
-    free = float(lengths[~begins_driven][0]) if not begins_driven.all() else None
+    driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
+    last, free = driven[-1] if driven else None, free[0] if free else None
     eigen_period = history.parameters.get("eigen_period_s")
     return dict(zip(names, (last, free, free / eigen_period if free and eigen_period else None)))
+
+
+def drift_cycles(history):
+    """Start and end [s], (k, 2), of the cycles of the drift in a History's (last) shock, from one upward
+    zero crossing to the next: those that begin while the base moves, and those that begin after."""
+    series = last_shock(history)
+    crossings = upward_crossings(series["time_s"], series["drift_ratio"])
+    cycles = np.column_stack([crossings[:-1], crossings[1:]])
+    begins_driven = cycles[:, 0] <= _motion_end(series)
+    return cycles[begins_driven], cycles[~begins_driven]
 
 
 def _motion_end(series):

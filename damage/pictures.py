@@ -146,14 +146,27 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     """
     shape = wall_shape(history, sample, slip, threshold, magnify)
     figure, ax = new_figure(1.0)
-    _draw_bodies(ax, shape)
-    _draw_joints(ax, shape)
-    _frame_wall(figure, ax, shape)
+    ratio = draw_wall(ax, shape)
+    labels = 0.45  # [inch] that ticks and labels take beside and below
+    figure.set_size_inches(COLUMN_WIDTH, min((COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
     add_title(figure, history, *_moment(shape, sample))
-    legend_below(figure, _joint_handles(shape, slip, threshold), columns=3)
+    legend_below(figure, joint_handles(shape, slip, threshold), columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
         figure.draw_without_rendering()
     return figure
+
+
+def draw_wall(ax, shape):
+    """Draw a WallShape in true scale; returns height over width of what the axes show."""
+    _draw_bodies(ax, shape)
+    _draw_joints(ax, shape)
+    points = shape.corners.reshape(-1, 2)
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.02 * (high - low).max()
+    low, high = np.minimum(low, 0) - margin, high + margin
+    ax.axhspan(low[1], 0, facecolor=GROUND_COLOUR, lw=0, zorder=0)
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="z [m]")
+    return (high[1] - low[1]) / (high[0] - low[0])
 
 
 def _draw_bodies(ax, shape):
@@ -170,19 +183,6 @@ def _draw_joints(ax, shape):
                                          linewidths=widths, capstyle="butt", zorder=2 + layer))
 
 
-def _frame_wall(figure, ax, shape):
-    """Limits around the wall in true scale, and a figure of the height that this takes."""
-    points = shape.corners.reshape(-1, 2)
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.02 * (high - low).max()
-    low, high = np.minimum(low, 0) - margin, high + margin
-    ax.axhspan(low[1], 0, facecolor=GROUND_COLOUR, lw=0, zorder=0)
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="z [m]")
-    ratio = (high[1] - low[1]) / (high[0] - low[0])
-    labels = 0.45  # [inch] that ticks and labels take beside and below
-    figure.set_size_inches(COLUMN_WIDTH, min((COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
-
-
 def _moment(shape, sample):
     """Lines of the title that say what is drawn."""
     which = {"max": "maximum DI", "end": "end, DI"}.get(sample, "DI")
@@ -193,7 +193,7 @@ def _moment(shape, sample):
         yield f"shape at {shape.snapshot_time_s:.3f} s, displacements × {shape.magnification:g}"
 
 
-def _joint_handles(shape, slip, threshold):
+def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
     """Legend in three columns: cracks, the rest, widths of lines."""
     def line(label, colour, width):
         return Line2D([], [], color=colour, lw=width, label=label)

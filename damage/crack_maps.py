@@ -1,0 +1,39 @@
+"""Crack maps of a study: the wall at the largest index and at the end, a row a motion."""
+
+import numpy as np
+
+from damage.figure_parts import add_heading, finish, grid, letter
+from damage.pictures import draw_wall, joint_handles, styled
+from damage.study_results import Missing
+from damage.wall_picture import wall_shape
+
+MOST_ROWS = 5
+"""Rows of a page; of more motions the most damaging are shown."""
+
+
+@styled
+def crack_maps(results, variant, name_of):
+    """Walls of the strongest motions of each kind at maximum DI and at the end, in true scale.
+
+    name_of: function of a point that names its motion; of points with one solver only, the reference
+    solver's are drawn.
+    """
+    points = variant.reference if len(variant.reference) else variant.yade
+    points = points[np.isfinite(points["max_DI"].astype(float))].sort_values("max_DI", ascending=False)
+    points = points.head(MOST_ROWS)
+    if len(points) == 0:
+        raise Missing("no point with a damage index")
+    solver = "reference solver" if len(variant.reference) else "YADE"
+    histories = [(name_of(point), results.history(point)) for _, point in points.iterrows()]
+    figure, axes = grid(len(histories), 2, 2.35)
+    shapes = []
+    for number, (row, (name, history)) in enumerate(zip(axes, histories)):
+        for ax, sample, when in zip(row, ("max", "end"), ("largest index", "end")):
+            shapes.append(wall_shape(history, sample))
+            draw_wall(ax, shapes[-1])
+            ax.label_outer()
+            letter(ax, number, f"{name}, {when}: DI {shapes[-1].index:.3f}, × {shapes[-1].magnification:g}")
+    widest = max(shapes, key=lambda shape: shape.crack_width_m.max(initial=0))
+    add_heading(figure, f"Cracks, {variant.title}: the most damaging motions, first run of each, {solver}",
+                "at the largest index and at the end; × factor on displacements")
+    return finish(figure, joint_handles(widest), columns=5)

@@ -1,0 +1,184 @@
+"""Figures 10 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's tables:
+recorded motions at several scales (incremental dynamic analysis), and what they do to a wall.
+
+Each function takes the Results and what they are drawn of, and returns a Figure; it raises Missing
+when there is nothing to draw.
+"""
+
+import hashlib
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.lines import Line2D
+
+from damage.figure_parts import (
+    CRITERIA,
+    SLIP_LABELS,
+    add_heading,
+    component_handles,
+    describe_members,
+    draw_components,
+    draw_points,
+    draw_single,
+    finish,
+    from_zero,
+    grid,
+    letter,
+    median_and_range,
+    record_label,
+    record_markers,
+    solver_handles,
+)
+from damage.intensity import pga_g, response_spectrum
+from damage.loading import Recorded
+from damage.pictures import BLACK, BLUE, MEDIUM, VERMILLION, styled
+from damage.records import read_record, shipped_record_path
+from damage.study_results import Missing
+from damage.units import GRAVITY
+
+SPECTRUM_PERIODS_S = np.geomspace(0.02, 2.0, 120)
+WALL_PERIOD_S = 0.2  # of the walls with an opening, marked in the spectra
+RECORDS_FOLDER = Path(__file__).resolve().parents[1] / "records"
+"""Where users put records that do not ship."""
+TREND_POINTS = 4
+"""Fewest points through which a parabola is laid."""
+
+
+# --- the records ----------------------------------------------------------------------------------
+
+@styled
+def records(results, points):
+    """Figure 10: each record as it was used, and its response spectra at every scale factor."""
+    names = list(points["record"].unique())
+    figure, axes = grid(len(names), 2, 1.9, width_ratios=(3, 2))
+    scales = np.unique(points["scale"])
+    colours = dict(zip(scales, matplotlib.colormaps["cividis"](np.linspace(0, 0.95, len(scales)))))
+    for number, (name, row) in enumerate(zip(names, axes)):
+        of_record = points[points["record"] == name]
+        motion = unscaled_motion(results, of_record.iloc[0])
+        _draw_motion(row[0], motion, f"{record_label(name)}, PGA {pga_g(motion):.3f} g", number)
+        for scale in np.unique(of_record["scale"]):
+            row[1].plot(SPECTRUM_PERIODS_S, scale * response_spectrum(motion, SPECTRUM_PERIODS_S),
+                        color=colours[scale])
+        row[1].axvline(WALL_PERIOD_S, color=MEDIUM, ls=":", lw=0.8)
+        row[1].set(xscale="log", ylabel="Sa (5 %) [g]", xlim=(0.02, 2.0))
+        row[1].set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1, 2], labels=["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"])
+        row[1].minorticks_off()
+        row[1].set_ylim(bottom=0)
+    axes[-1, 0].set_xlabel("time [s]")
+    axes[-1, 1].set_xlabel("period [s]")
+    add_heading(figure, "Records and their response spectra at all scale factors", _synthetic_note(names))
+    handles = [Line2D([], [], color=colours[scale], label=f"× {scale:g}") for scale in scales]
+    handles.append(Line2D([], [], color=MEDIUM, ls=":", lw=0.8, label=f"{WALL_PERIOD_S:g} s"))
+    return finish(figure, handles, columns=9)
+
+
+def _draw_motion(ax, motion, text, number):
+    ax.plot(motion.time_s, motion.acceleration_m_s2 / GRAVITY, color=BLACK, lw=0.6)
+    ax.set_ylabel("acceleration [g]")
+    ax.margins(x=0)
+    letter(ax, number, text)
+
+
+def _synthetic_note(names):
+    """A line that says it where a record is not a recording, else ""."""
+    synthetic = [record_label(name) for name in names if "synthetic" in name]
+    return f"Not recorded but made to match a published spectrum: {'; '.join(synthetic)}" if synthetic else ""
+
+
+def unscaled_motion(results, point):
+    """The record of a point's first run as it was prepared for it, at scale 1."""
+    loading = results.history(point).parameters["loading"]
+    record = read_record(_record_path(loading["horizontal"]))
+    return Recorded(record, window_s=loading["window_s"], baseline_order=loading["baseline_order"],
+                    band_hz=loading["band_hz"]).motion[0]
+
+
+def _record_path(origin):
+    """The file that a run's record came from, shipped or in `records/`, with the same bytes."""
+    shipped = shipped_record_path().parents[1]
+    for path in (*shipped.glob(f"*/{origin['file']}"), RECORDS_FOLDER / origin["file"]):
+        if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == origin["sha256"]:
+            return path
+    raise Missing(f"no record {origin['file']} with the bytes that the runs read, neither shipped nor in records/")
+
+
+# --- what they do ---------------------------------------------------------------------------------
+
+@styled
+def residual_against_pga(variant, slip="displacement"):
+    """Figure 11: residual index and components against PGA, a panel a record."""
+    names = list(variant.points["record"].unique())
+    figure, axes = grid(len(names), 1, 1.9, sharey=True)
+    collapsed = False
+    for number, (ax, name) in enumerate(zip(axes[:, 0], names)):
+        letter(ax, number, record_label(name))
+        reference, yade = (points[points["record"] == name] for points in (variant.reference, variant.yade))
+        collapsed |= draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
+        ax.set(ylabel="residual damage index [-]", xlim=(0, None))
+    from_zero(axes[0, 0])
+    axes[-1, 0].set_xlabel("PGA [g]")
+    add_heading(figure, f"Residual damage index against PGA: {variant.title}", SLIP_LABELS[slip],
+                _synthetic_note(names))
+    return finish(figure, component_handles() + solver_handles(variant, collapsed), columns=7)
+
+
+@styled
+def against_drift(variant, slip="displacement"):
+    """Figure 12: (a) maximum, (b) residual index against maximum drift, with second-order trend lines.
+
+    The parabola is a least-squares fit to the medians of the reference solver over all records, or to
+    YADE's runs where there are no others.
+    """
+    names = list(variant.points["record"].unique())
+    markers = record_markers(names)
+    figure, axes = grid(1, 2, 2.5)
+    for number, (ax, state) in enumerate(zip(axes[0], ("max", "residual"))):
+        column = f"{state}_{CRITERIA[slip]}DI"
+        for name in names:
+            reference, yade = (in_percent(points[points["record"] == name])
+                               for points in (variant.reference, variant.yade))
+            draw_points(ax, reference, "max_drift_pct", column, BLACK, markers[name], line="")
+            draw_single(ax, yade, "max_drift_pct", column, VERMILLION, "o" if markers[name] == "+" else "s")
+        label = _draw_trend(ax, in_percent(variant.reference if len(variant.reference) else variant.yade), column)
+        letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
+        ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
+        from_zero(ax)
+    add_heading(figure, f"Damage index against maximum drift: {variant.title}", SLIP_LABELS[slip],
+                _synthetic_note(names))
+    return finish(figure, _record_handles(variant, names, markers), columns=2)
+
+
+def in_percent(points):
+    """Points with max_drift_pct and its range [%] beside the drift ratio."""
+    columns = {f"max_drift_pct{end}": 100 * points[f"max_drift_ratio{end}"].astype(float)
+               for end in ("", "_min", "_max") if f"max_drift_ratio{end}" in points}
+    return points.assign(**columns)
+
+
+def _draw_trend(ax, points, column):
+    """Draw the least-squares parabola; returns its R2 for the title, "" where points are too few."""
+    drift, value = (median_and_range(points, name)[0] for name in ("max_drift_pct", column))
+    known = np.isfinite(drift) & np.isfinite(value)
+    if np.unique(drift[known]).size < TREND_POINTS:
+        return ""
+    trend = np.polynomial.Polynomial.fit(drift[known], value[known], 2)
+    along = np.linspace(drift[known].min(), drift[known].max(), 200)
+    ax.plot(along, trend(along), color=BLUE, lw=1.0, zorder=2)
+    rest = np.sum((value[known] - trend(drift[known])) ** 2)
+    spread = np.sum((value[known] - value[known].mean()) ** 2)
+    return f", trend R² = {1 - rest / spread:.2f}" if spread > 0 else ""
+
+
+def _record_handles(variant, names, markers):
+    handles = []
+    for name in names:
+        if len(variant.reference):
+            handles.append(Line2D([], [], ls="", marker=markers[name], color=BLACK, ms=5,
+                                  label=f"{record_label(name)}: reference, {describe_members(variant.reference)}"))
+        if len(variant.yade):
+            handles.append(Line2D([], [], ls="", marker="o" if markers[name] == "+" else "s", mfc="none",
+                                  mec=VERMILLION, ms=5, label=f"{record_label(name)}: YADE, "
+                                  f"{describe_members(variant.yade)}"))
+    return handles + [Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares")]

@@ -1,0 +1,92 @@
+"""Figures 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, and crack maps, from the
+results of studies: which there are, what each needs, and the files that they go to.
+
+Harmonic motions come from the studies whose folder is called harmonic, records from those called ida; where
+none is called so, from all that have such points.
+"""
+
+from damage.crack_maps import crack_maps
+from damage.errors import InputError
+from damage.figure_parts import CRITERIA, record_label
+from damage.harmonic_figures import against_amplitude, drifts, evolution, motions
+from damage.ida_figures import against_drift, records, residual_against_pga
+from damage.pictures import save_figures
+from damage.study_results import Missing, variants
+
+
+def make_figures(results, folder):
+    """Write all figures that the Results allow; yields (name, paths) or (name, why there is none).
+
+    Every figure is a PNG and a PDF in `folder`, made where missing.
+    """
+    for name, draw in _figures(results):
+        try:
+            figure = draw()
+        except (Missing, InputError) as error:
+            yield name, str(error)
+        else:
+            yield name, save_figures([(name, figure)], folder)
+
+
+def _figures(results):
+    """(name, function that draws it) of every figure."""
+    yield from _harmonic(results)
+    yield from _ida(results)
+
+
+def _harmonic(results):
+    points = _having(results, "harmonic", "motion_period_s", "amplitude_g")
+    if len(points) == 0:
+        for name in ("fig06_motions", "fig07_evolution", "fig08_amplitude", "fig09_drift", "cracks_harmonic"):
+            yield name, _lacking("no point has a harmonic motion; run the study harmonic")
+        return
+    yield "fig06_motions", lambda: motions(points)
+    for variant in variants(points):
+        def name_of(point):
+            return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g"
+
+        part = variant.file_part
+        yield f"fig07_evolution_{part}", lambda variant=variant: evolution(results, variant)
+        for slip in CRITERIA:
+            yield (f"fig08_amplitude_{part}{_slip_part(slip)}",
+                   lambda variant=variant, slip=slip: against_amplitude(results, variant, slip))
+        yield f"fig09_drift_{part}", lambda variant=variant: drifts(results, variant)
+        yield f"cracks_harmonic_{part}", lambda variant=variant: crack_maps(results, variant, name_of)
+
+
+def _ida(results):
+    points = _having(results, "ida", "record", "scale", "pga_g")
+    if len(points) == 0:
+        for name in ("fig10_records", "fig11_residual", "fig12_drift", "cracks_ida"):
+            yield name, _lacking("no point has a record with its scale and PGA; run the study ida")
+        return
+    yield "fig10_records", lambda: records(results, points)
+    for variant in variants(points):
+        def name_of(point):
+            return f"{record_label(point['record'])} × {point['scale']:g}"
+
+        part = variant.file_part
+        for slip in CRITERIA:
+            yield (f"fig11_residual_{part}{_slip_part(slip)}",
+                   lambda variant=variant, slip=slip: residual_against_pga(variant, slip))
+            yield (f"fig12_drift_{part}{_slip_part(slip)}",
+                   lambda variant=variant, slip=slip: against_drift(variant, slip))
+        yield f"cracks_ida_{part}", lambda variant=variant: crack_maps(results, variant, name_of)
+
+
+def _having(results, study, *columns):
+    """The points of a study that have a value in all these columns."""
+    points = results.points
+    if not set(columns) <= set(points):
+        return points.iloc[:0]
+    return results.of_study(study, points[list(columns)].notna().all(axis=1))
+
+
+def _slip_part(slip):
+    return "" if slip == "displacement" else f"_{slip}"
+
+
+def _lacking(reason):
+    def draw():
+        raise Missing(reason)
+    return draw

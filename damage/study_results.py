@@ -1,0 +1,166 @@
+"""What studies left in their folders: a row for each point, its runs, their histories.
+
+A study's folder holds `tables/points.csv`, a row for each point and solver, with the median of its
+members, runs that differ in their perturbation alone, under a measure's NAME and their range under
+NAME_min and NAME_max; `tables/summary.csv`, a row for each run; `tables/RUN_index.csv` and
+`runs/RUN.h5`.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pandas as pd
+
+from damage.errors import InputError
+from damage.reading import read_history
+
+NEEDED = ("point", "solver", "wall", "members")
+MODEL = {"lintel": "elastic", "top": "piers", "cells": 2, "contacts": "interior", "cycles": None, "strength_cov": 0.0}
+"""Columns that say how a point was modelled, whichever solver did it, and what an empty cell stands for."""
+REFERENCE, YADE = "reference", "yade"
+
+
+class Missing(Exception):
+    """A picture cannot be made from these results; the message says what they lack."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """Points and runs of all studies below a folder, each row with its study's folder.
+
+    points, runs: DataFrames with the columns of points.csv and summary.csv, and `folder`.
+    """
+
+    points: pd.DataFrame
+    runs: pd.DataFrame
+
+    def of_study(self, name, chosen):
+        """The chosen points (a mask) of the studies called `name`, or of all where none has them.
+
+        A study is called by its folder: harmonic, harmonic_yade and yade/harmonic are all harmonic.
+        """
+        points = self.points[chosen]
+        called = points["folder"].map(lambda folder: folder.name.startswith(name)).astype(bool)
+        return points[called] if called.any() else points
+
+    def members(self, point):
+        """Names of a point's runs (a row of `points`), in the order of the summary."""
+        same = ((self.runs["folder"] == point["folder"]) & (self.runs["point"] == point["point"])
+                & (self.runs["solver"] == point["solver"]))
+        return list(self.runs.loc[same, "run"])
+
+    def run(self, point):
+        """The summary's row of a point's first run."""
+        names = self.members(point)
+        if not names:
+            raise Missing(f"summary.csv has no run of point {point['point']}")
+        return self.runs[(self.runs["folder"] == point["folder"]) & (self.runs["run"] == names[0])].iloc[0]
+
+    def history(self, point):
+        """History of a point's first run."""
+        name = self.run(point)["run"]
+        path = point["folder"] / "runs" / f"{name}.h5"
+        if not path.is_file():
+            raise Missing(f"no history {path.name} in {path.parent}")
+        return read_history(path)
+
+    def histories(self, point):
+        """Histories of those of a point's runs whose files are there."""
+        paths = [point["folder"] / "runs" / f"{name}.h5" for name in self.members(point)]
+        return [read_history(path) for path in paths if path.is_file()]
+
+    def index(self, point):
+        """The damage index over time of a point's first run, from its table."""
+        path = point["folder"] / "tables" / f"{self.run(point)['run']}_index.csv"
+        if not path.is_file():
+            raise Missing(f"no table {path.name} in {path.parent}")
+        return _read_csv(path)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Points of one wall modelled in one way: those of the reference solver, those of YADE.
+
+    differs: {column: value} that tells it from the wall's main variant, the one with most points.
+    """
+
+    wall: str
+    differs: dict
+    reference: pd.DataFrame = field(repr=False)
+    yade: pd.DataFrame = field(repr=False)
+
+    @property
+    def points(self):
+        """All points, the reference solver's first."""
+        return pd.concat([self.reference, self.yade])
+
+    @property
+    def title(self):
+        """The variant in words, as "symmetric wall, lintel none"."""
+        return ", ".join([f"{self.wall} wall", *(f"{name} {value}" for name, value in self.differs.items())])
+
+    @property
+    def file_part(self):
+        """The variant in a file's name, as "symmetric_lintel-none"."""
+        return "_".join([str(self.wall), *(f"{name}-{value}" for name, value in self.differs.items())])
+
+
+def load_results(folder):
+    """Read the tables of every study below a folder, itself included."""
+    folder = Path(folder)
+    paths = sorted(folder.rglob("tables/points.csv"))
+    if not paths:
+        raise InputError(f"{folder} holds no */tables/points.csv; expected a folder with the results of studies, "
+                         "run one with ./run_all.sh")
+    points, runs = [], []
+    for path in paths:
+        for tables, name, needed in ((points, "points.csv", NEEDED), (runs, "summary.csv", ("run", "point", "solver"))):
+            table = _read_csv(path.with_name(name))
+            lacking = [column for column in needed if column not in table]
+            if lacking:
+                raise InputError(f"{path.with_name(name)} has no column {lacking[0]}; expected the tables of a study, "
+                                 "run it again with ./run_all.sh")
+            tables.append(table.assign(folder=path.parents[1]))
+    return Results(pd.concat(points, ignore_index=True), pd.concat(runs, ignore_index=True))
+
+
+def _read_csv(path):
+    """A table; "none" is a word, only an empty cell is missing."""
+    try:
+        return pd.read_csv(path, keep_default_na=False, na_values=[""])
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); "
+                         "run the study again") from error
+
+
+def variants(points):
+    """The points of each wall by the way they were modelled, the main variant of each wall first.
+
+    The reference solver's damping tells variants apart, too; YADE's points go with every damping.
+    """
+    shared = [name for name in MODEL if name in points]
+    keys = points[[*shared, "beta_s"]] if "beta_s" in points else points[shared]
+    keys = keys.astype(object).where(keys.notna(), None)  # None equals None, as NaN does not
+    keys = keys.apply(lambda column: column.map(lambda value: MODEL.get(column.name) if value is None else value))
+    found = []
+    for wall in points["wall"].unique():
+        groups = {}
+        of_wall = points["wall"] == wall
+        for solver in (REFERENCE, YADE):
+            for row, key in keys[of_wall & (points["solver"] == solver)].iterrows():
+                _put(groups, solver, row, tuple(key), len(shared))
+        ordered = sorted(groups.items(), key=lambda item: -sum(map(len, item[1].values())))
+        for key, rows in ordered:
+            differs = {name: value for name, value, usual in zip(keys, key, ordered[0][0])
+                       if value not in (None, usual)}
+            found.append(Variant(wall, differs, points.loc[rows[REFERENCE]], points.loc[rows[YADE]]))
+    return found
+
+
+def _put(groups, solver, row, key, n_shared):
+    """Add a row to the group of its key; one of YADE to all that share its model, or to a new one."""
+    if solver == YADE:
+        key = key[:n_shared] + (None,) * len(key[n_shared:])
+    alike = [known for known in groups if known[:n_shared] == key[:n_shared]] if solver == YADE else []
+    for known in alike or [key]:
+        groups.setdefault(known, {REFERENCE: [], YADE: []})[solver].append(row)
