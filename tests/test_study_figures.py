@@ -1,0 +1,292 @@
+"""Figures of studies: what is drawn is what the tables hold, and what cannot be drawn is said."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import small_history
+from matplotlib.colors import to_rgba
+from numpy.testing import assert_allclose
+from small_history import make_history
+
+from damage import study_figures
+from damage.__main__ import main
+from damage.errors import InputError
+from damage.figure_parts import record_label, record_markers
+from damage.harmonic_figures import against_amplitude, drifts, evolution, motions
+from damage.ida_figures import against_drift, records, residual_against_pga
+from damage.intensity import response_spectrum
+from damage.loading import Recorded
+from damage.pictures import BLACK, BLUE, VERMILLION
+from damage.records import read_record, shipped_record_path
+from damage.study_results import Missing, load_results, variants
+from damage.tables import index_table, write_table
+from damage.units import GRAVITY
+
+AMPLITUDES_G = (0.025, 0.05, 0.1)
+SCALES = (0.5, 1.0, 1.5, 2.0)
+PERIOD_S = 0.2
+RECORDS = ("MID1_N_synthetic", "BGAR_HGE")
+MEASURES = [f"{state}_{part}" for state in ("max", "residual", "max_shear_limit", "residual_shear_limit")
+            for part in ("DI", "DI_drift", "DI_open", "DI_slip")]
+
+
+def parabola(drift_pct):
+    return 0.01 + 0.5 * drift_pct + 0.2 * drift_pct**2
+
+
+def point_row(name, solver, strength, **columns):
+    """A point of five runs, or a single one of YADE; all measures grow with its strength, each at its own rate."""
+    row = {"point": name, "solver": solver, "wall": "small", "members": 5 if solver == "reference" else 1,
+           "lintel": "elastic", "contacts": "interior", "beta_s": 1e-6 if solver == "reference" else 0.0,
+           "collapsed_at_s": np.nan, "eigen_period_s": 0.19, **columns}
+    values = {name: strength * (number + 1) / 100 for number, name in enumerate(MEASURES)}
+    values |= {"max_drift_ratio": strength / 1000, "max_DI": parabola(strength / 10)}
+    for measure, value in values.items():
+        row |= {measure: value, f"{measure}_min": 0.9 * value, f"{measure}_max": 1.3 * value}
+    return row
+
+
+def write_study(folder, rows, loading="harmonic"):
+    """A study's folder: its tables, and the history and index table of every point's first run."""
+    points = pd.DataFrame(rows)
+    (folder / "runs").mkdir(parents=True)
+    names = []
+    for _, point in points.iterrows():
+        names.append([f"{point['point']}_{member}_{point['solver']}" for member in range(point["members"])])
+        drift = 1e-3 * np.sin(2 * np.pi * np.arange(21) / 6 - 0.2)  # a cycle of 60 ms
+        history = make_history(folder / "runs" / f"{names[-1][0]}.h5", loading=point.get("record", loading),
+                               drift=drift, opening={0: 2e-4 * (np.arange(21) > 8)}, at_limit=(3,))
+        write_table(index_table(history), folder / "tables" / f"{names[-1][0]}_index.csv")
+    runs = points.assign(run=names).explode("run").assign(members=1)
+    write_table(points, folder / "tables" / "points.csv")
+    write_table(runs, folder / "tables" / "summary.csv")
+
+
+def harmonic_rows(**columns):
+    return [point_row(f"h{period_s}-{amplitude_g}", solver, 20 * amplitude_g + 0.1 * (solver == "yade"),
+                      motion_period_s=period_s, amplitude_g=amplitude_g, cycles=3, **columns)
+            for period_s in (PERIOD_S, 0.33) for amplitude_g in AMPLITUDES_G for solver in ("reference", "yade")]
+
+
+def ida_rows():
+    return [point_row(f"{name}-{scale}", solver, scale + 0.05 * number + 0.1 * (solver == "yade"), record=name,
+                      scale=scale, pga_g=0.1 * scale)
+            for number, name in enumerate(RECORDS) for scale in SCALES for solver in ("reference", "yade")]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    with pytest.MonkeyPatch.context() as patch:
+        for name, window_s in zip(RECORDS, (None, (17.0, 25.0))):
+            motion = Recorded(read_record(shipped_record_path(name)), scale=2.0, window_s=window_s)
+            patch.setitem(small_history.LOADINGS, name, motion.describe())
+        write_study(folder / "harmonic", harmonic_rows())
+        write_study(folder / "ida", ida_rows())
+    return folder
+
+
+@pytest.fixture(scope="module")
+def results(folder):
+    return load_results(folder)
+
+
+@pytest.fixture(scope="module")
+def harmonic(results):
+    variant, = variants(results.points[results.points["motion_period_s"].notna()])
+    return variant
+
+
+@pytest.fixture(scope="module")
+def ida(results):
+    variant, = variants(results.points[results.points["record"].notna()])
+    return variant
+
+
+def text(figure):
+    """All text of a figure: title, panels, legends."""
+    panels = [getattr(ax, side).get_text() for ax in figure.axes for side in ("title", "_left_title", "_right_title")]
+    legends = [entry.get_text() for legend in figure.legends for entry in legend.get_texts()]
+    return "\n".join([figure._suptitle.get_text(), *panels, *legends])
+
+
+def panel(figure, title):
+    found, = (ax for ax in figure.axes if title in ax.get_title(loc="left"))
+    return found
+
+
+def medians(ax, colour):
+    """x, y, lower and upper end of the range of the points with error bars in one colour."""
+    bars, = (container for container in ax.containers if to_rgba(container[0].get_color()) == to_rgba(colour))
+    ends = np.array([segment[:, 1] for segment in bars[2][-1].get_segments()])
+    return bars[0].get_xdata(), bars[0].get_ydata(), ends[:, 0], ends[:, 1]
+
+
+def hollow(ax, colour):
+    found, = (line for line in ax.lines if line.get_markerfacecolor() == "none" and len(line.get_xdata())
+              and to_rgba(line.get_markeredgecolor()) == to_rgba(colour))
+    return found.get_ydata()
+
+
+class TestAgainstAmplitude:
+    @pytest.mark.parametrize("state, title", [("max", "maximum, 0.33"), ("residual", "residual, 0.33")])
+    @pytest.mark.parametrize("slip, prefix", [("displacement", ""), ("shear-limit", "shear_limit_")])
+    def test_medians_ranges_and_single_runs_are_the_tables(self, results, harmonic, state, title, slip, prefix):
+        ax = panel(against_amplitude(results, harmonic, slip), title)
+        for name, colour in (("DI", BLACK), ("DI_slip", BLUE)):
+            column = f"{state}_{prefix}{name}"
+            rows = harmonic.reference[harmonic.reference["motion_period_s"] == 0.33]
+            x, median, low, high = medians(ax, colour)
+            assert_allclose(x, AMPLITUDES_G, atol=0.01 * max(AMPLITUDES_G))  # moved aside by less than 1 %
+            assert_allclose(np.array([median, low, high]), rows[[column, f"{column}_min", f"{column}_max"]].T)
+            single = harmonic.yade.loc[harmonic.yade["motion_period_s"] == 0.33, column]
+            assert_allclose(hollow(ax, colour), single)
+
+    def test_the_legend_tells_the_solvers_apart(self, results, harmonic):
+        said = text(against_amplitude(results, harmonic))
+        assert "reference: median, range of 5 runs" in said and "YADE: single runs" in said
+        assert "collapsed" not in said
+
+    def test_a_collapse_is_crossed_out(self, results, harmonic):
+        points = harmonic.reference.assign(collapsed_at_s=1.0)
+        figure = against_amplitude(results, type(harmonic)("small", {}, points, harmonic.yade))
+        crosses = [line for line in panel(figure, "maximum, 0.2").lines if line.get_marker() == "x"]
+        assert sorted(len(line.get_xdata()) for line in crosses) == [0, len(AMPLITUDES_G)]
+        assert "collapsed" in text(figure)
+
+
+class TestOverTime:
+    def test_motions_reach_their_amplitudes(self, harmonic):
+        ax = panel(motions(harmonic.points), "0.33")
+        assert_allclose([np.abs(line.get_ydata()).max() for line in ax.lines], AMPLITUDES_G, rtol=1e-3)
+        assert_allclose([line.get_xdata()[-1] for line in ax.lines], 3 * 0.33)
+
+    def test_the_index_and_its_components_are_drawn(self, results, harmonic):
+        ax = panel(evolution(results, harmonic), "0.2 s, 0.1 g")
+        point = harmonic.reference.iloc[2]
+        drawn = {to_rgba(line.get_color()): line.get_ydata() for line in ax.lines if line.get_linestyle() == "-"}
+        for name, colour in (("DI", BLACK), ("DI_slip", BLUE)):
+            assert_allclose(drawn[to_rgba(colour)], results.index(point)[name])
+
+    def test_the_last_full_cycle_is_marked_with_its_duration(self, results, harmonic):
+        """At resonance: the period nearest to the wall's 0.19 s; a drift of six samples a cycle."""
+        figure = drifts(results, harmonic)
+        assert len(figure.axes) == len(AMPLITUDES_G) and "motion of 0.2 s" in text(figure)
+        red, = (line for line in figure.axes[0].lines if to_rgba(line.get_color()) == to_rgba(VERMILLION))
+        assert red.get_linestyle() == "--"
+        assert np.ptp(red.get_xdata()) == pytest.approx(0.06, abs=0.0101)  # whole samples of 10 ms inside it
+        assert "T = 0.06 s" in text(figure)
+
+
+class TestRecords:
+    def test_spectra_are_those_of_the_windowed_record_times_the_scale(self, results, ida):
+        figure = records(results, ida.points)
+        ax = figure.axes[3]  # of the second row
+        motion = Recorded(read_record(shipped_record_path("BGAR_HGE")), window_s=(17, 25)).motion[0]
+        for line, scale in zip(ax.lines, SCALES):
+            assert_allclose(line.get_ydata(), scale * response_spectrum(motion, line.get_xdata()))
+        assert_allclose(figure.axes[2].lines[0].get_ydata(), motion.acceleration_m_s2 / GRAVITY)
+        assert "Zeerijp, BGAR east, PGA 0.111 g" in text(figure)
+
+    def test_another_file_of_the_same_name_is_not_taken(self, results, ida, tmp_path, monkeypatch):
+        other = tmp_path / "huizinge" / "MID1_N_synthetic_acc_m_s2.csv"
+        other.parent.mkdir()
+        other.write_text("0.0,1.0\n0.1,1.0\n")
+        monkeypatch.setattr("damage.ida_figures.shipped_record_path", lambda: other)
+        with pytest.raises(Missing, match="MID1_N_synthetic_acc_m_s2.csv"):
+            records(results, ida.points)
+
+    def test_synthetic_stands_in_every_figure(self, results, ida):
+        for figure in (records(results, ida.points), residual_against_pga(ida), against_drift(ida)):
+            assert text(figure).count("synthetic") >= 2  # in the title and where the record is named
+
+    @pytest.mark.parametrize("name, label", [
+        ("BGAR_HGE", "Zeerijp, BGAR east"), ("MID1_N_synthetic", "Huizinge, MID1 north, synthetic"),
+        ("huizinge_20120816_MID1_N", "Huizinge, MID1 north"), ("NL.BWSE..HGN", "Zeerijp, BWSE north"),
+        ("RSN175", "RSN175"), ("other_synthetic", "other_synthetic")])
+    def test_labels(self, name, label):
+        assert record_label(name) == label
+
+    def test_the_papers_markers(self):
+        assert list(record_markers(["MID1_N_synthetic", "BGAR_HGE"]).values()) == ["+", "x"]
+        assert len(set(record_markers(["MID1_N", "BGAR_HGE", "A", "B", "C"]).values())) == 5
+
+
+class TestIda:
+    def test_residuals_against_pga(self, ida):
+        ax = panel(residual_against_pga(ida), "BGAR")
+        rows = ida.reference[ida.reference["record"] == "BGAR_HGE"]
+        x, median, low, high = medians(ax, BLUE)
+        assert_allclose(x, rows["pga_g"], atol=0.01 * 0.2)
+        assert_allclose(median, rows["residual_DI_slip"])
+        assert_allclose(high, rows["residual_DI_slip_max"])
+
+    def test_the_trend_line_is_the_parabola_of_all_records(self, ida):
+        ax = panel(against_drift(ida), "maximum")
+        trend, = (line for line in ax.lines if to_rgba(line.get_color()) == to_rgba(BLUE))
+        assert_allclose(trend.get_ydata(), parabola(trend.get_xdata()))
+        assert "R² = 1.00" in ax.get_title(loc="left")
+
+    def test_too_few_points_get_no_trend(self, ida):
+        few = type(ida)("small", {}, ida.reference.iloc[:3], ida.yade.iloc[:0])
+        ax = panel(against_drift(few), "maximum")
+        assert "R²" not in ax.get_title(loc="left")
+
+
+class TestResults:
+    def test_yade_goes_with_the_reference_points_modelled_alike(self, tmp_path):
+        rows = harmonic_rows() + [row | {"point": row["point"] + "n"} for row in harmonic_rows(lintel="none")[:2]]
+        write_study(tmp_path / "harmonic", rows)
+        found = variants(load_results(tmp_path).points)
+        assert [(variant.differs, len(variant.reference), len(variant.yade)) for variant in found] == [
+            ({}, 6, 6), ({"lintel": "none"}, 1, 1)]
+        assert found[1].file_part == "small_lintel-none" and found[1].title == "small wall, lintel none"
+
+    def test_a_study_of_the_name_comes_before_others(self, tmp_path, results):
+        points = results.points.assign(folder=results.points["point"].map(
+            lambda name: tmp_path / ("harmonic_yade" if name == "h0.2-0.1" else "sensitivity")))
+        found = type(results)(points, results.runs).of_study("harmonic", points["motion_period_s"].notna())
+        assert set(found["point"]) == {"h0.2-0.1"}
+
+    def test_members_and_first_history(self, results, harmonic):
+        point = harmonic.reference.iloc[0]
+        assert results.members(point) == [f"h0.2-0.025_{member}_reference" for member in range(5)]
+        assert results.history(point).path.stem == "h0.2-0.025_0_reference"
+        assert len(results.histories(point)) == 1  # of five; the others' files are not there
+
+    def test_tables_of_something_else_are_refused(self, tmp_path):
+        with pytest.raises(InputError, match="expected a folder with the results of studies"):
+            load_results(tmp_path)
+        (tmp_path / "tables").mkdir()
+        (tmp_path / "tables" / "points.csv").write_text("point,solver\na,yade\n")
+        with pytest.raises(InputError, match="no column wall"):
+            load_results(tmp_path)
+        (tmp_path / "tables" / "points.csv").write_text("")
+        with pytest.raises(InputError, match="cannot be read as a table"):
+            load_results(tmp_path)
+
+
+class TestCommand:
+    def test_figures_are_written_and_those_that_cannot_be_are_named(self, folder, tmp_path, capsys, monkeypatch):
+        kept = ("fig06", "fig10", "fig11_residual_small_shear-limit")
+        every = study_figures._figures
+        monkeypatch.setattr(study_figures, "_figures", lambda results: (
+            pair for pair in every(results) if pair[0].startswith(kept)))
+        assert main(["figures", str(folder / "harmonic"), "--out", str(tmp_path / "out")]) == 0
+        out = capsys.readouterr().out
+        assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig06_motions.pdf", "fig06_motions.png"]
+        assert "not made: fig10_records: no point has a record" in out
+
+    def test_every_figure_of_the_results_can_be_drawn(self, results):
+        drawn = {name: draw() for name, draw in study_figures._figures(results)}
+        assert list(drawn) == [
+            "fig06_motions", "fig07_evolution_small", "fig08_amplitude_small", "fig08_amplitude_small_shear-limit",
+            "fig09_drift_small", "cracks_harmonic_small", "fig10_records", "fig11_residual_small",
+            "fig12_drift_small", "fig11_residual_small_shear-limit", "fig12_drift_small_shear-limit",
+            "cracks_ida_small"]
+
+    def test_no_figure_at_all_is_an_error(self, tmp_path, capsys):
+        write_study(tmp_path / "pushed", [point_row("p", "reference", 1.0)])
+        assert main(["figures", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
+        assert "allows no figure" in capsys.readouterr().err
+        assert main(["figures", str(tmp_path / "out"), "--out", str(tmp_path / "out")]) == 2
