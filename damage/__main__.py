@@ -41,6 +41,7 @@ def _parser():
     _add_plot(commands)
     _add_compare(commands)
     _add_figures(commands)
+    _add_paper(commands)
     return parser
 
 
@@ -203,6 +204,26 @@ def _figures(parsed):
         raise InputError(f"cannot write to {parsed.out}: {error.strerror}; choose another --out") from error
     if made == 0:
         raise InputError(f"{parsed.results} allows no figure; expected results of the studies harmonic or ida")
+
+
+def _add_paper(commands):
+    command = _add_command(commands, "paper", _paper, "judge the paper's statements by the tables of studies")
+    command.add_argument("results", type=Path, metavar="RESULTS_DIR", help="folder with studies below it")
+    command.add_argument("--json", action="store_true", help="as JSON")
+    command.add_argument("--markdown", type=Path, metavar="FILE", help="write the document, too")
+    command.add_argument("--readme", type=Path, metavar="README.md", help="renew the results between its markers, too")
+
+
+def _paper(parsed):
+    from damage.paper import judge
+    from damage.paper_report import as_json, describe, update_readme, write_markdown
+
+    findings = judge(parsed.results)
+    if parsed.markdown:
+        write_markdown(findings, parsed.markdown)
+    if parsed.readme:
+        update_readme(findings, parsed.readme)
+    print(json.dumps(as_json(findings), indent=2) if parsed.json else describe(findings))
 
 
 if __name__ == "__main__":

@@ -46,7 +46,8 @@ def _motion_columns(parameters):
     window = motion.get("window_s") or (None, None)
     return {"motion_period_s": motion.get("period_s"), "amplitude_g": motion.get("amplitude_g"),
             "cycles": motion.get("cycles"), "scale": motion.get("scale"), "window_start_s": window[0],
-            "window_end_s": window[1], "motion_duration_s": motion.get("duration_s"),
+            "window_end_s": window[1], "vertical": int(motion.get("vertical") is not None),
+            "shocks": len(parameters.get("sequence", [1.0])), "motion_duration_s": motion.get("duration_s"),
             "rest_s": parameters.get("rest_s")}
 
 
@@ -54,7 +55,7 @@ def _model_columns(parameters):
     model = parameters.get("model", {})
     return {**{key: model.get(key) for key in ("lintel", "top", "cells", "contacts", "strength_cov",
                                            "strength_seed")},
-            **{key: parameters.get(key) for key in ("beta_s", "perturb_m", "seed", "time_step_s",
+            **{key: parameters.get(key) for key in ("alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s",
                                                      "eigen_period_s")}}
 
 

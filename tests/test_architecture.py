@@ -16,7 +16,7 @@ LAYERS = [
     {"history", "reference_kernel", "schedule"},
     {"reading", "reference"},
     {"summary", "pictures", "wall_picture", "tables", "cracks", "measures", "reference_run"},
-    {"report", "compare", "modes_picture", "study_results"},
+    {"paper_evidence", "paper", "paper_report", "report", "compare", "modes_picture", "study_results"},
     {"compare_picture", "figure_parts"},
     {"harmonic_figures", "ida_figures", "crack_maps"},
     {"study_figures"},

@@ -1,0 +1,376 @@
+"""The verdict on the paper: each of its claims held against the tables of studies.
+
+`damage.paper_criteria` says what is claimed and when it holds, `damage.paper_evidence` picks the runs, and here
+one small function a claim decides.  A claim `holds`, `differs`, or `cannot be judged`, for each solver, lintel and
+slip criterion on its own.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damage import paper_criteria as criteria
+from damage.errors import InputError
+from damage.index import SLIP_CRITERIA
+from damage.intensity import pga_g, response_spectrum
+from damage.paper_criteria import AMPLITUDES_G, CLAIMS, SCALES, Claim
+from damage.paper_evidence import Evidence, Fell, NotThere, comparable, gather, load_runs
+from damage.records import read_record, shipped_record_path
+
+HOLDS, DIFFERS, UNJUDGED, IN_PART = "holds", "differs", "cannot be judged", "in part"
+SOLVERS = ("yade", "reference")
+LINTELS = ("elastic", "none")
+RECORD_NAMES = {"zeerijp": "BGAR_HGE", "huizinge": "MID1_N_synthetic"}
+"""The shipped records; the second is synthetic."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one solver says to one claim with one lintel and one slip criterion."""
+
+    claim: Claim
+    solver: str
+    lintel: str
+    slip: str
+    value: str
+    verdict: str
+
+
+def judge(folder):
+    """Findings on all claims from the tables below `folder`, in the order of the claims.
+
+    Raises InputError where there is no table of a study.
+    """
+    runs = comparable(load_runs(folder))
+    records = {name: read_record(shipped_record_path(shipped)) for name, shipped in RECORD_NAMES.items()}
+    of = {solver: runs[runs["solver"] == solver] for solver in SOLVERS if (runs["solver"] == solver).any()}
+    if not of:
+        raise InputError(f"{folder}: its tables hold no complete run with the default model; expected the results of "
+                         "studies, as ./run_all.sh harmonic writes them")
+    points = {solver: gather(mine) for solver, mine in of.items()}
+    return [_finding(claim, solver, Evidence(of[solver], points[solver], lintel, slip, records))
+            for claim in CLAIMS for solver in of for lintel in LINTELS for slip in SLIP_CRITERIA]
+
+
+def _finding(claim, solver, evidence):
+    try:
+        value, agrees = JUDGES[claim.id](evidence)
+        verdict = HOLDS if agrees else DIFFERS
+    except Fell as fell:
+        value, verdict = str(fell), DIFFERS
+    except NotThere as missing:
+        value, verdict = str(missing), UNJUDGED
+    return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict)
+
+
+def statement_verdict(findings):
+    """One verdict of the findings on a statement's claims: of those that could be judged, all, none or some hold."""
+    judged = {finding.verdict for finding in findings} - {UNJUDGED}
+    return UNJUDGED if not judged else judged.pop() if len(judged) == 1 else IN_PART
+
+
+# --- judges: each returns what we find, in words, and whether the claim holds -------------------------
+
+def _period(wall, paper_s):
+    def judged(evidence):
+        ours = evidence.period_s(wall)
+        return f"{ours:.4f} s", _near(ours, paper_s, criteria.PRINTED_TOLERANCE)
+    return judged
+
+
+def _near(value, target, share):
+    return abs(value - target) <= share * target
+
+
+def _all_at_most(limit, wall, periods_s, needs, kind="max"):
+    """The index stays at or below a limit in every motion of these periods; needs: (period, amplitude) pairs."""
+    def judged(evidence):
+        column = evidence.column(kind, "DI")
+        points = [point for period in periods_s for point in evidence.harmonic(wall, period).values()]
+        if not points:
+            raise NotThere(f"no harmonic run of the {wall} wall")
+        worst = max(points, key=lambda point: point.value(column))
+        text = f"{_number(worst, column)} at most, {worst.label}; {len(points)} motions"
+        if worst.value(column) > limit:
+            return text, False
+        for period, amplitude in needs:
+            evidence.harmonic_at(wall, period, [amplitude])
+        return text, True
+    return judged
+
+
+def _number(point, column, unit="", digits=3):
+    """The median with, in brackets, the range over a point's members."""
+    spread = point.spread(column)
+    text = f"{point.plain(column):.{digits}f}{unit}"
+    return text if spread is None else f"{text} ({spread[0]:.{digits}f} to {spread[1]:.{digits}f})"
+
+
+def _negligible_off_resonance(evidence):
+    [point] = evidence.harmonic_at("symmetric", 0.33, [0.025])
+    column = evidence.column("max", "DI")
+    return _number(point, column), point.value(column) <= criteria.NEGLIGIBLE_DI
+
+
+def _first_cycle_is_not_exceeded(evidence):
+    [point] = evidence.harmonic_at("symmetric", 0.33, [0.1])
+    cycles = point.cycles(evidence.cycle_column())
+    return _list(cycles), bool((cycles[1:] <= criteria.NOT_EXCEEDED * cycles[0]).all())
+
+
+def _list(values, digits=3, unit=""):
+    return ", ".join(f"{value:.{digits}f}" for value in values) + unit
+
+
+def _rises(values, factor=criteria.GROWS):
+    """Whether each value is at least this multiple of the one before."""
+    return bool((np.asarray(values[1:]) >= factor * np.asarray(values[:-1])).all())
+
+
+def _grows_every_cycle(amplitude_g):
+    def judged(evidence):
+        [point] = evidence.harmonic_at("symmetric", 0.2, [amplitude_g])
+        cycles = point.cycles(evidence.cycle_column())
+        return _list(cycles), _rises(cycles)
+    return judged
+
+
+def _asymmetric_is_similar(evidence):
+    column = evidence.column("max", "DI")
+    pairs, apart = [], []
+    for period in criteria.PERIODS_S:
+        symmetric, asymmetric = (evidence.harmonic(wall, period) for wall in ("symmetric", "asymmetric"))
+        for amplitude in sorted(symmetric.keys() & asymmetric.keys()):
+            both = symmetric[amplitude].value(column), asymmetric[amplitude].value(column)
+            pairs.append(both)
+            if max(both) > max(criteria.SLIGHT_DI, criteria.SIMILAR * min(both)):
+                apart.append(f"{both[1]:.3f} against {both[0]:.3f} at {symmetric[amplitude].label}")
+    if apart:
+        return "; ".join(apart), False
+    for period, amplitude in ((0.2, 0.1), (0.33, 0.05)):
+        evidence.harmonic_at("asymmetric", period, [amplitude])
+        evidence.harmonic_at("symmetric", period, [amplitude])
+    factors = [max(both) / min(both) for both in pairs if max(both) > criteria.SLIGHT_DI]
+    return f"{len(pairs)} motions, up to a factor of {max(factors, default=1.0):.2f} where not slight", True
+
+
+def _linear(period_s, amplitudes_g):
+    def judged(evidence):
+        column = evidence.column("max", "DI")
+        values = [point.value(column) for point in evidence.harmonic_at("symmetric", period_s, amplitudes_g)]
+        r2 = _r_squared(amplitudes_g, values)
+        return f"R² {r2:.3f} of {_list(values)}", r2 >= criteria.LINEAR_R2
+    return judged
+
+
+def _r_squared(x, y, degree=1):
+    """Share of the variance of y (n,) that a polynomial of x (n,) explains, by least squares."""
+    x, y = np.asarray(x, float), np.asarray(y, float)
+    rest = y - np.polyval(np.polyfit(x, y, degree), x)
+    spread = np.sum((y - y.mean()) ** 2)
+    return 1 - float(np.sum(rest**2) / spread) if spread > 0 else 1.0
+
+
+def _largest_di(period_s):
+    def judged(evidence):
+        [point] = evidence.harmonic_at("symmetric", period_s, [0.1])
+        column = evidence.column("max", "DI")
+        agrees = abs(point.value(column) - criteria.LARGEST_DI[period_s]) <= criteria.DI_TOLERANCE
+        return _number(point, column), agrees
+    return judged
+
+
+HIGHER_G = AMPLITUDES_G[2:]
+"""The amplitudes of P10 [g]."""
+
+
+def _substantially_higher(evidence):
+    column, ratios = evidence.column("max", "DI"), []
+    for amplitude in HIGHER_G:
+        [at_resonance] = evidence.harmonic_at("symmetric", 0.2, [amplitude])
+        evidence.harmonic_at("symmetric", 0.33, [amplitude])
+        others = [points[amplitude] for period in criteria.PERIODS_S if period != 0.2
+                  if amplitude in (points := evidence.harmonic("symmetric", period))]
+        ratios.append(at_resonance.value(column) / max(point.value(column) for point in others))
+    return f"ratios {_list(ratios, 2)}", min(ratios) >= criteria.SUBSTANTIALLY_HIGHER
+
+
+def _component_at_resonance(component, agrees):
+    def judged(evidence):
+        column = evidence.column("max", component)
+        values = [point.value(column) for point in evidence.harmonic_at("symmetric", 0.2, HIGHER_G)]
+        return _list(values), agrees(values)
+    return judged
+
+
+def _same(values):
+    return float(np.ptp(values)) <= criteria.SAME_VALUES * float(np.mean(values))
+
+
+def _residual_cracks(evidence):
+    points = evidence.harmonic_at("symmetric", 0.2, [0.05, 0.075])
+    whole, drift = ([point.value(evidence.column("residual", name)) for point in points] for name in ("DI", "DI_drift"))
+    return f"{_list(whole)}, of drift {_list(drift)}", all(
+        di > criteria.NEGLIGIBLE_DI and of_drift <= criteria.MOSTLY_CRACKS * di for di, of_drift in zip(whole, drift))
+
+
+def _residual_drift(evidence):
+    [point] = evidence.harmonic_at("symmetric", 0.2, [0.1])
+    column = evidence.column("residual", "DI_drift")
+    return _number(point, column), point.value(column) > criteria.INSIGNIFICANT_DI_DRIFT
+
+
+def _cycle_lengths(column, cycles, agrees):
+    def judged(evidence):
+        points = evidence.harmonic_at("symmetric", 0.2, AMPLITUDES_G, cycles)
+        lengths = [point.value(column) for point in points]
+        return _list(lengths, 3, " s"), agrees(lengths)
+    return judged
+
+
+def _lengthen(lengths):
+    return _rises(lengths, criteria.NOT_FALLING) and lengths[-1] >= criteria.ELONGATION * lengths[0]
+
+
+def _as_in_figure_9(lengths):
+    return all(_near(ours, paper, criteria.PRINTED_TOLERANCE)
+               for ours, paper in zip(lengths, criteria.CYCLE_LENGTHS_S))
+
+
+def _of_the_record(name, measure, target, share):
+    def judged(evidence):
+        record = evidence.records[name]
+        ours = float(measure(record))
+        return f"{ours:.3f} g ({_known_as(record.name)})", _near(ours, target, share)
+    return judged
+
+
+def _known_as(name):
+    return f"{name}, synthetic" if "synthetic" in name else name
+
+
+def _at_0_2_s(record):
+    return response_spectrum(record, [0.2])[0]
+
+
+def _scales_were_run(evidence):
+    counts = [len(set(SCALES) & evidence.shaken(name).keys()) for name in RECORD_NAMES]
+    text = ", ".join(f"{count} of {len(SCALES)} with {name}" for name, count in zip(RECORD_NAMES, counts))
+    if min(counts) < len(SCALES):
+        raise NotThere(text)
+    return text, True
+
+
+def _residual_is_negligible_at_low_pga(evidence):
+    column = evidence.column("residual", "DI")
+    values = [point.value(column) for point in evidence.shaken_at("huizinge", SCALES[:2])]
+    return _list(values), max(values) <= criteria.NEGLIGIBLE_DI
+
+
+def _largest_residual(evidence):
+    [point] = evidence.shaken_at("huizinge", [2.0])
+    column = evidence.column("residual", "DI")
+    agrees = abs(point.value(column) - criteria.LARGEST_RESIDUAL_DI) <= criteria.DI_TOLERANCE
+    return _number(point, column), agrees
+
+
+def _cracks_without_drift(record):
+    def judged(evidence):
+        points = evidence.shaken(record).values()
+        whole, drift = (evidence.column("residual", name) for name in ("DI", "DI_drift"))
+        largest_drift = max((point.value(drift) for point in points), default=0.0)
+        text = f"DI_drift at most {largest_drift:.4f}"
+        if largest_drift > criteria.INSIGNIFICANT_DI_DRIFT:
+            return text, False
+        [strongest] = evidence.shaken_at(record, [2.0])
+        text += f", DI {_number(strongest, whole)} at twice the record"
+        return text, strongest.value(whole) > criteria.NEGLIGIBLE_DI
+    return judged
+
+
+def _ida_points(evidence, column):
+    """Maximum drift ratios and an index of all scaled records, both (n,)."""
+    points = [point for name in RECORD_NAMES for point in evidence.shaken(name).values()]
+    if len(points) < criteria.FEWEST_POINTS:
+        raise NotThere(f"{len(points)} runs with records")
+    return (np.array([point.value(name) for point in points]) for name in ("max_drift_ratio", column))
+
+
+def _maximum_is_linear(evidence):
+    drift, index = _ida_points(evidence, evidence.column("max", "DI"))
+    r2 = _r_squared(drift, index)
+    return f"R² {r2:.3f}, {len(drift)} runs", r2 >= criteria.LINEAR_R2
+
+
+def _residual_levels_off(evidence):
+    drift, index = _ida_points(evidence, evidence.column("residual", "DI"))
+    slope = np.polyder(np.polyfit(drift, index, 2))
+    first, last = np.polyval(slope, [drift.min(), drift.max()])
+    text = f"slope {first / 100:.3f}, then {last / 100:.3f} per % of drift, {len(drift)} runs"
+    return text, bool(first > 0 and last <= criteria.PLATEAU * first)
+
+
+def _no_damping(evidence):
+    rows = evidence.runs
+    rows = rows[rows["lintel"].eq(evidence.lintel) & (rows["input_energy_j"] > 0) & (rows["beta_s"].fillna(0) == 0)
+                & (rows["motion_period_s"].notna() | rows["scale"].notna())]
+    if len(rows) == 0:
+        raise NotThere("no shaken run without damping")
+    share = float((rows["damping_energy_j"].abs() / rows["input_energy_j"]).max())
+    error = float(rows["energy_error_fraction"].max())
+    text = f"damping takes at most {share:.1g} of the input, imbalance at most {error:.2%}, {len(rows)} runs"
+    return text, share <= criteria.NO_DAMPING and error <= criteria.ENERGY_ERROR
+
+
+def _squat(column, bounds, unit, name):
+    def judged(evidence):
+        point = evidence.pushed("squat")
+        low, high = min(bounds) * (1 - criteria.PRINTED_TOLERANCE), max(bounds) * (1 + criteria.PRINTED_TOLERANCE)
+        return f"{point.value(column) / unit:.1f} {name}", low <= point.value(column) <= high
+    return judged
+
+
+def _undecidable(why):
+    def judged(evidence):
+        raise NotThere(why)
+    return judged
+
+
+_CYCLE_READINGS = {"a": ("last_cycle_s", 3), "b": ("first_free_cycle_s", 3), "c": ("first_free_cycle_s", 2)}
+JUDGES = {
+    "P1": _period("solid", criteria.SOLID_PERIOD_S),
+    "P2a": _period("symmetric", criteria.PERFORATED_PERIOD_S),
+    "P2b": _period("asymmetric", criteria.PERFORATED_PERIOD_S),
+    "P3": _all_at_most(criteria.SLIGHT_DI, "solid", criteria.PERIODS_S, [(0.06, 0.1), (0.2, 0.1)]),
+    "P4": _negligible_off_resonance,
+    "P5": _first_cycle_is_not_exceeded,
+    "P6a": _grows_every_cycle(0.025), "P6b": _grows_every_cycle(0.1),
+    "P7": _asymmetric_is_similar,
+    "P8": _all_at_most(criteria.SLIGHT_DI, "symmetric", [0.06], [(0.06, 0.1)]),
+    "P9a": _linear(0.33, AMPLITUDES_G), "P9b": _linear(1.0, AMPLITUDES_G), "P9c": _linear(0.33, AMPLITUDES_G[:-1]),
+    "P9d": _largest_di(0.33), "P9e": _largest_di(1.0),
+    "P9f": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.33, 1.0], [(0.33, 0.1), (1.0, 0.1)], "residual"),
+    "P10a": _substantially_higher,
+    "P10b": _component_at_resonance("DI_open", _same), "P10c": _component_at_resonance("DI_slip", _same),
+    "P10d": _component_at_resonance("DI_drift", _rises),
+    "P11a": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.06, 0.33, 1.0],
+                         [(0.06, 0.1), (0.33, 0.1), (1.0, 0.1)], "residual"),
+    "P11b": _residual_cracks, "P11c": _residual_drift,
+    **{f"P12{letter}": _cycle_lengths(*which, _lengthen) for letter, which in _CYCLE_READINGS.items()},
+    **{f"P12{letter}": _cycle_lengths(*which, _as_in_figure_9)
+       for letter, which in zip("def", _CYCLE_READINGS.values())},
+    "P13a": _of_the_record("zeerijp", pga_g, criteria.PGA_G["zeerijp"], criteria.PRINTED_TOLERANCE),
+    "P13b": _of_the_record("huizinge", pga_g, criteria.PGA_G["huizinge"], criteria.PRINTED_TOLERANCE),
+    "P13c": _of_the_record("zeerijp", _at_0_2_s, criteria.SA_G, criteria.ABOUT_TOLERANCE),
+    "P13d": _of_the_record("huizinge", _at_0_2_s, criteria.SA_G, criteria.ABOUT_TOLERANCE),
+    "P13e": _scales_were_run,
+    "P14a": _residual_is_negligible_at_low_pga, "P14b": _largest_residual,
+    "P14c": _cracks_without_drift("huizinge"), "P14d": _cracks_without_drift("zeerijp"),
+    "P15a": _maximum_is_linear, "P15b": _residual_levels_off,
+    "P16": _no_damping,
+    "P17a": _squat("initial_stiffness_n_per_m", criteria.SQUAT_STIFFNESS_N_PER_M, 1e6, "kN/mm"),
+    "P17b": _squat("peak_force_n", criteria.SQUAT_PEAK_N, 1e3, "kN"),
+    "P17c": _undecidable("no force-displacement curve of the test is published as numbers"),
+    "P17d": _undecidable("compare the pictures of the validation study with figure 5"),
+}
+

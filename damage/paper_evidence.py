@@ -1,0 +1,190 @@
+"""The tables of studies as evidence: runs picked by their parameters, medians over members of a point."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+
+SHAPE = {"cells": 2, "contacts": "interior", "top": "piers", "strength_cov": 0.0, "shocks": 1, "alpha_1_s": 0.0,
+         "vertical": 0}
+"""Parameters of the runs that are held against the paper; a table without one of these columns has none other."""
+LEAST_STEP_S = 2e-5
+"""Runs with smaller steps are studies of the step [s]."""
+BETA_S = 1e-6
+"""Largest stiffness-proportional damping of a run that still counts where there is none without [s]; it damps the
+first mode by 1.6e-5."""
+RECORDS = {"zeerijp": r"BGAR.*HGE", "huizinge": r"(?i:MID1|huizinge)"}
+"""How the names of the paper's two records are recognised."""
+
+
+class NotThere(Exception):
+    """A claim lacks runs; the text says which."""
+
+
+class Fell(Exception):
+    """A claim is about a wall that fell; the text says when."""
+
+
+def load_runs(folder):
+    """Every row of the tables */tables/summary.csv below `folder`, a DataFrame, with the column `cycles_file`.
+
+    Rows of runs that were not completed are left out.  Raises InputError where there is no table.
+    """
+    paths = sorted(folder.rglob("tables/summary.csv"))
+    if not paths:
+        raise InputError(f"{folder}: no tables/summary.csv below it; expected the results of studies, as "
+                         "./run_all.sh harmonic writes them")
+    tables = [pd.read_csv(path).assign(folder=str(path.parent)) for path in paths]
+    runs = pd.concat([table for table in tables if len(table)], ignore_index=True)
+    runs["cycles_file"] = runs["folder"] + "/" + runs["run"] + "_cycles.csv"
+    return runs[runs["status"] == "complete"].reset_index(drop=True)
+
+
+def comparable(runs):
+    """The runs with the parameters of SHAPE and the usual step."""
+    kept = pd.Series(True, index=runs.index)
+    for name, value in SHAPE.items():
+        if name in runs:
+            kept &= runs[name].isna() | (runs[name] == value)
+    if "time_step_s" in runs:
+        kept &= ~(runs["time_step_s"] < LEAST_STEP_S)
+    if "beta_s" in runs:
+        kept &= ~(runs["beta_s"] > BETA_S)
+    return runs[kept]
+
+
+@dataclass(frozen=True)
+class Point:
+    """The runs of one wall under one motion, which differ by their perturbation only; rows: DataFrame."""
+
+    rows: pd.DataFrame
+    label: str
+
+    def stood(self):
+        """Raises Fell if half of the runs or more fell."""
+        fallen = self.rows["collapsed_at_s"]
+        if 2 * fallen.notna().sum() >= len(fallen):
+            raise Fell(f"fell at {fallen.median():.2f} s ({self.label})")
+
+    def value(self, name):
+        """The median of a column; raises Fell if the wall fell, NotThere without a value."""
+        self.stood()
+        return self.plain(name)
+
+    def plain(self, name):
+        """The median of a column, whether the wall fell or not."""
+        if name not in self.rows or self.rows[name].isna().all():
+            raise NotThere(f"no {name} ({self.label})")
+        return float(self.rows[name].median())
+
+    def spread(self, name):
+        """Smallest and largest value of a column, None for a single run."""
+        values = self.rows[name].dropna()
+        return None if len(values) < 2 else (float(values.min()), float(values.max()))
+
+    def cycles(self, name):
+        """A column of the cycle tables by driven cycle, (n_cycles,), the median over the members."""
+        self.stood()
+        members = []
+        for path in self.rows["cycles_file"]:
+            try:
+                table = pd.read_csv(path)
+            except OSError as error:
+                raise NotThere(f"no table of cycles ({self.label})") from error
+            members.append(table.loc[table["kind"] == "driven", name].to_numpy())
+        return np.median(members, axis=0)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What one solver has to say with one lintel and one slip criterion.
+
+    runs: comparable runs of one solver, all lintels; points: theirs, of `gather`; records: {name: Record} of
+    the paper's two.
+    """
+
+    runs: pd.DataFrame
+    points: dict
+    lintel: str
+    slip: str
+    records: dict
+
+    def column(self, kind, component):
+        """Name of a column of the index, kind "max" or "residual", with this slip criterion."""
+        return f"{kind}{'_shear_limit' if self.slip == 'shear-limit' else ''}_{component}"
+
+    def cycle_column(self):
+        """Name of the DI column of the cycle tables with this slip criterion."""
+        return "max_DI" + ("_shear_limit" if self.slip == "shear-limit" else "")
+
+    def harmonic(self, wall, period_s, cycles=3):
+        """{amplitude [g]: Point} of a wall's harmonic motions, rising."""
+        return self.points.get(_harmonic_key(wall, self.lintel, period_s, cycles), {})
+
+    def harmonic_at(self, wall, period_s, amplitudes_g, cycles=3):
+        """Points at these amplitudes, in their order; raises Fell if one fell, NotThere if one is missing."""
+        count = "" if cycles == 3 else f", {cycles} cycles"
+        return _chosen(self.harmonic(wall, period_s, cycles), amplitudes_g,
+                       f"no run of the {wall} wall at {period_s:g} s{count}, amplitude [g]")
+
+    def shaken(self, record, wall="symmetric"):
+        """{scale: Point} of a wall shaken by one of RECORDS, rising."""
+        return self.points.get((wall, self.lintel, record), {})
+
+    def shaken_at(self, record, scales):
+        """Points at these scales; raises Fell if one fell, NotThere if one is missing."""
+        return _chosen(self.shaken(record), scales, f"no run with the {record} record, scale")
+
+    def period_s(self, wall):
+        """First period of the intact wall, which no lintel changes [s]."""
+        rows = self.runs[self.runs["wall"] == wall]
+        if len(rows) == 0:
+            raise NotThere(f"no run of the {wall} wall")
+        return Point(rows, wall).plain("eigen_period_s")
+
+    def pushed(self, wall):
+        """The Point of all quasi-static runs of a wall, where the force was measured."""
+        rows = self.runs[self.runs["wall"].str.contains(wall) & self.runs["peak_force_n"].notna()]
+        if len(rows) == 0:
+            raise NotThere(f"no pushed run of the {wall} wall")
+        return Point(rows, f"{wall} wall, pushed")
+
+
+def _harmonic_key(wall, lintel, period_s, cycles):
+    """What runs of one wall share that differ in amplitude only; a wall without openings has no lintel."""
+    return wall, "none" if wall == "solid" else lintel, round(float(period_s), 6), int(cycles)
+
+
+def gather(runs):
+    """The points of one solver's comparable runs: {key: {amplitude [g] or scale: Point}}, rising."""
+    found = {}
+    shaken = runs[runs["motion_period_s"].notna()]
+    for (wall, lintel, period, cycles, amplitude), rows in shaken.groupby(
+            ["wall", "lintel", "motion_period_s", "cycles", "amplitude_g"]):
+        members = found.setdefault(_harmonic_key(wall, lintel, period, cycles), {})
+        members[float(amplitude)] = Point(_least_damped(rows), f"{period:g} s, {amplitude:g} g")
+    name = runs["motion"].astype(str) + (" " + runs["record"].astype(str) if "record" in runs else "")
+    for record, pattern in RECORDS.items():
+        for (wall, lintel, scale), rows in runs[name.str.contains(pattern)].groupby(["wall", "lintel", "scale"]):
+            found.setdefault((wall, lintel, record), {})[float(scale)] = Point(
+                _least_damped(rows), f"{record} x{scale:g}")
+    return found
+
+
+def _chosen(points, keys, complaint):
+    """The points of these keys; a wall that fell contradicts the paper even where other runs are missing."""
+    for key in keys:
+        if key in points:
+            points[key].stood()
+    missing = [f"{key:g}" for key in keys if key not in points]
+    if missing:
+        raise NotThere(f"{complaint} {', '.join(missing)}")
+    return [points[key] for key in keys]
+
+
+def _least_damped(rows):
+    """Those without viscous damping, or else all of them."""
+    undamped = rows[rows["beta_s"].fillna(0) == 0] if "beta_s" in rows else rows
+    return undamped if len(undamped) else rows

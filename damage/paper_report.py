@@ -1,0 +1,215 @@
+"""The verdict on the paper as text, JSON, Markdown, and as a block of the README."""
+
+import os
+from itertools import groupby
+from pathlib import Path
+
+from damage.errors import InputError
+from damage.paper import IN_PART, SOLVERS, UNJUDGED, statement_verdict
+
+STATEMENTS = {
+    "P1": "natural period of the solid wall 0.06 s",
+    "P2": "natural period of the perforated walls about 0.2 s",
+    "P3": "solid wall: slight damage only under the harmonic motions",
+    "P4": "symmetric, 0.33 s, 0.025 g: negligible damage",
+    "P5": "symmetric, 0.33 s, 0.1 g: the maximum DI is reached in the first cycle and not exceeded later",
+    "P6": "symmetric, 0.2 s, 0.025 and 0.1 g: the maximum DI grows in every cycle",
+    "P7": "asymmetric wall: similar to the symmetric",
+    "P8": "0.06 s: slight damage even at higher amplitude",
+    "P9": "0.33 and 1 s: maximum DI grows linearly with amplitude, to 0.13 and 0.10 at 0.1 g; residual negligible",
+    "P10": "0.2 s: substantially higher damage; the same DI_open and DI_slip at 0.05, 0.075, 0.1 g, DI_drift grows",
+    "P11": "residual damage only at 0.2 s: cracks at 0.05 and 0.075 g, residual drift at 0.1 g",
+    "P12": "last full cycle at 0.2 s: 0.20, 0.20, 0.24, 0.32, 0.39 s for 0.01, 0.025, 0.05, 0.075, 0.1 g",
+    "P13": "records: PGA 0.08 g (Huizinge) and 0.11 g (Zeerijp), Sa(0.2 s) close to 0.15 g, eight scale factors",
+    "P14": "Huizinge: residual DI negligible at low PGA, 0.11 at the largest; from cracks, not from drift",
+    "P15": "records: maximum DI almost linear in maximum drift; residual DI linear, then a plateau",
+    "P16": "no viscous damping: friction is the only dissipation",
+    "P17": "squat wall: stiffness and peak force very close to the test, unloading reasonable, cracks captured",
+}
+SOLVER_NAMES = {"yade": "YADE", "reference": "reference solver"}
+_LINTELS = {"elastic": "elastic lintel", "none": "no lintel"}
+_SLIPS = {"displacement": "slip by displacement", "shear-limit": "slip by shear limit"}
+BEGIN, END = "<!-- paper verdict: begin, written by python3 -m damage paper -->", "<!-- paper verdict: end -->"
+
+
+def _by(findings, key):
+    """(key, findings) in the order of the findings, of which equal keys stand together."""
+    return [(value, list(members)) for value, members in groupby(findings, key)]
+
+
+def merged(findings):
+    """(solver, variants in words, value, verdict) of one claim, variants with the same outcome together."""
+    lines = []
+    for solver, members in _by(findings, lambda finding: finding.solver):
+        outcomes = {}
+        for finding in members:
+            outcomes.setdefault((finding.value, finding.verdict), set()).add((finding.lintel, finding.slip))
+        lines += [(solver, _variants(pairs), *outcome) for outcome, pairs in outcomes.items()]
+    return lines
+
+
+def _variants(pairs):
+    """Words for a set of (lintel, slip criterion).
+
+    >>> _variants({("elastic", "displacement"), ("elastic", "shear-limit")})
+    'elastic lintel'
+    """
+    if len(pairs) == len(_LINTELS) * len(_SLIPS):
+        return "all variants"
+    words = []
+    for lintel, name in _LINTELS.items():
+        slips = [slip for slip in _SLIPS if (lintel, slip) in pairs]
+        if len(slips) == len(_SLIPS):
+            words.append(name)
+        else:
+            words += [f"{name}, {_SLIPS[slip]}" for slip in slips]
+    return "; ".join(words)
+
+
+# --- on the screen ----------------------------------------------------------------------------------
+
+def describe(findings):
+    """The whole verdict as lines for people."""
+    lines = []
+    for claim, members in _by(findings, lambda finding: finding.claim):
+        lines.append(f"{claim.id:5s}{claim.text} ({claim.figure})")
+        lines.append(f"     paper: {claim.paper}; holds if {claim.criterion}")
+        lines += [f"     {verdict:17s}{solver:11s}{variants}: {value}"
+                  for solver, variants, value, verdict in merged(members)]
+    return "\n".join([*lines, "", *_counts(findings)])
+
+
+def _counts(findings):
+    """How many claims hold, a line a solver and lintel; a claim holds if it does by either slip criterion."""
+    lines = []
+    for solver in SOLVERS:
+        for lintel, name in _LINTELS.items():
+            best = [_best(members) for _, members in _by(
+                [finding for finding in findings if (finding.solver, finding.lintel) == (solver, lintel)],
+                lambda finding: finding.claim)]
+            if best:
+                lines.append(f"{SOLVER_NAMES[solver]}, {name}: {best.count('holds')} claims hold by either slip "
+                             f"criterion, {best.count('differs')} differ, {best.count(UNJUDGED)} cannot be judged")
+    return lines
+
+
+def _best(findings):
+    verdicts = [finding.verdict for finding in findings]
+    return next(verdict for verdict in ("holds", "differs", UNJUDGED) if verdict in verdicts)
+
+
+# --- JSON -------------------------------------------------------------------------------------------
+
+def as_json(findings):
+    """The verdict as plain lists and dictionaries: claims with their findings, statements with their verdicts."""
+    claims = [{"id": claim.id, "statement": claim.statement, "text": claim.text, "figure": claim.figure,
+               "paper": claim.paper, "criterion": claim.criterion,
+               "findings": [{"solver": finding.solver, "lintel": finding.lintel, "slip": finding.slip,
+                             "value": finding.value, "verdict": finding.verdict} for finding in members]}
+              for claim, members in _by(findings, lambda finding: finding.claim)]
+    variants = [(solver, lintel, slip) for solver in _solvers(findings) for lintel in _LINTELS for slip in _SLIPS]
+    statements = [{"statement": statement, "text": STATEMENTS[statement],
+                   "verdicts": [{"solver": solver, "lintel": lintel, "slip": slip,
+                                 "verdict": statement_verdict(_variant(members, solver, lintel, slip))}
+                                for solver, lintel, slip in variants]}
+                  for statement, members in _by(findings, lambda finding: finding.claim.statement)]
+    return {"statements": statements, "claims": claims}
+
+
+def _variant(findings, solver, lintel, slip):
+    return [finding for finding in findings
+            if (finding.solver, finding.lintel, finding.slip) == (solver, lintel, slip)]
+
+
+def _solvers(findings):
+    return [solver for solver in SOLVERS if any(finding.solver == solver for finding in findings)]
+
+
+# --- Markdown -----------------------------------------------------------------------------------------
+
+def as_markdown(findings):
+    """The verdict as a document: an overview, then a section a statement with its claims."""
+    parts = [_HEAD, "\n".join(overview(findings)), "\n".join(f"- {line}" for line in _counts(findings))]
+    for statement, members in _by(findings, lambda finding: finding.claim.statement):
+        parts.append(f"## {statement}: {STATEMENTS[statement]}")
+        for claim, own in _by(members, lambda finding: finding.claim):
+            parts.append(f"**{claim.id}**, {claim.text} ({claim.figure}). Paper: {claim.paper}. Holds if "
+                         f"{claim.criterion}.")
+            parts.append("\n".join(["| solver | variant | value | verdict |", "| --- | --- | --- | --- |", *(
+                f"| {SOLVER_NAMES[solver]} | {variants} | {value} | {verdict} |"
+                for solver, variants, value, verdict in merged(own))]))
+    return "\n\n".join(parts) + "\n"
+
+
+_HEAD = """# The paper's statements, judged
+
+Written by `python3 -m damage paper RESULTS_DIR --markdown docs/paper-verdict.md` from the tables of studies; do not
+edit by hand. Paper: Sarhosis, Dais, Smyrou, Bal, Drougkas (2021), *Engineering Structures* 243, 112529,
+doi:10.1016/j.engstruct.2021.112529. Each of its statements is split into claims that a number decides. The criteria
+stand in `damage/paper_criteria.py`, each with its reason, and were fixed before the studies were run. A wall that fell
+differs from the paper's, which stood. Where the results differ, `docs/underdetermined.md` says what in the model the
+paper leaves open and how much it matters. The Huizinge motion is a synthetic stand-in for the record.
+
+A statement holds (differs) when all (none) of its claims that could be judged hold; otherwise it says how many do. Two
+outcomes with a stroke between: slip by displacement / slip by the shear limit."""
+
+
+def overview(findings):
+    """Lines of the Markdown table with a row a statement."""
+    heads = [(solver, lintel) for solver in _solvers(findings) for lintel in _LINTELS]
+    lines = ["| | the paper | " + " | ".join(
+        f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}" for solver, lintel in heads) + " |",
+        "| --- " * (2 + len(heads)) + "|"]
+    for statement, members in _by(findings, lambda finding: finding.claim.statement):
+        cells = [_cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
+                 for solver, lintel in heads]
+        lines.append(f"| {statement} | {STATEMENTS[statement]} | " + " | ".join(cells) + " |")
+    return lines
+
+
+def _short(findings):
+    """The verdict on a statement in a few words."""
+    verdict = statement_verdict(findings)
+    if verdict != IN_PART:
+        return verdict
+    judged = [finding.verdict for finding in findings if finding.verdict != UNJUDGED]
+    return f"{judged.count('holds')} of {len(judged)} hold"
+
+
+def _cell(words):
+    return words[0] if len(set(words)) == 1 else " / ".join(words)
+
+
+def write_markdown(findings, path):
+    """Write the document; returns its path."""
+    return _replace(path, as_markdown(findings))
+
+
+def update_readme(findings, path):
+    """Put the overview between the two markers of a README; returns its path.
+
+    Raises InputError where the markers are missing.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; give the README to write into") from error
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not (begin and end):
+        raise InputError(f"{path} lacks the line {BEGIN if not begin else END}; expected both markers around the "
+                         "results")
+    block = "\n".join([*overview(findings), "", *(f"- {line}" for line in _counts(findings))])
+    return _replace(path, f"{before}{BEGIN}\n\n{block}\n\n{END}{after}")
+
+
+def _replace(path, text):
+    """Write a whole file or none."""
+    unfinished = Path(path).with_name(f".{Path(path).name}.{os.getpid()}.tmp")
+    try:
+        unfinished.write_text(text, encoding="utf-8")
+        os.replace(unfinished, path)
+    except OSError as error:
+        unfinished.unlink(missing_ok=True)
+        raise InputError(f"cannot write {path}: {error.strerror}; choose another file") from error
+    return path
