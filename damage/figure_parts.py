@@ -16,6 +16,8 @@ COMPONENTS = {  # column of the tables: label, colour, marker
 }
 CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
 """What counts as slipped, and what stands before a component's name in the columns for it."""
+NOTHING = 0.01
+"""An index that axes of maxima and residuals reach at least."""
 SLIP_LABELS = {"displacement": "slipped: by more than 0.1 mm", "shear-limit": "slipped: ever at the shear limit"}
 
 
@@ -41,9 +43,12 @@ def finish(figure, handles, columns=4):
     return figure
 
 
-def from_zero(ax):
-    """An axis of values that are never below zero, with room for a marker on zero and plain numbers."""
-    top = ax.get_ylim()[1]
+def from_zero(ax, at_least=0.0):
+    """An axis of values that are never below zero, with room for a marker on zero and plain numbers.
+
+    at_least: what it reaches however small the values are, so that nothing does not look like much.
+    """
+    top = max(ax.get_ylim()[1], at_least)
     ax.set_ylim(-0.05 * top, 1.05 * top)
     ax.ticklabel_format(axis="y", style="plain", useOffset=False)
 
@@ -169,6 +174,12 @@ def record_label(name):
 def station_of(name):
     """The known station that a record's name holds, or None."""
     return next((station for station in EVENTS if station in name), None)
+
+
+def in_order(names):
+    """Names of records in the order of EVENTS, unknown ones last."""
+    stations = [*EVENTS, None]
+    return sorted(names, key=lambda name: (stations.index(station_of(name)), name))
 
 
 def record_markers(names):

@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 from damage.figure_parts import (
     COMPONENTS,
     CRITERIA,
+    NOTHING,
     SLIP_LABELS,
     add_heading,
     component_handles,
@@ -128,7 +129,7 @@ def against_amplitude(results, variant, slip="displacement"):
             reference, yade = (_at(points, period_s) for points in (variant.reference, variant.yade))
             collapsed |= draw_components(ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}")
         row[0].set_ylabel("damage index [-]")
-        from_zero(row[0])
+        from_zero(row[0], NOTHING)
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
     add_heading(figure, f"Damage index against amplitude: {variant.title}", SLIP_LABELS[slip])

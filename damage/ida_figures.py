@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 
 from damage.figure_parts import (
     CRITERIA,
+    NOTHING,
     SLIP_LABELS,
     add_heading,
     component_handles,
@@ -24,6 +25,7 @@ from damage.figure_parts import (
     finish,
     from_zero,
     grid,
+    in_order,
     letter,
     median_and_range,
     record_label,
@@ -50,7 +52,7 @@ TREND_POINTS = 4
 @styled
 def records(results, points):
     """Figure 10: each record as it was used, and its response spectra at every scale factor."""
-    names = list(points["record"].unique())
+    names = in_order(points["record"].unique())
     figure, axes = grid(len(names), 2, 1.9, width_ratios=(3, 2))
     scales = np.unique(points["scale"])
     colours = dict(zip(scales, matplotlib.colormaps["cividis"](np.linspace(0, 0.95, len(scales)))))
@@ -109,15 +111,15 @@ def _record_path(origin):
 @styled
 def residual_against_pga(variant, slip="displacement"):
     """Figure 11: residual index and components against PGA, a panel a record."""
-    names = list(variant.points["record"].unique())
-    figure, axes = grid(len(names), 1, 1.9, sharey=True)
+    names = in_order(variant.points["record"].unique())
+    figure, axes = grid(len(names), 1, 1.9, sharex=True, sharey=True)
     collapsed = False
     for number, (ax, name) in enumerate(zip(axes[:, 0], names)):
         letter(ax, number, record_label(name))
         reference, yade = (points[points["record"] == name] for points in (variant.reference, variant.yade))
         collapsed |= draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
         ax.set(ylabel="residual damage index [-]", xlim=(0, None))
-    from_zero(axes[0, 0])
+    from_zero(axes[0, 0], NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
     add_heading(figure, f"Residual damage index against PGA: {variant.title}", SLIP_LABELS[slip],
                 _synthetic_note(names))
@@ -131,7 +133,7 @@ def against_drift(variant, slip="displacement"):
     The parabola is a least-squares fit to the medians of the reference solver over all records, or to
     YADE's runs where there are no others.
     """
-    names = list(variant.points["record"].unique())
+    names = in_order(variant.points["record"].unique())
     markers = record_markers(names)
     figure, axes = grid(1, 2, 2.5)
     for number, (ax, state) in enumerate(zip(axes[0], ("max", "residual"))):
@@ -144,7 +146,7 @@ def against_drift(variant, slip="displacement"):
         label = _draw_trend(ax, in_percent(variant.reference if len(variant.reference) else variant.yade), column)
         letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
-        from_zero(ax)
+        from_zero(ax, NOTHING)
     add_heading(figure, f"Damage index against maximum drift: {variant.title}", SLIP_LABELS[slip],
                 _synthetic_note(names))
     return finish(figure, _record_handles(variant, names, markers), columns=2)

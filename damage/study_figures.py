@@ -17,9 +17,13 @@ from damage.study_results import Missing, variants
 def make_figures(results, folder):
     """Write all figures that the Results allow; yields (name, paths) or (name, why there is none).
 
-    Every figure is a PNG and a PDF in `folder`, made where missing.
+    Every figure is a PNG and a PDF in `folder`, made where missing.  Points whose runs did not come to their
+    end are left out, and named as what was not made.
     """
-    for name, draw in _figures(results):
+    ended = results.ended()
+    for _, point in results.points.drop(ended.points.index).iterrows():
+        yield f"point {point['point']}", f"left out, its run in {point['folder']} is {point['status']}"
+    for name, draw in _figures(ended):
         try:
             figure = draw()
         except (Missing, InputError) as error:

@@ -43,6 +43,12 @@ class Results:
         called = points["folder"].map(lambda folder: folder.name.startswith(name)).astype(bool)
         return points[called] if called.any() else points
 
+    def ended(self):
+        """These results with only the points whose runs came to their end, a collapse included."""
+        if "status" not in self.points:
+            return self
+        return Results(self.points[self.points["status"] == "complete"], self.runs)
+
     def members(self, point):
         """Names of a point's runs (a row of `points`), in the order of the summary."""
         same = ((self.runs["folder"] == point["folder"]) & (self.runs["point"] == point["point"])

@@ -11,7 +11,7 @@ from small_history import make_history
 from damage import study_figures
 from damage.__main__ import main
 from damage.errors import InputError
-from damage.figure_parts import record_label, record_markers
+from damage.figure_parts import NOTHING, in_order, record_label, record_markers
 from damage.harmonic_figures import against_amplitude, drifts, evolution, motions
 from damage.ida_figures import against_drift, records, residual_against_pga
 from damage.intensity import response_spectrum
@@ -38,7 +38,7 @@ def point_row(name, solver, strength, **columns):
     """A point of five runs, or a single one of YADE; all measures grow with its strength, each at its own rate."""
     row = {"point": name, "solver": solver, "wall": "small", "members": 5 if solver == "reference" else 1,
            "lintel": "elastic", "contacts": "interior", "beta_s": 1e-6 if solver == "reference" else 0.0,
-           "collapsed_at_s": np.nan, "eigen_period_s": 0.19, **columns}
+           "status": "complete", "collapsed_at_s": np.nan, "eigen_period_s": 0.19, **columns}
     values = {name: strength * (number + 1) / 100 for number, name in enumerate(MEASURES)}
     values |= {"max_drift_ratio": strength / 1000, "max_DI": parabola(strength / 10)}
     for measure, value in values.items():
@@ -142,6 +142,11 @@ class TestAgainstAmplitude:
             single = harmonic.yade.loc[harmonic.yade["motion_period_s"] == 0.33, column]
             assert_allclose(hollow(ax, colour), single)
 
+    def test_next_to_nothing_does_not_look_like_much(self, results, harmonic):
+        points = harmonic.reference.assign(**{name + end: 1e-6 for name in MEASURES for end in ("", "_min", "_max")})
+        figure = against_amplitude(results, type(harmonic)("small", {}, points, points.iloc[:0]))
+        assert panel(figure, "maximum, 0.2").get_ylim()[1] >= NOTHING
+
     def test_the_legend_tells_the_solvers_apart(self, results, harmonic):
         said = text(against_amplitude(results, harmonic))
         assert "reference: median, range of 5 runs" in said and "YADE: single runs" in said
@@ -207,7 +212,8 @@ class TestRecords:
     def test_labels(self, name, label):
         assert record_label(name) == label
 
-    def test_the_papers_markers(self):
+    def test_records_in_the_papers_order_with_its_markers(self):
+        assert in_order(["other", "BLOP_HGE", "BGAR_HGE", "MID1_N"]) == ["MID1_N", "BGAR_HGE", "BLOP_HGE", "other"]
         assert list(record_markers(["MID1_N_synthetic", "BGAR_HGE"]).values()) == ["+", "x"]
         assert len(set(record_markers(["MID1_N", "BGAR_HGE", "A", "B", "C"]).values())) == 5
 
@@ -284,6 +290,16 @@ class TestCommand:
             "fig09_drift_small", "cracks_harmonic_small", "fig10_records", "fig11_residual_small",
             "fig12_drift_small", "fig11_residual_small_shear-limit", "fig12_drift_small_shear-limit",
             "cracks_ida_small"]
+
+    def test_runs_without_an_end_are_left_out_and_named(self, results, tmp_path, monkeypatch):
+        points = results.points.copy()
+        points.loc[points["point"] == "h0.2-0.1", "status"] = "failed"
+        monkeypatch.setattr(study_figures, "save_figures", lambda pairs, folder: [pairs[0][1]])
+        monkeypatch.setattr(study_figures, "_ida", lambda results: ())
+        made = dict(study_figures.make_figures(type(results)(points, results.runs), tmp_path))
+        assert "is failed" in made["point h0.2-0.1"]
+        x, *_ = medians(panel(made["fig08_amplitude_small"][0], "maximum, 0.2"), BLACK)
+        assert_allclose(x, AMPLITUDES_G[:2], atol=0.001)
 
     def test_no_figure_at_all_is_an_error(self, tmp_path, capsys):
         write_study(tmp_path / "pushed", [point_row("p", "reference", 1.0)])
