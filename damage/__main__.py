@@ -42,6 +42,7 @@ def _parser():
     _add_compare(commands)
     _add_figures(commands)
     _add_paper(commands)
+    _add_cracks(commands)
     return parser
 
 
@@ -224,6 +225,66 @@ def _paper(parsed):
     if parsed.readme:
         update_readme(findings, parsed.readme)
     print(json.dumps(as_json(findings), indent=2) if parsed.json else describe(findings))
+
+
+def _add_cracks(commands):
+    command = _add_command(commands, "cracks", _cracks,
+                           "cracks, Psi and index of a history, of digitised cracks or of a DIC field")
+    command.add_argument("source", type=Path, nargs="?", metavar="FILE", help="a history (.h5) or a crack file (CSV)")
+    command.add_argument("--dic", type=Path, metavar="FIELD.csv", help="instead of FILE: a DIC displacement field")
+    command.add_argument("--wall", type=Path, metavar="walls/NAME.py", help="the wall of a crack file or a field")
+    command.add_argument("--export", type=Path, metavar="CRACKS.csv",
+                         help="write the cracks of a history or a field as a crack file")
+    command.add_argument("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)")
+    command.add_argument("--threshold-mm", type=float, default=0.1, help="of opening, slip and width (default 0.1)")
+    command.add_argument("--drift-limit-pct", type=float, default=2.0, help="drift limit (default 2)")
+    command.add_argument("--tolerance-mm", type=float,
+                         help="how far from a joint a crack may be drawn (default: half a brick's height)")
+    command.add_argument("--margin-mm", type=float,
+                         help="of a field: how far inside a brick's edges points count (default 10)")
+    command.add_argument("--out", type=Path, metavar="DIR", help="folder for a picture of each load level")
+    command.add_argument("--json", action="store_true", help="as JSON")
+
+
+def _cracks(parsed):
+    from damage import crack_report
+
+    if (parsed.source is None) == (parsed.dic is None):
+        raise InputError("expected one of FILE and --dic FIELD.csv; give a history, a crack file or a field")
+    limits = {"threshold": parsed.threshold_mm * MILLIMETRE, "drift_limit": parsed.drift_limit_pct / 100}
+    if parsed.dic:
+        _only_with(parsed, "a DIC field", needs=("wall",), without=("at", "tolerance_mm"))
+        margin = 10.0 if parsed.margin_mm is None else parsed.margin_mm
+        figures, *drawn = crack_report.field_report(parsed.dic, parsed.wall, margin * MILLIMETRE, export=parsed.export,
+                                                    **limits)
+    elif crack_report.is_history(parsed.source):
+        _only_with(parsed, "a history", without=("wall", "tolerance_mm", "margin_mm", "out"))
+        moments = (parsed.at or "max,end").split(",")
+        figures = crack_report.history_report(parsed.source, moments, export=parsed.export, **limits)
+    else:
+        _only_with(parsed, "a crack file", needs=("wall",), without=("at", "export", "margin_mm"))
+        tolerance = None if parsed.tolerance_mm is None else parsed.tolerance_mm * MILLIMETRE
+        figures, *drawn = crack_report.file_report(parsed.source, parsed.wall, tolerance=tolerance, **limits)
+    if parsed.out:
+        _save(_crack_pictures(*drawn, limits["threshold"]), parsed.out)
+    print(json.dumps(figures, indent=2) if parsed.json else crack_report.describe(figures))
+
+
+def _only_with(parsed, what, needs=(), without=()):
+    """Refuse options that do not belong to `what`, and a missing one that does."""
+    for name in needs:
+        if getattr(parsed, name) is None:
+            raise InputError(f"{what} needs --{name}; give it, as in --wall walls/solid.py")
+    for name in without:
+        if getattr(parsed, name) is not None:
+            raise InputError(f"--{name.replace('_', '-')} does not belong to {what}; leave it out")
+
+
+def _crack_pictures(mapped, patterns, layout, threshold):
+    from damage.crack_picture import crack_picture
+
+    for pattern, cracks in zip(patterns, mapped):
+        yield f"cracks_level_{pattern.level:g}", crack_picture(pattern, cracks, layout, threshold)
 
 
 if __name__ == "__main__":

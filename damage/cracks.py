@@ -41,6 +41,7 @@ def mean_width(width, length):
     width: (..., n), 0 where not cracked; length: (n,) [m].
     """
     width = np.asarray(width, float)
+    length = np.asarray(length, float)
     weight = width @ length
     return np.divide(width**2 @ length, weight, out=np.zeros_like(weight), where=weight > 0)
 

@@ -10,13 +10,15 @@ from conftest import REPOSITORY
 # Layers of `damage`, lowest first: a module imports from its own layer's left or from lower ones.
 LAYERS = [
     {"errors", "units", "paper_criteria"},
-    {"parameters", "joint_law", "records"},
+    {"parameters", "joint_law", "records", "csv_table"},
     {"layout", "loading", "intensity", "index"},
     {"synthetic", "modes", "kinematics", "wall_file", "options", "energy", "progress", "study", "watch"},
     {"history", "reference_kernel", "schedule"},
     {"reading", "reference"},
     {"summary", "pictures", "wall_picture", "tables", "cracks", "measures", "reference_run"},
-    {"paper_evidence", "paper", "paper_report", "report", "compare", "modes_picture", "study_results"},
+    {"crack_file", "crack_mapping"},
+    {"dic", "crack_picture"},
+    {"paper_evidence", "paper", "paper_report", "report", "crack_report", "compare", "modes_picture", "study_results"},
     {"compare_picture", "figure_parts"},
     {"harmonic_figures", "ida_figures", "crack_maps"},
     {"study_figures"},

@@ -1,0 +1,239 @@
+"""Digitised cracks of a wall at successive load levels: the CSV format of `docs/crack-format.md`.
+
+A crack is one polyline or several.  The sizes and the mode in the row of a point hold from there to the
+next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, the mode says what it is:
+tension all opening, shear all slip; mixed and unknown leave both open, which is NaN here.
+"""
+
+from dataclasses import dataclass
+from math import isnan, nan
+
+import numpy as np
+import pandas as pd
+
+from damage.cracks import cracks_at
+from damage.csv_table import CsvTable, whole_file
+from damage.errors import InputError
+from damage.index import THRESHOLD
+from damage.units import MILLIMETRE
+
+COLUMNS = ("load_level", "drift_pct", "crack", "point", "x_m", "z_m", "opening_mm", "slip_mm", "width_mm", "mode")
+REQUIRED = ("crack", "point", "x_m", "z_m")
+MODES = ("tension", "shear", "mixed", "unknown")
+STRETCHES = ("crack", "line", "x_start_m", "z_start_m", "x_end_m", "z_end_m", "opening_m", "slip_m", "width_m",
+             "mode")
+_AGREE = 0.02  # share of the width by which a given width may miss sqrt(opening^2 + slip^2), for rounding
+_AGREE_MM = 0.01
+
+
+@dataclass(frozen=True)
+class CrackPattern:
+    """All cracks of a wall at one load level.
+
+    level: its number; drift_ratio: NaN where unknown;
+    stretches: DataFrame, a row a straight part of a polyline: crack (label), line (number of the polyline
+    in the level), x_start_m, z_start_m, x_end_m, z_end_m, opening_m and slip_m (NaN where they cannot be
+    told apart), width_m, mode.
+    """
+
+    level: float
+    drift_ratio: float
+    stretches: pd.DataFrame
+
+    @property
+    def length_m(self):
+        """Length of every stretch, (n_stretches,)."""
+        parts = self.stretches
+        return np.hypot(parts["x_end_m"] - parts["x_start_m"], parts["z_end_m"] - parts["z_start_m"]).to_numpy(float)
+
+
+# --- reading --------------------------------------------------------------------------------------
+
+def read_cracks(path):
+    """The patterns of a crack file, a list of CrackPattern in the order of the file.
+
+    Raises InputError, with the line, for anything that is missing or contradicts itself.
+    """
+    table = CsvTable(path, REQUIRED, [name for name in COLUMNS if name not in REQUIRED])
+    rows = _rows(table)
+    patterns = []
+    for level in rows["level"].unique():
+        chosen = np.flatnonzero(rows["level"] == level)
+        patterns.append(CrackPattern(level, _drift(table, rows, chosen), _stretches(table, rows, chosen)))
+    return patterns
+
+
+def _rows(table):
+    """Checked columns in SI units."""
+    numbers = {name: table.numbers(name) for name in COLUMNS if name not in ("crack", "mode")}
+    level = numbers["load_level"]
+    if "load_level" in table.text:
+        table.refuse(np.isnan(level), "no load_level; give its number")
+    mode = table.words("mode", "unknown")
+    mode = np.where(mode == "", "unknown", mode)
+    for row in np.flatnonzero(~np.isin(mode, MODES)):
+        raise table.error(row, f"mode = {mode[row]!r}: expected one of {', '.join(MODES)}")
+    for name in ("opening_mm", "width_mm"):
+        table.refuse(numbers[name] < 0, f"{name} is negative; expected zero or more")
+    rows = pd.DataFrame({
+        "level": np.nan_to_num(level, nan=1.0), "drift_ratio": numbers["drift_pct"] / 100,
+        "crack": table.words("crack"), "point": numbers["point"], "x_m": numbers["x_m"], "z_m": numbers["z_m"],
+        "mode": mode})
+    rows["empty"] = (rows["crack"] == "") & rows[["point", "x_m", "z_m"]].isna().all(axis=1)
+    for name, column in (("crack", rows["crack"] == ""), *((n, rows[n].isna()) for n in ("point", "x_m", "z_m"))):
+        table.refuse((column & ~rows["empty"]).to_numpy(), f"no {name}; give it, or leave crack, point, x_m and z_m "
+                     "all empty for a level without cracks")
+    for name in ("opening", "slip", "width"):
+        rows[f"{name}_m"] = numbers[f"{name}_mm"] * MILLIMETRE
+    return rows
+
+
+def _drift(table, rows, chosen):
+    """Drift ratio of a level, NaN if no row gives it."""
+    given = chosen[rows["drift_ratio"].iloc[chosen].notna()]
+    if len(given) == 0:
+        return nan
+    drift = rows["drift_ratio"].to_numpy()
+    for row in given[drift[given] != drift[given[0]]]:
+        raise table.error(row, f"drift_pct = {100 * drift[row]:g}, but {100 * drift[given[0]]:g} in line "
+                               f"{table.line[given[0]]} of the same load level; give one drift a level")
+    return float(drift[given[0]])
+
+
+def _stretches(table, rows, chosen):
+    """The straight parts of the polylines of one level."""
+    parts, line = [], 0
+    points = [row for row in chosen if not rows["empty"].iloc[row]]
+    columns = {name: rows[name].to_numpy() for name in rows}
+    for here, there in zip(points, [*points[1:], None]):
+        starts = columns["point"][here] == 1
+        line += starts
+        _check_order(table, columns, here, starts, line)
+        goes_on = there is not None and columns["point"][there] != 1
+        if starts and not goes_on:
+            raise table.error(here, f"crack {columns['crack'][here]} has a polyline of one point; expected two or more")
+        if goes_on:
+            parts.append(_stretch(table, columns, here, there, line))
+    return pd.DataFrame(parts, columns=STRETCHES)
+
+
+def _check_order(table, columns, row, starts, line):
+    """Points count up from 1 within one crack."""
+    if starts:
+        return
+    point, before = columns["point"][row], columns["point"][row - 1] if row else nan
+    same = row > 0 and all(columns[name][row] == columns[name][row - 1] for name in ("crack", "level"))
+    if line == 0 or not same or point != before + 1:
+        after = f" after point {before:g}" if same else ""
+        raise table.error(row, f"point = {point:g}{after} of crack {columns['crack'][row]}: expected "
+                               + (f"{before + 1:g}, or " if same else "") + "1 where a polyline begins")
+
+
+def _stretch(table, columns, here, there, line):
+    ends = [columns[name][row] for row in (here, there) for name in ("x_m", "z_m")]
+    if ends[:2] == ends[2:]:
+        raise table.error(there, "the same place as the point before; leave it out")
+    mode = columns["mode"][here]
+    try:
+        sizes = complete_sizes(*(columns[name][here] for name in ("opening_m", "slip_m", "width_m")), mode)
+    except InputError as error:
+        raise table.error(here, str(error)) from None
+    return columns["crack"][here], line, *ends, *sizes, mode
+
+
+def complete_sizes(opening, slip, width, mode):
+    """Opening, slip and width [m] of what is known of them (NaN is not) and the mode.
+
+    Raises InputError where they contradict each other or leave the width unknown.
+
+    >>> complete_sizes(nan, nan, 0.5e-3, "shear")
+    (0.0, 0.0005, 0.0005)
+    """
+    if mode == "tension":
+        slip = 0.0 if isnan(slip) else slip
+    elif mode == "shear":
+        opening = 0.0 if isnan(opening) else opening
+    if not isnan(width):
+        opening, slip = _rest(opening, slip, width), _rest(slip, opening, width)
+    elif isnan(opening) or isnan(slip):
+        raise InputError("the width is unknown: give width_mm, or opening_mm and slip_mm, or one of the two "
+                         "with its mode, tension or shear")
+    known = not (isnan(opening) or isnan(slip))
+    together = float(np.hypot(opening, slip)) if known else width
+    if not isnan(width) and abs(together - width) > _AGREE * width + _AGREE_MM * MILLIMETRE:
+        raise InputError(f"width_mm = {width / MILLIMETRE:g}, but opening and slip give "
+                         f"{together / MILLIMETRE:g}; expected sqrt(opening^2 + slip^2)")
+    return opening, slip, together
+
+
+def _rest(wanted, other, width):
+    """What is left of the width beside the other part, unless it is known already or cannot be."""
+    if not isnan(wanted) or isnan(other):
+        return wanted
+    return float(np.sqrt(max(width**2 - other**2, 0.0)))
+
+
+# --- writing --------------------------------------------------------------------------------------
+
+def write_cracks(path, patterns, comments=()):
+    """Write patterns (CrackPattern) to `path`; comments: lines for its head."""
+    with whole_file(path) as file:
+        for comment in comments:
+            file.write(f"# {comment}\n")
+        file.write(",".join(COLUMNS) + "\n")
+        for pattern in patterns:
+            for row in _point_rows(pattern):
+                file.write(",".join(_cell(value) for value in row) + "\n")
+
+
+def _cell(value):
+    if isinstance(value, str):
+        return value
+    return "" if value is None or isnan(value) else f"{value + 0.0:.8g}"
+
+
+def _point_rows(pattern):
+    """The rows of one level: each polyline's points, the last one without sizes."""
+    head = (pattern.level, 100 * pattern.drift_ratio)
+    if len(pattern.stretches) == 0:
+        yield (*head, "", *[None] * 6, "")
+    for (crack, _), line in pattern.stretches.groupby(["crack", "line"], sort=False):
+        for number, part in enumerate(line.itertuples(), start=1):
+            yield (*head, str(crack), number, part.x_start_m, part.z_start_m, part.opening_m / MILLIMETRE,
+                   part.slip_m / MILLIMETRE, part.width_m / MILLIMETRE, part.mode)
+        yield (*head, str(crack), number + 1, part.x_end_m, part.z_end_m, None, None, None, "")
+
+
+# --- from joints ----------------------------------------------------------------------------------
+
+def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
+    """The CrackPattern of a `damage.cracks.crack_table`: each crack as polylines along its joints.
+
+    A polyline ends where the next cracked joint of its crack does not go on from its end.
+    """
+    names = ["x_start_m", "z_start_m", "x_end_m", "z_end_m"]
+    is_head = np.abs(table["x_end_m"] - table["x_start_m"]) < np.abs(table["z_end_m"] - table["z_start_m"])
+    across = np.where(is_head, table["x_start_m"], table["z_start_m"])
+    along = np.where(is_head, table["z_start_m"], table["x_start_m"])
+    order = np.lexsort((along, np.round(across, 6), is_head, table["crack"]))
+    parts = table.iloc[order].reset_index(drop=True)
+    ends = parts[names].to_numpy()
+    goes_on = np.zeros(len(parts), bool)
+    goes_on[1:] = (np.all(np.abs(ends[1:, :2] - ends[:-1, 2:]) < 1e-6, axis=1)
+                   & (np.diff(parts["crack"]) == 0) & (np.diff(is_head.to_numpy()[order].astype(int)) == 0))
+    parts["line"] = np.cumsum(~goes_on)
+    parts["mode"] = modes_of(parts["opening_m"].to_numpy(), parts["slip_m"].to_numpy(), threshold)
+    return CrackPattern(float(level), float(drift_ratio), parts[list(STRETCHES)])
+
+
+def modes_of(opening, slip, threshold=THRESHOLD):
+    """tension, shear, or mixed of openings and slips [m]: what passes the threshold, (n,) of words."""
+    opened, slipped = opening > threshold, np.abs(slip) > threshold
+    return np.where(opened == slipped, "mixed", np.where(opened, "tension", "shear"))
+
+
+def patterns_of(history, samples, threshold=THRESHOLD):
+    """The CrackPatterns of a History at samples (indices), numbered from 1."""
+    drift = history.series["drift_ratio"].to_numpy()
+    return [pattern_of(cracks_at(history, sample, threshold), number, drift[sample], threshold)
+            for number, sample in enumerate(samples, start=1)]

@@ -1,0 +1,191 @@
+"""Digitised cracks on the joints of a wall, and the damage index from them, with bounds.
+
+A stretch of a polyline is cut into pieces of half a millimetre.  A piece belongs to the joint with the least
+
+    distance / tolerance + sin^2(angle between piece and joint)
+
+and to none where that is 1 or more: it then runs through a brick, or beside the wall.  Its length counts on
+the joint as it was drawn; no joint is cracked over more than its own length.
+
+Where only the width w of a crack is known, opening and slip each lie between 0 and w with
+w^2 = opening^2 + slip^2, and the index lies between two bounds (threshold t):
+
+    w > sqrt(2) t         at least one of opening and slip is over t, perhaps both
+    t < w <= sqrt(2) t    at most one of them is, perhaps none
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from damage.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
+from damage.errors import InputError
+from damage.index import DRIFT_LIMIT, THRESHOLD, combine, drift_component
+from damage.layout import KINDS
+from damage.units import MILLIMETRE
+from damage.wall_picture import tributary_ends
+
+PIECE = 0.5 * MILLIMETRE
+COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")
+
+
+@dataclass(frozen=True)
+class MappedCracks:
+    """The cracks of one pattern on the joints of a wall.
+
+    table: DataFrame, a row each joint that a stretch runs along: crack (label in the file), joint (index),
+    x_start_m, z_start_m, x_end_m, z_end_m (on the joint), length_m, opening_m, slip_m (NaN where they
+    cannot be told apart), width_m, mode;
+    drawn_m, unmapped_m, surplus_m: length of all polylines, of what lies on no joint, and of what was drawn
+    over a joint beyond the joint's own length.
+    """
+
+    table: pd.DataFrame
+    drawn_m: float
+    unmapped_m: float
+    surplus_m: float
+
+
+def joint_table(layout):
+    """The joints of a Layout as `History.joints` has them: kind, bodies, x_m, z_m, length_m."""
+    contacts, n = layout.contacts, layout.n_joints
+    return pd.DataFrame({
+        "kind": np.array(KINDS)[contacts.kind[:n]], "first_body": contacts.first[:n],
+        "second_body": contacts.second[:n], "x_m": contacts.x[:n], "z_m": contacts.z[:n],
+        "length_m": contacts.length[:n]})
+
+
+def half_brick_height(layout):
+    """The usual tolerance [m]: half the height of a brick."""
+    return layout.wall.brick.height / 2
+
+
+# --- mapping --------------------------------------------------------------------------------------
+
+def map_cracks(pattern, layout, tolerance=None):
+    """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's height."""
+    tolerance = half_brick_height(layout) if tolerance is None else tolerance
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise InputError(f"tolerance = {tolerance!r} m: expected a positive number; mend it")
+    ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
+    parts, length = pattern.stretches, pattern.length_m
+    rows = [row for number, part in enumerate(parts.itertuples())
+            for row in _on_joints(number, np.array([[part.x_start_m, part.z_start_m], [part.x_end_m, part.z_end_m]]),
+                                  ends, tolerance)]
+    table = pd.DataFrame(rows, columns=["stretch", "joint", "x_start_m", "z_start_m", "x_end_m", "z_end_m",
+                                        "length_m"]).astype({"stretch": int, "joint": int})
+    for name in ("crack", "opening_m", "slip_m", "width_m", "mode"):
+        table[name] = parts[name].to_numpy()[table["stretch"]]
+    mapped = table["length_m"].sum()
+    table["length_m"] *= _share_that_fits(table, layout.contacts.length)
+    drawn = float(length.sum())
+    return MappedCracks(table.drop(columns="stretch"), drawn, float(max(drawn - mapped, 0.0)),
+                        float(mapped - table["length_m"].sum()))
+
+
+def _on_joints(number, stretch, ends, tolerance):
+    """Rows (stretch, joint, x and z of both ends, length) of the joints that one stretch runs along."""
+    low, high = ends[:, 0], ends[:, 1]
+    near = np.flatnonzero(np.all((low <= stretch.max(axis=0) + tolerance)
+                                 & (high >= stretch.min(axis=0) - tolerance), axis=1))
+    if len(near) == 0:
+        return
+    whole = stretch[1] - stretch[0]
+    length = float(np.hypot(*whole))
+    n_pieces = max(1, int(np.ceil(length / PIECE)))
+    middle = stretch[0] + whole * ((np.arange(n_pieces) + 0.5) / n_pieces)[:, None]
+    is_head = (high - low)[near, 1] > (high - low)[near, 0]
+    sine = (whole / length)[np.where(is_head, 0, 1)]
+    apart = np.maximum(np.maximum(low[near] - middle[:, None], middle[:, None] - high[near]), 0)
+    cost = np.hypot(apart[..., 0], apart[..., 1]) / tolerance + sine**2
+    best = np.argmin(cost, axis=1)
+    best[cost[np.arange(n_pieces), best] >= 1] = -1
+    half = np.abs(whole) / n_pieces / 2
+    for place in np.unique(best[best >= 0]):
+        joint, pieces = near[place], middle[best == place]
+        start, end = (np.clip(edge, low[joint], high[joint])
+                      for edge in (pieces.min(axis=0) - half, pieces.max(axis=0) + half))
+        yield number, joint, *start, *end, length * len(pieces) / n_pieces
+
+
+def _share_that_fits(table, joint_length):
+    """Factor on every row's length, (n_rows,), that keeps each joint's sum within its own length.
+
+    A piece across the end of a joint counts on one side of it as a whole: that much may be over.
+    """
+    drawn = np.bincount(table["joint"], table["length_m"], minlength=len(joint_length))
+    share = np.divide(joint_length, drawn, out=np.ones(len(drawn)), where=drawn > joint_length + PIECE)
+    return share[table["joint"]]
+
+
+# --- index and Psi --------------------------------------------------------------------------------
+
+def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT):
+    """The key figures of one pattern and its MappedCracks, a dictionary: load_level, drift_pct (None where
+    unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi, psi_drawn, and
+    DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
+
+    Psi is that of the joints, as in `damage.cracks`; psi_drawn that of the polylines as they were drawn,
+    through bricks too, with the file's own numbering of cracks.  Without a drift DI is that of the cracks
+    alone.  undecided_m: length over the threshold whose mode is open.
+    """
+    table, parts = mapped.table, pattern.stretches
+    chosen = table[cracked(table["width_m"], threshold)]
+    ends = chosen[["x_start_m", "z_start_m", "x_end_m", "z_end_m"]].to_numpy(float).reshape(-1, 2, 2)
+    count = crack_numbers(np.ones(len(chosen), bool), close_pairs(ends)).max(initial=0)
+    drawn = cracked(parts["width_m"].to_numpy(float), threshold)
+    known = not np.isnan(pattern.drift_ratio)
+    drift = min(float(drift_component(pattern.drift_ratio, drift_limit)), 1.0) if known else 0.0
+    bounds = index_bounds(table, layout.total_joint_length, drift, threshold)
+    if not known:
+        bounds["DI_drift"] = None
+    return {
+        "load_level": pattern.level, "drift_pct": 100 * pattern.drift_ratio if known else None,
+        "cracks": int(count), "crack_length_m": float(chosen["length_m"].sum()),
+        "unmapped_m": mapped.unmapped_m, "surplus_m": mapped.surplus_m,
+        "undecided_m": float(chosen.loc[chosen["opening_m"].isna(), "length_m"].sum()),
+        "max_width_mm": float(parts["width_m"].max() / MILLIMETRE) if len(parts) else 0.0,
+        "psi": float(psi_value(count, mean_width(chosen["width_m"], chosen["length_m"]))),
+        "psi_drawn": float(psi_value(parts["crack"][drawn].nunique(),
+                                     mean_width(parts["width_m"][drawn], pattern.length_m[drawn]))),
+        **bounds}
+
+
+def index_bounds(table, total_length, drift, threshold=THRESHOLD):
+    """DI, DI_drift, DI_open, DI_slip of mapped cracks, each (low, high), equal where all modes are known.
+
+    table: of MappedCracks; total_length: of all joints [m]; drift: DI_drift [-].
+    """
+    def share(selected):
+        return float(table.loc[selected, "length_m"].sum()) / total_length
+
+    opening, slip, width = (table[name] for name in ("opening_m", "slip_m", "width_m"))
+    unknown = opening.isna()
+    opened, slipped = share(opening > threshold), share(slip.abs() > threshold)
+    strong = share(unknown & (width > np.sqrt(2) * threshold))
+    weak = share(unknown & (width > threshold) & (width <= np.sqrt(2) * threshold))
+    high = (opened + strong + weak, slipped + strong + weak)
+    return {
+        "DI": (least_index(drift, opened, slipped, strong), largest_index(drift, opened, slipped, strong, weak)),
+        "DI_drift": (drift, drift), "DI_open": (opened, high[0]), "DI_slip": (slipped, high[1])}
+
+
+def least_index(drift, opened, slipped, either):
+    """Least DI where a share `either` of the joints has opened or slipped, not both: (1 - open)(1 - slip)
+    is largest where the two are as equal as can be."""
+    to_open = np.clip((slipped - opened + either) / 2, 0.0, either)
+    return float(combine(drift, opened + to_open, slipped + either - to_open))
+
+
+def largest_index(drift, opened, slipped, both, one):
+    """Largest DI where a share `both` has opened and slipped, a share `one` either: all of `one` in one."""
+    opened, slipped = opened + both, slipped + both
+    return float(max(combine(drift, opened + one, slipped), combine(drift, opened, slipped + one)))
+
+
+def largest(levels):
+    """Each component's own maximum over levels of `describe_level`, (low, high), and psi's."""
+    result = {name: tuple(max((level[name][k] for level in levels if level[name]), default=0.0) for k in (0, 1))
+              for name in COMPONENTS}
+    return result | {"psi": max(level["psi"] for level in levels)}

@@ -1,0 +1,77 @@
+"""Picture of digitised cracks: the polylines as they were drawn, and the joints that they were put on."""
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.lines import Line2D
+
+from damage.crack_mapping import joint_table
+from damage.index import THRESHOLD
+from damage.pictures import (
+    BLACK,
+    BLUE,
+    BRICK_COLOUR,
+    COLUMN_WIDTH,
+    GROUND_COLOUR,
+    ORANGE,
+    PURPLE,
+    SKY,
+    legend_below,
+    new_figure,
+    styled,
+)
+from damage.units import MILLIMETRE
+from damage.wall_picture import line_width, tributary_ends
+
+STATES = {  # what a mapped joint has done: label, colour
+    "fine": ("below {limit}", "0.5"), "slipped": ("slipped", BLUE), "opened": ("opened", ORANGE),
+    "both": ("opened and slipped", BLACK), "undecided": ("opened or slipped", PURPLE),
+}
+HALO = 1.4  # [pt] by which a polyline is wider than the joints that it was put on, which lie over it
+
+
+@styled
+def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
+    """Figure of one CrackPattern and its MappedCracks on the undeformed wall of a Layout."""
+    wall = layout.wall
+    figure, ax = new_figure(0.5 + (COLUMN_WIDTH - 0.5) * wall.built_height / wall.length)
+    ax.add_collection(PolyCollection(_brick_corners(layout), facecolors=BRICK_COLOUR, edgecolors="none", zorder=1))
+    ax.add_collection(LineCollection(tributary_ends(joint_table(layout)), colors="0.8", linewidths=0.25, zorder=2))
+    states, table = joint_states(mapped.table, threshold), mapped.table
+    names = ["x_start_m", "z_start_m", "x_end_m", "z_end_m"]
+    drawn = pattern.stretches
+    ax.add_collection(LineCollection(drawn[names].to_numpy(float).reshape(-1, 2, 2), colors=SKY, capstyle="round",
+                                     linewidths=line_width(drawn["width_m"].to_numpy(float)) + HALO, zorder=2.5))
+    for state, (_, colour) in STATES.items():
+        rows = table[states == state]
+        ax.add_collection(LineCollection(rows[names].to_numpy(float).reshape(-1, 2, 2), colors=colour, capstyle="butt",
+                                         linewidths=line_width(rows["width_m"].to_numpy(float)), zorder=3))
+    margin = 0.02 * max(wall.length, wall.built_height)
+    ax.axhspan(-margin, 0, facecolor=GROUND_COLOUR, lw=0, zorder=0)
+    ax.set(xlim=(-margin, wall.length + margin), ylim=(-margin, wall.built_height + margin), aspect="equal",
+           xlabel="x [m]", ylabel="z [m]")
+    drift = "unknown" if np.isnan(pattern.drift_ratio) else f"{100 * pattern.drift_ratio:.3g} %"
+    figure.suptitle(f"{wall.name}, load level {pattern.level:g}, drift ratio {drift}\n{mapped.drawn_m:.2f} m drawn, "
+                    f"{mapped.unmapped_m:.2f} m of them on no joint", x=0.02, ha="left")
+    legend_below(figure, _handles(states, threshold), columns=3)
+    return figure
+
+
+def joint_states(table, threshold=THRESHOLD):
+    """Key of STATES of every row of a MappedCracks's table, (n_rows,)."""
+    opened, slipped = table["opening_m"] > threshold, table["slip_m"].abs() > threshold
+    undecided = table["opening_m"].isna() & (table["width_m"] > threshold)
+    return np.select([undecided, opened & slipped, opened, slipped], ["undecided", "both", "opened", "slipped"], "fine")
+
+
+def _brick_corners(layout):
+    bodies, n = layout.bodies, layout.n_bricks
+    half = np.column_stack([bodies.length, bodies.height])[:n, None] / 2
+    return np.column_stack([bodies.x, bodies.z])[:n, None] + half * [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+
+
+def _handles(states, threshold):
+    width = line_width(0.5 * MILLIMETRE)
+    limit = f"{threshold / MILLIMETRE:g} mm"
+    return [Line2D([], [], color=SKY, lw=width + HALO, label="as drawn"),
+            *(Line2D([], [], color=colour, lw=width, label=label.format(limit=limit))
+              for state, (label, colour) in STATES.items() if np.any(states == state))]

@@ -1,0 +1,173 @@
+"""What `python3 -m damage cracks` does: cracks of a history, of a crack file or of a DIC field, as figures."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from damage.crack_file import patterns_of, read_cracks, write_cracks
+from damage.crack_mapping import describe_level, largest, map_cracks
+from damage.cracks import cracks_at, psi, psi_summary
+from damage.dic import measure, patterns_of_fields, read_field
+from damage.dic import report as dic_report
+from damage.errors import InputError
+from damage.index import DRIFT_LIMIT, THRESHOLD
+from damage.layout import lay_out
+from damage.reading import read_history
+from damage.units import MILLIMETRE
+from damage.wall_file import load_wall
+from damage.wall_picture import choose_sample
+
+SAME_FIGURES = 5e-5
+"""Bounds closer than this are printed as one number."""
+
+
+def is_history(path):
+    """Whether a file is a history rather than a crack file."""
+    return Path(path).suffix == ".h5" or h5py.is_hdf5(path)
+
+
+# --- a history ------------------------------------------------------------------------------------
+
+def choose_samples(history, moments):
+    """Samples of the words `max` (of DI), `end`, or times [s]."""
+    times = history.series["time_s"].to_numpy()
+    samples = []
+    for moment in moments:
+        try:
+            time_s = float(moment)
+        except ValueError:
+            samples.append(choose_sample(history, moment)[0])
+            continue
+        if not (len(times) and times[0] - 1e-9 <= time_s <= times[-1] + 1e-9):
+            raise InputError(f"--at {moment}: expected max, end, or a time within the history's "
+                             f"{len(times)} samples; choose another")
+        samples.append(int(np.argmin(np.abs(times - time_s))))
+    return samples
+
+
+def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, export=None):
+    """Figures of the cracks of the history at `path`, a dictionary; written to `export` if it is given."""
+    history = read_history(path)
+    samples = choose_samples(history, moments)
+    index, total = history.index(threshold, drift_limit), float(history.joints["length_m"].sum())
+    levels = []
+    for number, sample in enumerate(samples, start=1):
+        table = cracks_at(history, sample, threshold)
+        levels.append({
+            "load_level": float(number), "time_s": float(history.series["time_s"].iloc[sample]),
+            "drift_pct": 100 * float(history.series["drift_ratio"].iloc[sample]),
+            "cracks": int(table["crack"].nunique()), "crack_length_m": float(table["length_m"].sum()),
+            "max_width_mm": float(np.hypot(history.opening_m[sample], history.slip_m[sample]).max() / MILLIMETRE),
+            "psi": psi(table),
+            **{name: (value, value) for name in ("DI", "DI_drift", "DI_open", "DI_slip")
+               for value in [float(index[name].iloc[sample])]}})
+    if export:
+        moments_s = ", ".join(f"{level['time_s']:.6g}" for level in levels)
+        write_cracks(export, patterns_of(history, samples, threshold), [
+            f"cracks of {history.wall}, {history.parameters['loading']['name']}, solver {history.solver}, at "
+            f"{moments_s} s", f"joints whose width reaches {threshold / MILLIMETRE:g} mm; docs/crack-format.md"])
+    return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
+            "total_joint_length_m": total, "levels": levels, "max": largest(levels),
+            "run": psi_summary(history, threshold), "notes": []}
+
+
+# --- a crack file, a field --------------------------------------------------------------------------
+
+def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, tolerance=None):
+    """Figures of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
+    mapped = [map_cracks(pattern, layout, tolerance) for pattern in patterns]
+    levels = [describe_level(pattern, cracks, layout, threshold, drift_limit)
+              for pattern, cracks in zip(patterns, mapped)]
+    return {"wall": layout.wall.name, "source": "digitised cracks", "threshold_mm": threshold / MILLIMETRE,
+            "total_joint_length_m": layout.total_joint_length, "levels": levels, "max": largest(levels),
+            "notes": list(_notes(levels))}, mapped
+
+
+def file_report(path, wall, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, tolerance=None):
+    """`pattern_report` of the crack file at `path` on the wall of the file `wall`; also patterns and layout."""
+    patterns, layout = read_cracks(path), lay_out(load_wall(wall))
+    return *pattern_report(patterns, layout, threshold, drift_limit, tolerance), patterns, layout
+
+
+def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, export=None):
+    """`pattern_report` of the cracks that the DIC field at `path` shows, written to `export` if given."""
+    fields, layout = read_field(path), lay_out(load_wall(wall))
+    measured = measure(fields, layout, margin, threshold)
+    patterns = patterns_of_fields(fields, measured, layout, threshold)
+    figures, mapped = pattern_report(patterns, layout, threshold, drift_limit)
+    limits = dic_report(measured, layout)
+    figures |= {"source": "DIC field", "dic": limits}
+    notes = list(_dic_notes(limits, threshold))
+    figures["notes"] = notes + figures["notes"]
+    if export:
+        write_cracks(export, patterns, [f"cracks of {layout.wall.name} from the DIC field {Path(path).name}; "
+                                        "docs/crack-format.md", *notes])
+    return figures, mapped, patterns, layout
+
+
+def _notes(levels):
+    """What a reader must know of the figures, a line each."""
+    for level in levels:
+        where = f"level {level['load_level']:g}: "
+        if level["undecided_m"] > 0:
+            yield (where + f"{level['undecided_m']:.3f} m of cracks give their width only: tension and shear cannot "
+                   "be told apart there, and DI_open, DI_slip and DI lie between the bounds shown")
+        if level["drift_pct"] is None:
+            yield where + "drift unknown: DI is that of the cracks alone"
+        if level["unmapped_m"] > 5e-4:
+            yield (where + f"{level['unmapped_m']:.3f} m of cracks lie on no joint (through bricks, or beside the "
+                   "wall): only psi_drawn counts them")
+        if level["surplus_m"] > 5e-4:
+            yield where + f"{level['surplus_m']:.3f} m drawn over joints beyond the joints' own length: not counted"
+
+
+def _dic_notes(limits, threshold):
+    millimetres = {name: value / MILLIMETRE for name, value in limits.items()}
+    yield ("noise of a point {noise_m:.4f} mm, which leaves a standard deviation of {opening_deviation_m:.4f} mm "
+           "to a joint's opening".format(**millimetres))
+    yield ("elastic deformation is contained: up to {elastic_opening_m:.4f} mm of opening before a joint breaks, about "
+           "{elastic_slip_m:.4f} mm of slip".format(**millimetres))
+    if 3 * limits["opening_deviation_m"] > threshold:
+        yield (f"warning: three standard deviations exceed the threshold of {threshold / MILLIMETRE:g} mm; noise "
+               "counts as cracks: measure more finely, or raise --threshold-mm")
+    if limits["unseen_m"] > 0:
+        yield f"{limits['unseen_m']:.3f} m of joints lie at bricks with too few points: they count as uncracked"
+
+
+# --- text -----------------------------------------------------------------------------------------
+
+_COLUMNS = (("level", "load_level", "{:g}"), ("time s", "time_s", "{:.3f}"), ("drift %", "drift_pct", "{:.4f}"),
+            ("cracks", "cracks", "{:d}"), ("length m", "crack_length_m", "{:.3f}"),
+            ("unmapped m", "unmapped_m", "{:.3f}"), ("width mm", "max_width_mm", "{:.3f}"), ("Psi", "psi", "{:.2f}"),
+            ("Psi drawn", "psi_drawn", "{:.2f}"), ("DI", "DI", "{:.4f}"), ("DI_drift", "DI_drift", "{:.4f}"),
+            ("DI_open", "DI_open", "{:.4f}"), ("DI_slip", "DI_slip", "{:.4f}"))
+
+
+def describe(figures):
+    """A report's figures as lines for people; bounds stand as low..high."""
+    columns = [column for column in _COLUMNS if column[1] in figures["levels"][0]]
+    rows = [[label for label, *_ in columns]]
+    rows += [[_shown(level[key], form) for _, key, form in columns] for level in figures["levels"]]
+    if len(figures["levels"]) > 1:
+        rows.append([_shown(figures["max"][key], form) if key in figures["max"] else "" for _, key, form in columns])
+        rows[-1][0] = "max"
+    widths = [max(len(row[k]) for row in rows) for k in range(len(columns))]
+    lines = [f"{figures['wall']}: {figures['source']}, threshold {figures['threshold_mm']:g} mm, "
+             f"{figures['total_joint_length_m']:.3f} m of joints"]
+    lines += ["  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows]
+    if "run" in figures:
+        run, residual = figures["run"], figures["run"]["residual_psi"]
+        lines.append(f"whole run: Psi up to {run['max_psi']:.2f}, widths up to {run['max_crack_width_mm']:.3f} mm"
+                     + ("" if residual is None else f"; in the end {residual:.2f}, "
+                                                    f"{run['residual_crack_width_mm']:.3f} mm"))
+    return "\n".join(lines + [f"note: {note}" for note in figures["notes"]])
+
+
+def _shown(value, form):
+    if value is None:
+        return "-"
+    if isinstance(value, tuple):
+        low, high = value
+        return form.format(high) if high - low < SAME_FIGURES else f"{form.format(low)}..{form.format(high)}"
+    return form.format(value)

@@ -1,0 +1,97 @@
+"""Tables in CSV with comment lines (`#`), a header and one row a line; complaints name the line."""
+
+import io
+import os
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+
+
+class CsvTable:
+    """A CSV file as read: columns of text, to be taken out by `numbers` and `words`.
+
+    path: of the file; required, optional: names of columns; any other column is refused.
+    Raises InputError when the file is missing or empty, or its header or rows do not fit.
+    """
+
+    def __init__(self, path, required, optional=()):
+        self.path = Path(path)
+        lines = _lines(self.path)
+        kept = [k for k, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
+        if not kept:
+            raise InputError(f"{path} is empty: expected a header with the columns {', '.join(required)}")
+        self._check_header([name.strip() for name in lines[kept[0]].split(",")], kept[0] + 1, required, optional)
+        try:
+            self.text = pd.read_csv(io.StringIO("\n".join(lines[k] for k in kept)), dtype=str, index_col=False,
+                                    keep_default_na=False, skipinitialspace=True, on_bad_lines="error")
+        except pd.errors.ParserError as error:
+            raise InputError(f"{path}: {str(error).strip()}; give every row as many cells as the header") from error
+        self.text.columns = [name.strip() for name in self.text.columns]
+        self.text = self.text.fillna("").apply(lambda column: column.str.strip())
+        self.line = np.array(kept[1:]) + 1
+        if len(self.text) == 0:
+            raise InputError(f"{path} has a header and no row; give at least one")
+
+    def _check_header(self, names, line, required, optional):
+        missing = [name for name in required if name not in names]
+        unknown = [name for name in names if name not in (*required, *optional)]
+        if missing or unknown or len(set(names)) < len(names):
+            wrong = (f"no column {', '.join(missing)}" if missing else
+                     f"unknown column {', '.join(map(repr, unknown))}" if unknown else "a column twice")
+            raise InputError(f"{self.path} line {line}: {wrong}; expected {', '.join(required)}"
+                             + (f" and any of {', '.join(optional)}" if optional else ""))
+
+    def __len__(self):
+        return len(self.text)
+
+    def words(self, name, default=""):
+        """A column as text, (n_rows,) object array; `default` where there is no such column."""
+        return self.text[name].to_numpy() if name in self.text else np.full(len(self), default, object)
+
+    def numbers(self, name):
+        """A column as floats, (n_rows,), NaN where it is empty or missing."""
+        words = pd.Series(self.words(name))
+        values = pd.to_numeric(words, errors="coerce").to_numpy(float)
+        bad = (words != "").to_numpy() & ~np.isfinite(values)
+        if bad.any():
+            raise self.error(int(np.argmax(bad)), f"{name} = {words[int(np.argmax(bad))]!r}: expected a finite "
+                                                  "number, or nothing where it is unknown")
+        return values
+
+    def error(self, row, problem):
+        """InputError about a row (index)."""
+        return InputError(f"{self.path} line {self.line[row]}: {problem}")
+
+    def refuse(self, wrong, problem):
+        """Raise `error` of the first row where `wrong`, (n_rows,) bool, if there is one."""
+        if np.any(wrong):
+            raise self.error(int(np.argmax(wrong)), problem)
+
+
+def _lines(path):
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; give the path of a CSV file")
+    try:
+        return path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read as text ({error}); expected CSV in UTF-8") from error
+
+
+@contextmanager
+def whole_file(path):
+    """A text file open for writing that takes the name `path` only when all of it is written."""
+    path = Path(path)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with open(partial, "w", encoding="utf-8", newline="") as file:
+            yield file
+        os.replace(partial, path)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}; choose another name") from error
+    finally:
+        partial.unlink(missing_ok=True)

@@ -1,0 +1,235 @@
+"""From a displacement field measured by digital image correlation (DIC) to cracks of the joints.
+
+A brick moves as a rigid body: its motion is fitted by least squares to the points inside it, and opening
+and shear of its joints follow from the motions of both bricks (`damage.kinematics`).  So tension and shear
+are told apart, which a picture of the cracks alone does not do.  `docs/crack-format.md` gives the file.
+
+What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without the
+stresses; `elastic_parts` bounds it.  Slip is that of closed joints, frozen while they are open, as in a
+simulation: shear displacement counts from one level to the next where the joint is closed at both.
+"""
+
+from dataclasses import dataclass
+from math import isnan
+
+import numpy as np
+
+from damage.crack_file import CrackPattern, pattern_of
+from damage.crack_mapping import joint_table
+from damage.cracks import crack_table
+from damage.csv_table import CsvTable
+from damage.errors import InputError
+from damage.index import THRESHOLD
+from damage.kinematics import ContactKinematics
+from damage.units import GRAVITY, MILLIMETRE
+from damage.wall_picture import tributary_ends
+
+REQUIRED = ("x_m", "z_m", "ux_m", "uz_m")
+OPTIONAL = ("load_level", "drift_pct")
+MARGIN = 10 * MILLIMETRE
+"""Points closer to a brick's edge than this are left out [m]: their subset may reach over the joint."""
+LEAST_POINTS = 4
+CLOSED = 0.2
+"""Share of the threshold up to which an opening counts as closed, where that is above the noise."""
+_DEVIATIONS = 3  # standard deviations that count as noise
+
+
+@dataclass(frozen=True)
+class Field:
+    """Displacements at one load level: points, displacement (n, 2) [m], x and z; level, drift_ratio
+    (NaN where the file gives none)."""
+
+    level: float
+    drift_ratio: float
+    points: np.ndarray
+    displacement: np.ndarray
+
+
+@dataclass(frozen=True)
+class Motions:
+    """Rigid motions of the bricks.
+
+    motion: (n_bodies, 3) displacement of the centres [m, m] and rotation [rad], NaN for a brick with too
+    few points, 0 for caps; noise: standard deviation of a point's displacement component about the rigid
+    motions [m]; n_points: (n_bodies,); centre: (n_bodies, 2) of a brick's points [m]; spread: (n_bodies,)
+    sum of their squared distances from it [m2].
+    """
+
+    motion: np.ndarray
+    noise: float
+    n_points: np.ndarray
+    centre: np.ndarray
+    spread: np.ndarray
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a field says of the joints at one level.
+
+    opening, slip: (n_joints,) [m], NaN where a brick was not seen; deviation: (n_joints,) standard
+    deviation of the opening from the field's noise [m]; noise: of a point [m]; drift_ratio [-].
+    """
+
+    opening: np.ndarray
+    slip: np.ndarray
+    deviation: np.ndarray
+    noise: float
+    drift_ratio: float
+
+
+def read_field(path):
+    """The fields of a DIC file, a list of Field in the order of the file; rows without displacement, which
+    the correlation lost, are left out.  Raises InputError with the line."""
+    table = CsvTable(path, REQUIRED, OPTIONAL)
+    x, z, ux, uz, level, drift = (table.numbers(name) for name in (*REQUIRED, *OPTIONAL))
+    table.refuse(np.isnan(x) | np.isnan(z), "no place; give x_m and z_m")
+    table.refuse(np.isnan(ux) != np.isnan(uz), "one displacement of two; give ux_m and uz_m, or neither")
+    if "load_level" in table.text:
+        table.refuse(np.isnan(level), "no load_level; give its number")
+    level = np.nan_to_num(level, nan=1.0)
+    fields = []
+    for number in dict.fromkeys(level):
+        here = level == number
+        drifts = np.unique(drift[here & ~np.isnan(drift)])
+        if len(drifts) > 1:
+            raise InputError(f"{path}: load level {number:g} has {len(drifts)} values of drift_pct; expected one")
+        seen = here & ~np.isnan(ux)
+        fields.append(Field(number, drifts[0] / 100 if len(drifts) else np.nan,
+                            np.column_stack([x, z])[seen], np.column_stack([ux, uz])[seen]))
+    return fields
+
+
+# --- rigid motions --------------------------------------------------------------------------------
+
+def rigid_motion(points, displacement):
+    """The rigid motion nearest to displacements in the sense of least squares, exact for any rotation:
+    displacement of the points' centre (2,) [m] and rotation x towards z [rad]; both arrays (n, 2)."""
+    mean = displacement.mean(axis=0)
+    before = points - points.mean(axis=0)
+    after = before + displacement - mean
+    turn = np.arctan2(np.sum(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]), np.sum(before * after))
+    return mean, float(turn)
+
+
+def turned(points, turn):
+    """Displacement (n, 2) of points (n, 2) by a rotation about the origin."""
+    cos, sin = np.cos(turn) - 1, np.sin(turn)
+    return np.column_stack([cos * points[:, 0] - sin * points[:, 1], sin * points[:, 0] + cos * points[:, 1]])
+
+
+def relative_to_base(field, margin=MARGIN):
+    """Displacements (n, 2) relative to the base, whose points lie below -margin; as they are without any."""
+    base = field.points[:, 1] < -margin
+    if base.sum() < LEAST_POINTS:
+        return field.displacement
+    mean, turn = rigid_motion(field.points[base], field.displacement[base])
+    arm = field.points + field.displacement - field.points[base].mean(axis=0) - mean
+    return field.displacement - mean + turned(arm, -turn)
+
+
+def brick_motions(field, layout, margin=MARGIN):
+    """Motions of the bricks of a Layout relative to the base, from the points of a Field."""
+    bodies, n = layout.bodies, len(layout.bodies)
+    displacement = relative_to_base(field, margin)
+    motion, n_points = np.full((n, 3), np.nan), np.zeros(n, int)
+    centre, spread, squares = np.zeros((n, 2)), np.ones(n), 0.0
+    order = np.argsort(field.points[:, 1])
+    points, displacement = field.points[order], displacement[order]
+    for brick in range(layout.n_bricks):
+        half = np.array([bodies.length[brick], bodies.height[brick]]) / 2 - margin
+        middle = np.array([bodies.x[brick], bodies.z[brick]])
+        course = slice(*np.searchsorted(points[:, 1], middle[1] + [-half[1], half[1]]))
+        inside = np.abs(points[course, 0] - middle[0]) <= half[0]
+        n_points[brick] = inside.sum()
+        if n_points[brick] < LEAST_POINTS:
+            continue
+        place, moved = points[course][inside], displacement[course][inside]
+        mean, turn = rigid_motion(place, moved)
+        centre[brick] = place.mean(axis=0)
+        spread[brick] = np.sum((place - centre[brick])**2)
+        motion[brick] = *(mean + turned(middle[None] - centre[brick], turn)[0]), turn
+        squares += np.sum((moved - mean - turned(place - centre[brick], turn))**2)
+    freedom = np.sum(2 * n_points[n_points >= LEAST_POINTS] - 3)
+    if freedom == 0:
+        raise InputError(f"load level {field.level:g}: no brick of wall {layout.wall.name} has {LEAST_POINTS} points "
+                         f"{margin / MILLIMETRE:g} mm inside its edges; check the origin (the wall's lower left "
+                         "corner) and the unit, or give a smaller --margin-mm")
+    motion[layout.n_bricks:] = 0.0
+    return Motions(motion, float(np.sqrt(squares / freedom)), n_points, centre, spread)
+
+
+def opening_deviation(motions, layout):
+    """Standard deviation of each joint's opening that the field's noise leaves, (n_joints,) [m]."""
+    contacts, n = layout.contacts, layout.n_joints
+    variance = np.zeros(n)
+    for body in (contacts.first[:n], contacts.second[:n]):
+        arm = np.hypot(contacts.x[:n] - motions.centre[body, 0], contacts.z[:n] - motions.centre[body, 1])
+        own = 1 / np.maximum(motions.n_points[body], 1) + arm**2 / motions.spread[body]
+        variance += np.where(body < 0, 0.0, own)
+    return motions.noise * np.sqrt(variance)
+
+
+# --- joints ---------------------------------------------------------------------------------------
+
+def measure(fields, layout, margin=MARGIN, threshold=THRESHOLD):
+    """Opening and slip of the joints at each level, a list of Measured.
+
+    fields: in the order of loading from the unloaded wall on.
+    """
+    if not (np.isfinite(margin) and margin >= 0):
+        raise InputError(f"margin = {margin!r} m: expected zero or a positive number; mend it")
+    kinematics, n = ContactKinematics(layout), layout.n_joints
+    slip, shear_before, was_closed = np.zeros(n), np.zeros(n), np.ones(n, bool)
+    levels = []
+    for field in fields:
+        motions = brick_motions(field, layout, margin)
+        opening, shear = (part[:n] for part in kinematics.displacements(motions.motion))
+        deviation = opening_deviation(motions, layout)
+        seen = np.isfinite(opening)
+        is_closed = np.where(seen, opening <= np.maximum(CLOSED * threshold, _DEVIATIONS * deviation), was_closed)
+        slip = slip + np.where(seen & is_closed & was_closed, shear - shear_before, 0.0)
+        shear_before, was_closed = np.where(seen, shear, shear_before), is_closed
+        levels.append(Measured(np.maximum(opening, 0.0), np.where(seen, slip, np.nan), deviation, motions.noise,
+                               _drift(field, motions, layout)))
+    return levels
+
+
+def _drift(field, motions, layout):
+    """The file's drift ratio, or that of the top-course bricks as in a simulation, NaN if none is seen."""
+    top = motions.motion[layout.drift_bodies, 0]
+    if not isnan(field.drift_ratio) or np.isnan(top).all():
+        return field.drift_ratio
+    return float(np.nanmean(top) / layout.drift_height)
+
+
+def patterns_of_fields(fields, measured, layout, threshold=THRESHOLD):
+    """The CrackPattern of each level of `measure`."""
+    joints = joint_table(layout)
+    ends = tributary_ends(joints)
+    return [CrackPattern(field.level, level.drift_ratio, pattern_of(
+        crack_table(ends, level.opening, level.slip, threshold), field.level, level.drift_ratio, threshold).stretches)
+        for field, level in zip(fields, measured)]
+
+
+def elastic_parts(layout):
+    """The most that elastic deformation adds to an opening and to a slip [m]: an intact joint opens by
+    f_t / k_n; a closed one that slides is sheared by tan(phi) times the precompression over k_s."""
+    contacts, n, wall = layout.contacts, layout.n_joints, layout.wall
+    strength = contacts.tensile_strength[:n]
+    breakable = np.isfinite(strength)
+    opening = np.max(strength[breakable] / contacts.normal_stiffness[:n][breakable], initial=0.0)
+    weight = wall.precompression + GRAVITY * wall.brick.density * wall.built_height
+    return float(opening), float(np.max(np.tan(wall.joint.friction_angle) * weight
+                                        / contacts.shear_stiffness[:n], initial=0.0))
+
+
+def report(measured, layout, threshold=THRESHOLD):
+    """What limits a measurement: noise_m of a point, opening_deviation_m (the median joint's, the largest
+    of the levels), unseen_m of joints (the most), elastic_opening_m, elastic_slip_m."""
+    length = layout.contacts.length[:layout.n_joints]
+    unseen = [float(length[np.isnan(level.opening)].sum()) for level in measured]
+    deviation = [float(np.median(level.deviation[np.isfinite(level.opening)])) for level in measured
+                 if np.isfinite(level.opening).any()]
+    opening, slip = elastic_parts(layout)
+    return {"noise_m": max(level.noise for level in measured), "opening_deviation_m": max(deviation, default=np.nan),
+            "unseen_m": max(unseen), "elastic_opening_m": opening, "elastic_slip_m": slip}

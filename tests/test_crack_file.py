@@ -1,0 +1,292 @@
+"""Crack files: what is refused, what the joints of a wall make of them, and the way back to the index."""
+
+import json
+from math import nan, sqrt
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+from small_history import make_history, small_layout
+
+from damage.__main__ import main
+from damage.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
+from damage.crack_mapping import (
+    describe_level,
+    half_brick_height,
+    index_bounds,
+    joint_table,
+    largest_index,
+    least_index,
+    map_cracks,
+)
+from damage.cracks import cracks_at, psi
+from damage.errors import InputError
+from damage.index import combine
+
+HEADER = "load_level,drift_pct,crack,point,x_m,z_m,opening_mm,slip_mm,width_mm,mode\n"
+WALL = '''
+from damage import Wall
+
+def wall():
+    return Wall("small", 0.9, 0.45)
+'''
+BED = 0.15  # [m] height of a bed joint of the small wall
+
+
+def patterns(tmp_path, text, header=HEADER):
+    path = tmp_path / "cracks.csv"
+    path.write_text(header + text)
+    return read_cracks(path)
+
+
+def figures(pattern, layout=None, **options):
+    layout = layout or small_layout()
+    return describe_level(pattern, map_cracks(pattern, layout), layout, **options)
+
+
+# --- reading --------------------------------------------------------------------------------------
+
+def test_levels_polylines_and_sizes(tmp_path):
+    """Two levels, the second without cracks; a crack of two polylines; comments and blank lines between."""
+    first, second = patterns(tmp_path, "# a comment\n1,-0.1,A,1,0,0.15,0.3,-0.4,,mixed\n1,,A,2,0.1,0.15,,,0.2,unknown\n"
+                             "\n1,,A,3,0.2,0.2,,,,\n1,,A,1,0,0,,,0.5,shear\n1,,A,2,0.1,0,,,,\n2,0.2,,,,,,,,\n")
+    assert (first.level, first.drift_ratio, second.drift_ratio) == (1, -0.001, 0.002)
+    assert first.stretches["line"].tolist() == [1, 1, 2] and len(second.stretches) == 0
+    assert first.stretches["width_m"].to_numpy() == pytest.approx([0.5e-3, 0.2e-3, 0.5e-3])
+    assert first.stretches["slip_m"].to_numpy() == pytest.approx([-0.4e-3, nan, 0.5e-3], nan_ok=True)
+    assert first.length_m == pytest.approx([0.1, sqrt(0.1**2 + 0.05**2), 0.1])
+
+
+def test_the_least_that_a_file_needs(tmp_path):
+    (only,) = patterns(tmp_path, "1,1,0,0.15,0.2\n1,2,0.1,0.15,\n", "crack,point,x_m,z_m,width_mm\n")
+    assert only.level == 1 and np.isnan(only.drift_ratio) and only.stretches["mode"].tolist() == ["unknown"]
+
+
+@pytest.mark.parametrize("given, mode, expected", [
+    ((0.3, 0.4, nan), "unknown", (0.3, 0.4, 0.5)), ((nan, nan, 0.5), "tension", (0.5, 0, 0.5)),
+    ((nan, nan, 0.5), "shear", (0, 0.5, 0.5)), ((0.3, nan, nan), "tension", (0.3, 0, 0.3)),
+    ((0.3, nan, 0.5), "mixed", (0.3, 0.4, 0.5)), ((nan, nan, 0.5), "mixed", (nan, nan, 0.5)),
+])
+def test_what_is_left_out_follows(given, mode, expected):
+    sizes = complete_sizes(*(value * 1e-3 for value in given), mode)
+    assert sizes == pytest.approx([value * 1e-3 for value in expected], nan_ok=True)
+
+
+POINTS = "1,0,1,1,0,0.15,,,0.2,tension\n"
+BAD = {
+    "empty": (None, "", "is empty: expected a header"),
+    "only-a-header": (HEADER, "", "has a header and no row"),
+    "no-column": ("crack,point,x_m\n", "1,1,0\n", "line 1: no column z_m"),
+    "unknown-column": ("crack,point,x_m,z_m,width_cm\n", "1,1,0,0,1\n", "line 1: unknown column 'width_cm'"),
+    "column-twice": ("crack,point,x_m,z_m,x_m\n", "1,1,0,0,1\n", "line 1: a column twice"),
+    "text": (HEADER, "1,0,1,1,left,0,,,0.2,tension\n", "line 2: x_m = 'left': expected a finite number"),
+    "infinite": (HEADER, "1,0,1,1,inf,0,,,0.2,tension\n", "line 2: x_m = 'inf'"),
+    "too-many-cells": (HEADER, "1,0,1,1,0,0,,,0.2,tension,7\n1,0,1,1,0,0,,,0.2,tension,7,8\n", "cells|Expected 1"),
+    "mode": (HEADER, POINTS.replace("tension", "flexure"), "line 2: mode = 'flexure': expected one of tension"),
+    "negative": (HEADER, POINTS.replace("0.2", "-0.2"), "line 2: width_mm is negative"),
+    "one-point": (HEADER, "# comment\n" + POINTS, "line 3: crack 1 has a polyline of one point"),
+    "order": (HEADER, POINTS + "1,0,1,3,0.1,0.15,,,,\n", "line 3: point = 3 after point 1 of crack 1: expected 2"),
+    "no-start": (HEADER, "1,0,1,2,0.1,0.15,,,,\n", "line 2: point = 2 of crack 1: expected 1 where"),
+    "no-place": (HEADER, "1,0,1,1,,0.15,,,,\n", "line 2: no x_m; give it"),
+    "no-level": (HEADER, ",0,1,1,0,0.15,,,,\n", "line 2: no load_level"),
+    "same-place": (HEADER, POINTS + "1,0,1,2,0,0.15,,,,\n", "line 3: the same place"),
+    "no-width": (HEADER, "1,0,1,1,0,0.15,0.1,,,\n1,0,1,2,1,0.15,,,,\n", "line 2: the width is unknown"),
+    "widths-differ": (HEADER, "1,0,1,1,0,0.15,3,4,6,\n1,0,1,2,1,0.15,,,,\n", "width_mm = 6, but .* give 5"),
+    "two-drifts": (HEADER, POINTS + "1,0.5,1,2,1,0.15,,,,\n", "line 3: drift_pct = 0.5, but 0 in line 2"),
+}
+
+
+@pytest.mark.parametrize("header, text, complaint", BAD.values(), ids=BAD)
+def test_bad_files_are_refused_with_their_line(tmp_path, header, text, complaint):
+    with pytest.raises(InputError, match=complaint):
+        patterns(tmp_path, text, header or "")
+
+
+# --- on the joints --------------------------------------------------------------------------------
+
+def test_a_crack_along_a_bed_joint_counts_with_its_length(tmp_path):
+    """0.3 m of 0.2 mm of tension, drawn 5 mm off a bed joint whose T-junctions do not disturb."""
+    (pattern,) = patterns(tmp_path, f"1,0.4,1,1,0.2,{BED + 0.005},,,0.2,tension\n1,,1,2,0.5,{BED + 0.005},,,,\n")
+    layout = small_layout()
+    level = figures(pattern, layout)
+    total = layout.total_joint_length
+    assert level["unmapped_m"] == 0 and level["cracks"] == 1
+    assert level["crack_length_m"] == pytest.approx(0.3)
+    assert level["DI_open"] == pytest.approx((0.3 / total,) * 2)
+    assert level["DI"] == pytest.approx((combine(0.2, 0.3 / total, 0),) * 2)
+    assert level["psi"] == level["psi_drawn"] == pytest.approx(2 * 0.2**0.3)
+
+
+def test_a_noisy_line_keeps_its_length_on_the_right_joints(tmp_path):
+    """A stepped crack digitised with 2 mm of noise every 20 mm: within 5 % on its own joints alone."""
+    random = np.random.default_rng(7)
+    layout = small_layout()
+    corners = np.array([[0.225, 0.075], [0.3375, 0.075], [0.3375, 0.15], [0.45, 0.15], [0.45, 0.225], [0.6, 0.225]])
+    points = np.concatenate([np.linspace(a, b, max(2, round(np.hypot(*(b - a)) / 0.02)), endpoint=False)
+                             for a, b in zip(corners, corners[1:])] + [corners[-1:]])
+    drawn = points + random.normal(0, 2e-3, points.shape)
+    (pattern,) = patterns(tmp_path, "".join(f"1,0,1,{k},{x},{z},,,0.3,tension\n"
+                                            for k, (x, z) in enumerate(drawn, start=1)))
+    mapped = map_cracks(pattern, layout)
+    joints = joint_table(layout).iloc[mapped.table["joint"].unique()]
+    on_path = [any(np.all((np.minimum(a, b) - 1e-6 <= place) & (place <= np.maximum(a, b) + 1e-6))
+                   for a, b in zip(corners, corners[1:])) for place in joints[["x_m", "z_m"]].to_numpy()]
+    length = np.abs(np.diff(corners, axis=0)).sum()
+    right = mapped.table["joint"].isin(joints.index[on_path])
+    assert mapped.table.loc[right, "length_m"].sum() == pytest.approx(length, rel=0.05)
+    assert mapped.table.loc[~right, "length_m"].sum() < 0.05 * length
+    assert mapped.drawn_m == pytest.approx(mapped.table["length_m"].sum() + mapped.unmapped_m + mapped.surplus_m)
+    assert figures(pattern, layout)["cracks"] == 1
+
+
+def test_a_crack_through_a_brick_or_beside_the_wall_is_on_no_joint(tmp_path):
+    """Through the middle of a brick from bed to bed, and a metre above the wall."""
+    (pattern,) = patterns(tmp_path, "1,,1,1,0.17,0.155,,,0.2,\n1,,1,2,0.17,0.22,,,,\n"
+                          "1,,2,1,0.2,1.45,,,0.2,\n1,,2,2,0.4,1.45,,,,\n")
+    level = figures(pattern)
+    assert level["unmapped_m"] == pytest.approx(0.265) and level["psi"] == level["DI"][1] == 0
+    assert level["psi_drawn"] == pytest.approx(2 * 2**0.15 * 0.2**0.3)
+    assert level["drift_pct"] is None and level["DI_drift"] is None
+
+
+def test_a_crack_drawn_twice_counts_once(tmp_path):
+    line = f"1,,{{0}},1,0.2,{BED},,,0.2,tension\n1,,{{0}},2,0.5,{BED},,,,\n"
+    mapped = map_cracks(patterns(tmp_path, line.format(1) + line.format(2))[0], small_layout())
+    # From 0.20625 m on whole joints of 0.05625 m, but twice the 0.025 m of the one at 0.45 m.
+    assert mapped.table["length_m"].sum() == pytest.approx(0.05 + 5 * 0.05625)
+    assert mapped.surplus_m == pytest.approx(0.6 - mapped.table["length_m"].sum())
+
+
+# --- bounds ---------------------------------------------------------------------------------------
+
+def test_bounds_of_an_unknown_mode_are_those_of_every_split():
+    """The bounds enclose DI of 20 000 random splits of 0.1 mm < w, and are reached to 0.1 %."""
+    random = np.random.default_rng(1)
+    drift, opened, slipped, strong, weak = 0.1, 0.05, 0.2, 0.3, 0.1
+    n = 20_000
+    a, b = random.beta(0.3, 0.3, n), random.beta(0.3, 0.3, n)  # shares of strong: opened alone, else slipped or both
+    only_open, only_slip = a * strong, (1 - a) * strong * b
+    both = strong - only_open - only_slip
+    weak_open = weak * random.beta(0.3, 0.3, n)
+    weak_slip = (weak - weak_open) * random.beta(0.3, 0.3, n)
+    split = combine(drift, opened + only_open + both + weak_open, slipped + only_slip + both + weak_slip)
+    low, high = least_index(drift, opened, slipped, strong), largest_index(drift, opened, slipped, strong, weak)
+    assert low <= split.min() < low + 0.005 and high - 0.005 < split.max() <= high
+
+
+def test_bounds_from_a_file(tmp_path):
+    """0.1 m each of 0.05, 0.12 and 0.2 mm width of unknown mode: none, at most one, at least one of both."""
+    (pattern,) = patterns(tmp_path, f"1,0,1,1,0.1,{BED},,,0.05,\n1,,1,2,0.2,{BED},,,0.12,\n1,,1,3,0.3,{BED},,,0.2,\n"
+                          f"1,,1,4,0.4,{BED},,,,\n")
+    layout = small_layout()
+    share = 0.1 / layout.total_joint_length
+    level = figures(pattern, layout)
+    assert level["DI_open"] == level["DI_slip"] == pytest.approx((0, 2 * share))
+    assert level["DI"] == pytest.approx((combine(0, share / 2, share / 2), combine(0, 2 * share, share)))
+    assert level["undecided_m"] == pytest.approx(0.2)
+    assert index_bounds(map_cracks(pattern, layout).table.iloc[:0], 1.0, 0.3)["DI"] == pytest.approx((0.3, 0.3))
+
+
+# --- round trip -----------------------------------------------------------------------------------
+
+@pytest.fixture
+def random_history(tmp_path):
+    """Openings and slips of every size about the threshold, a drift, a last sample at rest."""
+    random = np.random.default_rng(11)
+    layout = small_layout()
+    fade = np.append(np.ones(20), 0.0)
+    joints = range(layout.n_joints)
+    return make_history(tmp_path / "random.h5", layout, drift=0.002 * fade,
+                        opening={j: np.maximum(random.normal(0, 2e-4, 21), 0) * fade for j in joints},
+                        slip={j: random.normal(0, 1.5e-4, 21) * fade for j in joints})
+
+
+def test_the_round_trip_gives_the_same_index_and_psi(random_history, tmp_path):
+    samples, index = (3, 10, 20), random_history.index()
+    write_cracks(tmp_path / "round.csv", patterns_of(random_history, samples), ["a test"])
+    for sample, pattern in zip(samples, read_cracks(tmp_path / "round.csv")):
+        level = figures(pattern)
+        for name in ("DI", "DI_drift", "DI_open", "DI_slip"):
+            assert level[name] == pytest.approx((index[name].iloc[sample],) * 2, abs=1e-6)
+        assert level["psi"] == pytest.approx(psi(cracks_at(random_history, sample)), abs=1e-5)
+        assert level["psi_drawn"] == pytest.approx(level["psi"], abs=1e-5)
+        assert level["unmapped_m"] < 1e-6
+    assert index["DI"].iloc[20] == 0 < index["DI"].iloc[3]
+
+
+def test_an_export_that_fails_leaves_the_old_file(random_history, tmp_path):
+    path = tmp_path / "kept.csv"
+    path.write_text("old")
+    with pytest.raises(InputError, match="sample 99"):
+        write_cracks(path, (pattern for sample in (3, 99) for pattern in patterns_of(random_history, [sample])))
+    assert path.read_text() == "old" and [p.name for p in tmp_path.glob(".*")] == []
+
+
+# --- command --------------------------------------------------------------------------------------
+
+def test_the_command_exports_reads_and_draws(random_history, tmp_path, capsys):
+    wall, export = tmp_path / "small.py", tmp_path / "out" / "cracks.csv"
+    wall.write_text(WALL)
+    assert main(["cracks", str(random_history.path), "--at", "max,0.05", "--export", str(export), "--json"]) == 0
+    simulated = json.loads(capsys.readouterr().out)
+    assert main(["cracks", str(export), "--wall", str(wall), "--json", "--out", str(tmp_path / "png")]) == 0
+    digitised = json.loads(capsys.readouterr().out)
+    for here, there in zip(simulated["levels"], digitised["levels"]):
+        assert here["DI"] == pytest.approx(there["DI"], abs=1e-6)
+        assert here["psi"] == pytest.approx(there["psi"], abs=1e-5)
+    assert simulated["max"]["DI"][0] == random_history.index()["DI"].max()
+    assert simulated["levels"][1]["time_s"] == pytest.approx(0.05)
+    assert {path.name for path in (tmp_path / "png").iterdir()} == {
+        f"cracks_level_{level}.{ending}" for level in (1, 2) for ending in ("png", "pdf")}
+    assert main(["cracks", str(export), "--wall", str(wall)]) == 0
+    assert "DI_open" in capsys.readouterr().out
+
+
+def test_the_example_of_the_documentation(tmp_path, capsys):
+    """Crack A's four joints by hand; B's mode is open."""
+    text = (REPOSITORY / "docs" / "crack-format.md").read_text()
+    (tmp_path / "example.csv").write_text(text.split("```csv\n")[1].split("```")[0])
+    wall = str(REPOSITORY / "walls" / "solid.py")
+    assert main(["cracks", str(tmp_path / "example.csv"), "--wall", wall, "--json"]) == 0
+    none, cracked = json.loads(capsys.readouterr().out)["levels"]
+    assert none["DI"] == pytest.approx([0.025] * 2) and none["cracks"] == 0
+    total = 198.375
+    assert cracked["DI_open"] == pytest.approx([(0.1125 + 0.075) / total, (0.1125 + 0.075 + 0.85) / total], abs=1e-5)
+    assert cracked["DI_slip"] == pytest.approx([0.1125 / total, (0.1125 + 0.85) / total], abs=1e-5)
+    assert (cracked["cracks"], cracked["undecided_m"]) == (2, pytest.approx(0.85, abs=1e-3))
+
+
+def test_the_command_says_where_the_mode_is_open(tmp_path, capsys):
+    (tmp_path / "small.py").write_text(WALL)
+    (tmp_path / "optical.csv").write_text(f"crack,point,x_m,z_m,width_mm\n1,1,0.1,{BED},0.3\n1,2,0.4,{BED},\n")
+    assert main(["cracks", str(tmp_path / "optical.csv"), "--wall", str(tmp_path / "small.py")]) == 0
+    out = capsys.readouterr().out
+    assert "tension and shear cannot be told apart" in out and ".." in out and "drift unknown" in out
+
+
+@pytest.mark.parametrize("words, complaint", [
+    ([], "expected one of FILE and --dic"), (["no.csv"], "a crack file needs --wall"),
+    (["no.csv", "--wall", "walls/solid.py"], "no.csv: no such file"), (["no.h5"], "no.h5: no such file"),
+    (["no.h5", "--wall", "walls/solid.py"], "--wall does not belong to a history"),
+    (["no.csv", "--wall", "walls/solid.py", "--at", "max"], "--at does not belong to a crack file"),
+    (["--dic", "no.csv"], "a DIC field needs --wall"),
+])
+def test_bad_command_lines(words, complaint, monkeypatch, capsys):
+    monkeypatch.chdir(REPOSITORY)
+    assert main(["cracks", *words]) == 2
+    assert complaint in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("moment", ["later", "7", "-3"])
+def test_a_moment_that_the_history_lacks(random_history, moment, capsys):
+    assert main(["cracks", str(random_history.path), f"--at={moment}"]) == 2
+    assert "expected" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--tolerance-mm=0", "--threshold-mm=-1", "--threshold-mm=nan"])
+def test_bad_numbers(option, tmp_path, capsys):
+    (tmp_path / "small.py").write_text(WALL)
+    (tmp_path / "c.csv").write_text(f"crack,point,x_m,z_m,width_mm\n1,1,0.1,{BED},0.3\n1,2,0.4,{BED},\n")
+    assert main(["cracks", str(tmp_path / "c.csv"), "--wall", str(tmp_path / "small.py"), option]) == 2
+    assert "expected a positive number" in capsys.readouterr().err
+    assert half_brick_height(small_layout()) == 0.0375

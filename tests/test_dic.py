@@ -1,0 +1,233 @@
+"""Cracks from displacement fields: closed forms, then the reference solver's walls measured with noise."""
+
+import json
+
+import numpy as np
+import pytest
+
+from damage.__main__ import main
+from damage.crack_file import read_cracks
+from damage.crack_mapping import describe_level, map_cracks
+from damage.cracks import cracks_at
+from damage.dic import (
+    Field,
+    brick_motions,
+    measure,
+    patterns_of_fields,
+    read_field,
+    report,
+    rigid_motion,
+    turned,
+)
+from damage.errors import InputError
+from damage.layout import HEAD, lay_out
+from damage.reading import read_history
+from damage.reference_session import run_reference
+from damage.wall_file import load_wall
+
+NOISE = 1e-5
+"""Of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""
+WALL = '''
+import math
+from damage import Joint, Wall
+
+def wall():
+    return Wall("panel", 0.9, {height}, precompression=0.05e6, joint=Joint(
+        tensile_strength=0.02e6, cohesion=0.03e6, friction_angle=math.radians({friction})))
+'''
+
+
+def sampled_field(layout, motion, level=1.0, spacing=0.01, noise=0.0, seed=0, drift_ratio=np.nan):
+    """What DIC sees of bricks that move as `motion` (n_bodies, 3) says: a Field of points on a grid."""
+    bodies, wall = layout.bodies, layout.wall
+    grid = np.stack(np.meshgrid(np.arange(spacing / 2, wall.length, spacing),
+                                np.arange(spacing / 2, wall.built_height, spacing)), -1).reshape(-1, 2)
+    displacement = np.full_like(grid, np.nan)
+    for brick in range(layout.n_bricks):
+        place = grid - [bodies.x[brick], bodies.z[brick]]
+        inside = np.all(np.abs(place) <= [bodies.length[brick] / 2, bodies.height[brick] / 2], axis=1)
+        displacement[inside] = motion[brick, :2] + turned(place[inside], motion[brick, 2])
+    displacement += np.random.default_rng(seed).normal(0, noise, displacement.shape)
+    seen = np.isfinite(displacement[:, 0])
+    return Field(level, drift_ratio, grid[seen], displacement[seen])
+
+
+def write_field(path, fields):
+    rows = [f"{field.level},{x:.4f},{z:.4f},{ux:.7g},{uz:.7g}" for field in fields
+            for (x, z), (ux, uz) in zip(field.points, field.displacement)]
+    path.write_text("# synthetic\nload_level,x_m,z_m,ux_m,uz_m\n" + "\n".join(rows) + "\n")
+
+
+@pytest.fixture(scope="module")
+def panel(tmp_path_factory):
+    """A function that pushes a panel in the reference solver: its Layout, its History and its wall file."""
+    def push(height, friction, *words):
+        folder = tmp_path_factory.mktemp("panel")
+        wall, out = folder / "panel.py", folder / "panel.h5"
+        wall.write_text(WALL.format(height=height, friction=friction))
+        assert run_reference([str(wall), *words, "--out", str(out), "--no-pictures"]) == 0
+        return lay_out(load_wall(wall)), read_history(out), wall
+    return push
+
+
+@pytest.fixture(scope="module")
+def rocking(panel):
+    return panel(0.75, 32, "--pushover", "0.12")
+
+
+def fields_of(layout, history, chosen, noise=NOISE):
+    """Fields of snapshots (indices) of a History, each with noise of its own, and their samples."""
+    samples = [int(np.argmin(np.abs(history.series["time_s"] - history.snapshot_time_s[k]))) for k in chosen]
+    return [sampled_field(layout, history.displacement[k].astype(float), number, noise=noise, seed=k)
+            for number, k in enumerate(chosen, start=1)], samples
+
+
+# --- closed forms ---------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("turn", [1e-5, 0.3, -2.0])
+def test_a_rigid_motion_is_found_exactly(turn):
+    points = np.random.default_rng(2).uniform(-1, 1, (30, 2))
+    moved = [0.2, -0.1] + turned(points - points.mean(axis=0), turn)
+    mean, found = rigid_motion(points, moved)
+    assert found == pytest.approx(turn, rel=1e-10) and mean == pytest.approx([0.2, -0.1])
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
+    """The upper half moves 0.5 mm up, or along: the bed joint below it opens or slips over its whole length."""
+    wall = tmp_path / "panel.py"
+    wall.write_text(WALL.format(height=0.45, friction=32))
+    layout = lay_out(load_wall(wall))
+    motion = np.zeros((len(layout.bodies), 3))
+    motion[layout.bodies.z > 0.225, int(upwards)] = 0.5e-3
+    (measured,) = fields = measure([sampled_field(layout, motion, noise=NOISE, drift_ratio=0.0)], layout)
+    part = measured.opening if upwards else measured.slip
+    joints = np.isclose(layout.contacts.z[:layout.n_joints], 0.225) & (layout.contacts.kind[:layout.n_joints] != HEAD)
+    assert part[joints] == pytest.approx(0.5e-3, abs=2e-5)
+    assert np.abs(part[~joints]).max() < 2e-5
+    (pattern,) = patterns_of_fields([Field(1, 0.0, None, None)], fields, layout)
+    level = describe_level(pattern, map_cracks(pattern, layout), layout)
+    assert level["DI_open" if upwards else "DI_slip"][1] == pytest.approx(0.9 / layout.total_joint_length)
+    assert level["DI_slip" if upwards else "DI_open"] == (0, 0)
+    assert (level["cracks"], level["crack_length_m"]) == (1, pytest.approx(0.9))
+    assert set(pattern.stretches["mode"]) == {"tension" if upwards else "shear"}
+
+
+def test_noise_is_estimated_and_its_deviation_foretold(rocking):
+    """The scatter of openings over 60 fields of a wall at rest is the predicted one."""
+    layout = rocking[0]
+    rest = np.zeros((len(layout.bodies), 3))
+    fields = [sampled_field(layout, rest, noise=NOISE, seed=seed) for seed in range(60)]
+    assert brick_motions(fields[0], layout).noise == pytest.approx(NOISE, rel=0.05)
+    levels = measure(fields, layout)
+    # Openings are cut at zero: their mean square is half of the variance.
+    scatter = np.sqrt(2 * np.mean([level.opening**2 for level in levels], axis=0))
+    foretold = levels[0].deviation
+    assert np.median(scatter / foretold) == pytest.approx(1, abs=0.25)
+
+
+def test_the_motion_of_the_base_is_taken_off(rocking):
+    """Camera and base move and turn together: the joints do not."""
+    layout, history, _ = rocking
+    field = sampled_field(layout, history.displacement[-1].astype(float))
+    base = np.stack(np.meshgrid(np.linspace(0, 0.9, 40), [-0.03, -0.02]), -1).reshape(-1, 2)
+    points = np.concatenate([field.points, base])
+    moved = points + np.concatenate([field.displacement, np.zeros_like(base)])
+    shifted = moved + [0.01, -0.02] + turned(moved, 2e-3) - points
+    (still,), (shaken,) = (measure([Field(1, np.nan, place, displacement)], layout)
+                           for place, displacement in ((field.points, field.displacement), (points, shifted)))
+    assert shaken.opening == pytest.approx(still.opening, abs=1e-9)
+    assert shaken.slip == pytest.approx(still.slip, abs=1e-9)
+    assert shaken.drift_ratio == pytest.approx(still.drift_ratio)
+
+
+# --- walls of the reference solver ----------------------------------------------------------------
+
+def test_openings_of_a_rocking_panel_are_those_of_the_simulation(rocking):
+    """Through noise, export and reading back: each joint's opening within five deviations (and the elastic
+    part of an intact joint), so that DI_open differs only by joints that near the threshold."""
+    layout, history, _ = rocking
+    chosen = range(0, len(history.snapshot_time_s), 3)
+    fields, samples = fields_of(layout, history, chosen)
+    levels = measure(fields, layout)
+    limits = report(levels, layout)
+    assert limits["opening_deviation_m"] < 3e-6 and limits["unseen_m"] == 0
+    assert limits["noise_m"] == pytest.approx(NOISE, rel=0.1)
+    index, length = history.index(), history.joints["length_m"].to_numpy()
+    for pattern, level, sample in zip(patterns_of_fields(fields, levels, layout), levels, samples):
+        true = history.opening_m[sample].astype(float)
+        allowed = 5 * level.deviation + limits["elastic_opening_m"]
+        assert np.all(np.abs(level.opening - true) < allowed)
+        unsure = length[np.abs(true - 1e-4) < allowed].sum() / length.sum()
+        found = describe_level(pattern, map_cracks(pattern, layout), layout)
+        assert found["DI_open"][0] == pytest.approx(index["DI_open"].iloc[sample], abs=unsure + 1e-6)
+        assert found["DI_drift"][0] == pytest.approx(index["DI_drift"].iloc[sample], abs=1e-3)
+    assert index["DI_open"].iloc[samples[-1]] > 0.05
+
+
+def test_slip_of_a_sliding_panel_is_that_of_the_simulation(panel):
+    """Pressed together while it slides, so that every slip is that of a closed joint."""
+    layout, history, _ = panel(0.45, 15, "--pushover", "0.1", "--boundary", "fixed")
+    fields, samples = fields_of(layout, history, range(0, len(history.snapshot_time_s), 4))
+    levels, index = measure(fields, layout), history.index()
+    limits = report(levels, layout)
+    assert index["DI_slip"].max() > 0.05
+    for level, sample in zip(levels, samples):
+        allowed = 5 * level.deviation * np.sqrt(2) + 2 * limits["elastic_slip_m"]
+        assert np.all(np.abs(level.slip - history.slip_m[sample]) < allowed)
+    (pattern,) = patterns_of_fields(fields[-1:], levels[-1:], layout)
+    found = describe_level(pattern, map_cracks(pattern, layout), layout)
+    for name in ("DI", "DI_open", "DI_slip"):
+        assert found[name][0] == pytest.approx(index[name].iloc[samples[-1]], abs=1e-3)
+    assert found["cracks"] == cracks_at(history, samples[-1])["crack"].nunique()
+
+
+# --- file and command -----------------------------------------------------------------------------
+
+def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, capsys):
+    layout, history, wall = rocking
+    fields, samples = fields_of(layout, history, [0, len(history.snapshot_time_s) - 1])
+    write_field(tmp_path / "field.csv", fields)
+    words = ["cracks", "--dic", str(tmp_path / "field.csv"), "--wall", str(wall)]
+    assert main([*words, "--export", str(tmp_path / "cracks.csv"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["levels"][0]["DI"] == [pytest.approx(0, abs=1e-3)] * 2
+    assert found["levels"][1]["DI_open"][0] == pytest.approx(history.index()["DI_open"].iloc[samples[1]], abs=0.01)
+    assert found["dic"]["noise_m"] == pytest.approx(NOISE, rel=0.1)
+    assert [len(pattern.stretches) > 0 for pattern in read_cracks(tmp_path / "cracks.csv")] == [False, True]
+    assert main(["cracks", str(tmp_path / "cracks.csv"), "--wall", str(wall), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["max"]["DI"] == pytest.approx(found["max"]["DI"], abs=1e-6)
+    assert main(words) == 0
+    assert "noise of a point" in capsys.readouterr().out
+
+
+def test_lost_points_and_unseen_bricks(rocking, tmp_path):
+    """Empty displacements are left out; bricks without points leave their joints unmeasured, and it says so."""
+    layout, history, _ = rocking
+    field = sampled_field(layout, history.displacement[-1].astype(float))
+    path = tmp_path / "field.csv"
+    path.write_text("x_m,z_m,ux_m,uz_m\n" + "".join(
+        f"{x},{z},{'' if x < 0.1 else ux},{'' if x < 0.1 else uz}\n"
+        for (x, z), (ux, uz) in zip(field.points, field.displacement)))
+    (seen,) = read_field(path)
+    assert len(seen.points) == np.sum(field.points[:, 0] > 0.1)
+    seen = Field(1, np.nan, *(part[seen.points[:, 0] > 0.2] for part in (seen.points, seen.displacement)))
+    levels = measure([seen], layout)
+    hidden = np.isnan(levels[0].opening)
+    assert 0 < hidden.mean() < 0.5
+    assert report(levels, layout)["unseen_m"] == pytest.approx(layout.contacts.length[:layout.n_joints][hidden].sum())
+
+
+@pytest.mark.parametrize("text, complaint", [
+    ("x_m,z_m,ux_m\n0,0,0\n", "no column uz_m"), ("x_m,z_m,ux_m,uz_m\n0,,0,0\n", "line 2: no place"),
+    ("x_m,z_m,ux_m,uz_m\n0,0,0,\n", "line 2: one displacement of two"),
+    ("load_level,x_m,z_m,ux_m,uz_m\n,0,0,0,0\n", "line 2: no load_level"),
+    ("x_m,z_m,ux_m,uz_m\n1,1,0,up\n", "line 2: uz_m = 'up'"),
+    ("x_m,z_m,ux_m,uz_m\n10,10,0,0\n", "no brick of wall panel has 4 points"),
+    ("drift_pct,x_m,z_m,ux_m,uz_m\n0,0,0,0,0\n1,0,0,0,0\n", "load level 1 has 2 values of drift_pct"),
+])
+def test_bad_fields_are_refused(text, complaint, rocking, tmp_path):
+    path = tmp_path / "field.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=complaint):
+        measure(read_field(path), rocking[0])
