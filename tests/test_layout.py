@@ -49,6 +49,14 @@ def test_top_mass_and_weight(shipped_wall):
     assert_allclose(layout.total_mass, bricks + caps.sum(), rtol=1e-12)
 
 
+@pytest.mark.parametrize("share", [1, 2, 3, 4, 5, 7, 8, 11])
+def test_no_bed_joint_is_lost_whatever_the_size_of_the_bricks(share):
+    wall = Wall("fine", 0.9, 0.45, brick=Brick(length=0.225 / share, height=0.075 / share))
+    contacts = lay_out(wall).contacts
+    assert_allclose(contacts.length[contacts.kind == BED].sum(), wall.courses * 0.9)
+    assert_allclose(contacts.length[contacts.kind == CAP].sum(), 0.9)
+
+
 def test_piers_of_the_perforated_walls(shipped_wall):
     widths = np.diff(lay_out(shipped_wall).piers, axis=1).ravel() / BRICK
     assert_allclose(widths, {"solid": [18], "symmetric": [4.5, 4.5], "asymmetric": [2.5, 6.5]}[shipped_wall.name])

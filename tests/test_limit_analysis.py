@@ -1,0 +1,128 @@
+"""Limit analysis of dry joints against hand calculations and a published multiplier; the solver against it."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from damage.errors import InputError
+from damage.layout import lay_out
+from damage.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.units import GRAVITY
+from verification.collapse import collapse_multiplier
+from verification.dry_walls import FRICTION, OPTIONS, PUBLISHED, WALLS, examine, lay, main
+from verification.limit_analysis import balance, body_load, collapse_load, flow, top_load
+
+
+def stack(courses, friction=0.65, length=0.4, height=0.2, **more):
+    """Courses of one brick's length: whole bricks and two halves in turn."""
+    return lay_out(Wall("stack", length, courses * height, brick=Brick(length, height, 0.1, 2000.0),
+                        joint=Joint(1e10, 4e9, math.atan(friction), 0.0, 0.0),
+                        **{"precompression": 0.0, **more}), ModelOptions(lintel="none", contacts="corners", top="beam"))
+
+
+class TestByHand:
+    @pytest.mark.parametrize("friction", [0.1, 0.65, 1.5])
+    def test_a_low_block_slides(self, friction):
+        assert_allclose(collapse_load(stack(1, friction)).multiplier, friction, rtol=1e-9)
+
+    @pytest.mark.parametrize("height", [0.25, 0.8, 1.6])
+    def test_a_high_block_tips_at_length_over_height(self, height):
+        assert_allclose(collapse_load(stack(1, 10.0, height=height)).multiplier, 0.4 / height, rtol=1e-9)
+
+    def test_a_block_that_tips_turns_about_its_corner(self):
+        """u_x of the centre over u_z is height over length."""
+        u_x, u_z, turn = collapse_load(stack(1, 10.0, height=0.8)).motion[0]
+        assert_allclose([u_x * 0.4, -turn * 0.4], [u_z * 0.8, u_x], rtol=1e-9)
+
+    def test_a_pushed_cap_kept_from_rotating_slides_on_the_weakest_joint(self):
+        """Below the top course: mu times what lies on it; free to rotate the top tips the wall instead."""
+        layout = stack(4, 0.45, precompression=0.3e6)
+        top = layout.wall.top_mass + 0.4 * 0.2 * 0.1 * 2000
+        held = collapse_load(layout, load=top_load(layout), held=layout.pushed_bodies)
+        assert_allclose(held.multiplier, 0.45 * top * GRAVITY, rtol=1e-9)
+        assert collapse_load(layout, load=top_load(layout)).multiplier < 0.6 * held.multiplier
+
+    def test_crushing_moves_the_hinge_inwards(self):
+        """A tipping block on a toe that carries no more than the strength: e = (b - N / (f t)) / 2."""
+        layout = lay_out(stack(1, 10.0, height=1.6).wall, ModelOptions(contacts="corners", cells=16))
+        weight = GRAVITY * layout.total_mass
+        strength = weight / (0.2 * 0.4 * 0.1)
+        crushed = collapse_load(layout, crushing=strength).multiplier
+        assert_allclose(crushed, 0.4 * (1 - 0.2) / 1.6, rtol=0.01)
+
+
+class TestTheProgramme:
+    def test_forces_balance_and_obey_the_joint(self):
+        layout = lay("door")
+        result = collapse_load(layout)
+        contact = (balance(layout) @ np.concatenate([result.normal, result.shear])).reshape(-1, 3)
+        weight = np.zeros_like(contact)
+        weight[:, 1] = -GRAVITY * layout.bodies.mass
+        assert_allclose(contact + weight + result.multiplier * body_load(layout), 0, atol=1e-6)
+        assert result.normal.min() >= 0
+        assert np.all(np.abs(result.shear) <= FRICTION * result.normal + 1e-6)
+
+    def test_the_mechanism_is_associated_and_does_the_work_of_the_multiplier(self):
+        layout = lay("benchmark")
+        result = collapse_load(layout)
+        opening, slip = flow(layout, result.motion)
+        assert np.all(opening >= FRICTION * np.abs(slip) - 1e-12)
+        assert_allclose(np.sum(body_load(layout) * result.motion), 1.0)
+        assert_allclose(np.sum(GRAVITY * layout.bodies.mass * result.motion[:, 1]), result.multiplier)
+
+    def test_more_friction_never_lowers_the_bound(self):
+        layout = lay("two-windows")
+        bounds = [collapse_load(layout, friction).multiplier for friction in (0.3, 0.4, 0.5, 0.6, 0.7, 1.0, 3.0)]
+        assert np.all(np.diff(bounds) > 0)
+
+    def test_more_contact_points_within_a_joint_change_nothing(self):
+        fine = lay_out(lay("door").wall, ModelOptions(lintel="none", contacts="corners", cells=5))
+        assert_allclose(collapse_load(fine).multiplier, collapse_load(lay("door")).multiplier, rtol=1e-9)
+
+    def test_published_benchmark(self):
+        assert_allclose(collapse_load(lay("benchmark")).multiplier, PUBLISHED["benchmark"], rtol=0.01)
+
+    def test_a_wall_that_cannot_stand_is_refused(self):
+        wall = Wall("gap", 2.0, 1.0, openings=(Opening(0.6, 0.8, 0.6),), precompression=0.0,
+                    brick=Brick(0.4, 0.2, 0.1, 2000.0), joint=Joint(1e10, 4e9, 0.05, 0.0, 0.0))
+        with pytest.raises(InputError, match="own weight"):
+            collapse_load(lay_out(wall, OPTIONS))
+
+
+class TestTheSolver:
+    @pytest.mark.parametrize("friction, height, expected", [(0.5, 0.2, 0.5), (1.0, 0.8, 0.5)])
+    def test_a_block_slides_or_tips_as_by_hand(self, friction, height, expected):
+        found = collapse_multiplier(stack(1, friction, height=height), 1.2 * expected, tolerance=2e-3)
+        assert_allclose(found.multiplier, expected, rtol=2e-3)
+
+    def test_the_benchmark_falls_at_its_multiplier(self):
+        """Within 1 % of the published multiplier, and not above the bound."""
+        layout = lay("benchmark")
+        bound = collapse_load(layout).multiplier
+        found = collapse_multiplier(layout, 1.02 * bound, tolerance=4e-3)
+        assert_allclose(found.multiplier, PUBLISHED["benchmark"], rtol=0.01)
+        assert found.stands <= bound
+
+    @pytest.mark.long
+    @pytest.mark.parametrize("name", WALLS)
+    def test_walls_fall_at_or_below_the_bound(self, name):
+        result = examine(name)
+        assert result.solver.stands <= result.bound.multiplier
+        assert result.ratio >= 0.9 if result.friction_governs else result.ratio >= 0.95
+
+    @pytest.mark.long
+    @pytest.mark.parametrize("change", [{"rate_per_s": 0.02}, {"damping": 0.3}])
+    def test_neither_speed_nor_damping_matters(self, change):
+        layout = lay("door")
+        highest = 1.05 * collapse_load(layout).multiplier
+        usual, other = collapse_multiplier(layout, highest), collapse_multiplier(layout, highest, **change)
+        assert_allclose(other.multiplier, usual.multiplier, rtol=5e-3)
+
+
+def test_the_command_writes_its_table_and_pictures(tmp_path, capsys):
+    assert main(["--only", "benchmark", "--tolerance", "0.05", "--markdown", str(tmp_path / "a.md"),
+                 "--pictures", str(tmp_path / "p")]) == 0
+    assert "| benchmark, published 0.643 | 33 | 0.6429 |" in (tmp_path / "a.md").read_text()
+    assert (tmp_path / "p" / "mechanism_benchmark.png").stat().st_size > 10_000

@@ -1,0 +1,129 @@
+"""Collapse multiplier of a dry-joint wall in the reference solver: horizontal body load, raised and held.
+
+Gravity settles; then the base is accelerated, which is a horizontal body load of `multiplier` times each
+weight in the frame of the base.  The load goes up to a level and is held there until the wall is at rest, or
+runs away; bisection between a level that stands and one that falls gives the multiplier.  At rest all
+accelerations are nil, so that it depends neither on the speed of loading nor on the damping, except through
+the path that slips take on their way.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damage.modes import natural_modes
+from damage.options import LOCAL_DAMPING
+from damage.reference import STEP_FACTOR, ReferenceWall
+from damage.units import GRAVITY
+
+AT_REST = 1e-6
+"""Largest displacement within `WINDOW_S` of a wall at rest, in heights of a course."""
+RUNS_AWAY = 0.05
+"""Displacement since the level was reached at which a wall has run away, in heights of a course."""
+WINDOW_S, LONGEST_S = 0.5, 60.0
+GROWING = 4
+"""So many windows in a row, each with no less displacement than the one before, and the wall runs away:
+just above its multiplier a wall of many blocks falls slowly, held back by the damping of its rattling."""
+
+
+BETA = 0.3
+"""Stiffness-proportional damping, in time steps.  Cundall's damping alone takes its share of the rattling of the
+contacts, always against the motion: a wall that ought to fall may creep for minutes."""
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """stands, falls [-]: multipliers; motion (n_bodies, 3): displacement while it falls [m, m, rad];
+    yielded: displacement of the wall at rest under the multiplier at which it stands."""
+
+    stands: float
+    falls: float
+    motion: np.ndarray
+    rest: np.ndarray
+
+    @property
+    def multiplier(self):
+        """The middle of the bracket."""
+        return (self.stands + self.falls) / 2
+
+
+def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damping=LOCAL_DAMPING):
+    """Bracket the multiplier between 0 and `highest` to a width of `tolerance` times `highest`.
+
+    Every level starts from the highest one at which the wall was at rest, so that the load only grows.
+    rate_per_s: speed at which the multiplier is raised; damping: Cundall's, while load is raised and held.
+    """
+    wall = settled_wall(layout, damping)
+    stands, falls, motion = 0.0, None, None
+    while falls is None or falls - stands > tolerance * highest:
+        level = highest if falls is None else (stands + falls) / 2
+        before = _state(wall)
+        moved = raise_to(wall, stands, level, rate_per_s)
+        if moved is None:
+            stands = level
+            if falls is None:
+                raise ValueError(f"the wall stands at {highest:g}; expected a multiplier at which it falls")
+        else:
+            falls, motion = level, moved
+            _restore(wall, before)
+    return Bracket(stands, falls, motion, wall.displacement)
+
+
+def settled_wall(layout, damping=LOCAL_DAMPING):
+    """A wall at rest under gravity."""
+    step = STEP_FACTOR * natural_modes(layout).critical_time_step_s
+    wall = ReferenceWall(layout, step, beta=BETA * step)
+    wall.local_damping = damping
+    ramp = round(0.2 / step)
+    wall.start(np.zeros((0, 2)), GRAVITY * np.minimum(1.0, np.arange(ramp + 1) / ramp))
+    wall.run(2 * ramp)
+    if _hold(wall) is not None:
+        raise ValueError(f"wall {layout.wall.name} does not stand under its own weight")
+    return wall
+
+
+def raise_to(wall, start, level, rate_per_s):
+    """Raise the multiplier from `start` to `level` and hold it: None if the wall comes to rest, else its
+    displacement since it was reached, (n_bodies, 3)."""
+    ramp = max(1, round(abs(level - start) / rate_per_s / wall.time_step))
+    wall.start(_base(np.linspace(start, level, ramp + 1)))
+    wall.run(ramp)
+    return _hold(wall, level)
+
+
+def _hold(wall, level=0.0):
+    """Hold the multiplier: None at rest, the displacement of a wall that runs away."""
+    course = wall.layout.wall.brick.height
+    steps = round(WINDOW_S / wall.time_step)
+    begin, before, growing = wall.displacement, np.inf, 0
+    for _ in range(round(LONGEST_S / WINDOW_S)):
+        last = wall.displacement
+        wall.start(_base(np.full(steps, level)))
+        wall.run(steps)
+        now = _largest(wall.displacement - last)
+        growing = growing + 1 if now >= before else 0
+        before = now
+        if now < AT_REST * course:
+            return None
+        if growing >= GROWING or _largest(wall.displacement - begin) > RUNS_AWAY * course:
+            return wall.displacement - begin
+    raise TimeoutError(f"wall {wall.layout.wall.name} neither rests nor runs away within {LONGEST_S:g} s at {level:g}")
+
+
+def _largest(motion):
+    """Largest displacement of a body's centre along an axis [m]."""
+    return float(np.abs(motion[:, :2]).max())
+
+
+def _base(multipliers):
+    """Base accelerations whose inertia pushes towards +x: (n, 2) [m/s2]."""
+    return np.column_stack([-GRAVITY * multipliers, np.zeros(len(multipliers))])
+
+
+def _state(wall):
+    return [array.copy() for array in wall.system]
+
+
+def _restore(wall, state):
+    for array, old in zip(wall.system, state):
+        array[:] = old

@@ -1,0 +1,128 @@
+"""Dry-joint walls under horizontal body load: the solver against limit analysis and a published benchmark.
+
+    python3 -m verification.dry_walls [--only NAME ...] [--markdown FILE] [--pictures DIR]
+"""
+
+import argparse
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from damage.layout import HEAD, lay_out
+from damage.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from verification.collapse import Bracket, collapse_multiplier
+from verification.limit_analysis import Collapse, collapse_load
+
+FRICTION = 0.65
+BLOCK = Brick(length=0.4, height=0.175, thickness=0.2, density=2000.0)
+"""Length, height and friction of Ferris and Tin-Loi (2001); the multiplier depends on neither thickness nor
+density."""
+STIFF = 1e10
+"""Normal stiffness of the joints [Pa/m]: hard enough for the limit of rigid joints (docs/dry-joint-walls.md)."""
+OPTIONS = ModelOptions(lintel="none", contacts="corners")
+PUBLISHED = {"benchmark": 0.643}
+"""Multiplier of wall 1 of M. C. Ferris, F. Tin-Loi (2001), doi:10.1016/S0020-7403(99)00111-3."""
+GOVERNS = 0.02
+"""Friction governs where 0.05 more or less of its coefficient moves the bound by more than this part of it."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """Of one wall: the programme's bound; the same at friction +-0.05, as parts of it; the
+    bound with smooth head joints; the solver's bracket."""
+
+    layout: object
+    bound: Collapse
+    sensitivity: float
+    smooth_heads: float
+    solver: Bracket
+
+    @property
+    def ratio(self):
+        """The solver's multiplier over the bound."""
+        return self.solver.multiplier / self.bound.multiplier
+
+    @property
+    def friction_governs(self):
+        return self.sensitivity > GOVERNS
+
+
+def make_wall(name, blocks, courses, openings=(), base_course="half", *, friction=FRICTION, stiffness=STIFF):
+    """A wall without mortar and top mass, `blocks` long; openings: (first block, blocks, course, courses)."""
+    size = BLOCK.length, BLOCK.height
+    return Wall(name, blocks * size[0], courses * size[1], precompression=0.0, base_course=base_course,
+                openings=tuple(Opening(left * size[0], width * size[0], height * size[1], sill * size[1])
+                               for left, width, sill, height in openings),
+                brick=BLOCK, joint=Joint(stiffness, 0.4 * stiffness, math.atan(friction), 0.0, 0.0))
+
+
+WALLS = {
+    "benchmark": (5, 6),
+    "high": (5, 10),
+    "tower": (2, 16, (), "whole"),
+    "door": (3, 14, ((1, 1, 0, 12),)),
+    "wide-door": (5, 14, ((2, 1, 0, 12),)),
+    "two-doors": (7, 12, ((2, 1, 0, 8), (4, 1, 0, 8))),
+    "two-windows": (7, 12, ((2, 1, 4, 4), (4, 1, 4, 4))),
+}
+"""Arguments of `make_wall` by name."""
+
+
+def lay(name, **options):
+    """The Layout of a wall of `WALLS`; options as of `make_wall`."""
+    return lay_out(make_wall(name, *WALLS[name], **options), OPTIONS)
+
+
+def examine(name, **options):
+    """Limit analysis and collapse in the solver of a wall of `WALLS`; options of `collapse_multiplier`."""
+    layout = lay(name)
+    bound = collapse_load(layout)
+    sides = [collapse_load(layout, FRICTION + change).multiplier for change in (-0.05, 0.05)]
+    smooth = np.where(layout.contacts.kind == HEAD, 0.0, FRICTION)
+    return Result(layout, bound, max(abs(side / bound.multiplier - 1) for side in sides),
+                  collapse_load(layout, smooth).multiplier,
+                  collapse_multiplier(layout, 1.05 * bound.multiplier, **options))
+
+
+def table(results):
+    """Markdown table of {name: Result}."""
+    rows = ["| wall | blocks | bound (LP) | at friction ±0.05 | with smooth head joints | solver | of the bound |",
+            "| --- | --- | --- | --- | --- | --- | --- |"]
+    for name, result in results.items():
+        note = f", published {PUBLISHED[name]:g}" if name in PUBLISHED else ""
+        governs = ": governs" if result.friction_governs else ""
+        rows.append(f"| {name}{note} | {result.layout.n_bricks} | {result.bound.multiplier:.4f} "
+                    f"| ±{100 * result.sensitivity:.1f} %{governs} | {result.smooth_heads:.4f} "
+                    f"| {result.solver.stands:.4f} to {result.solver.falls:.4f} | {100 * result.ratio:.1f} % |")
+    return "\n".join(rows)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="python3 -m verification.dry_walls", description=__doc__.split("\n")[0])
+    parser.add_argument("--only", nargs="+", choices=WALLS, default=list(WALLS), metavar="NAME",
+                        help=f"some of {', '.join(WALLS)}")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table there")
+    parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw the mechanisms there")
+    parser.add_argument("--tolerance", type=float, default=1e-3, metavar="PART",
+                        help="width of the solver's bracket over the bound (default 0.001)")
+    parsed = parser.parse_args(arguments)
+    results = {}
+    for name in parsed.only:
+        results[name] = examine(name, tolerance=parsed.tolerance)
+        print(f"{name}: bound {results[name].bound.multiplier:.4f}, solver {results[name].solver.multiplier:.4f}",
+              flush=True)
+        if parsed.pictures:
+            from verification.mechanism_picture import save_mechanisms
+
+            print(save_mechanisms(name, results[name], parsed.pictures))
+    print("\n" + table(results))
+    if parsed.markdown:
+        parsed.markdown.write_text(table(results) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
