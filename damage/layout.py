@@ -136,7 +136,7 @@ def lay_out(wall, options=None):
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
-    contacts = _make_contacts(wall, options, bodies, n_bricks, cells)
+    contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks)
     drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)
     return Layout(
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
@@ -278,9 +278,9 @@ def _make_cells(bodies, breaks):
 
 # --- contact points -----------------------------------------------------------------------------
 
-def _make_contacts(wall, options, bodies, n_bricks, cells):
+def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     """All contact points: joints first, then the caps' glue."""
-    pairs = _bed_pairs(wall, bodies, n_bricks, cells) + _head_pairs(bodies, n_bricks, cells)
+    pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
     pairs.sort(key=lambda pair: pair[0] == CAP)
     rows = [row for pair in pairs for row in _contact_rows(options, bodies, cells, *pair)]
     kind, first, second, first_cell, second_cell, x, z, length = (
@@ -294,15 +294,18 @@ def _make_contacts(wall, options, bodies, n_bricks, cells):
                     normal, shear, elastic, *strengths, first_cell, second_cell)
 
 
-def _bed_pairs(wall, bodies, n_bricks, cells):
-    """(kind, cell below or GROUND, cell above) of every bed joint, base joint and cap."""
+def _bed_pairs(wall, bodies, n_bricks, cells, breaks):
+    """(kind, cell below or GROUND, cell above) of every bed joint, base joint and cap.
+
+    Facing cells lie between the same two breaks.
+    """
+    column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
     level = np.where(bodies.course < 0, wall.courses, bodies.course)[cells.body]
     below = {}
     pairs = []
     for index in np.lexsort((cells.left, level)):
-        key = round(float(cells.left[index] + cells.right[index]) / 2, 7)
-        under = below.get((level[index] - 1, key))
-        below[level[index], key] = index
+        under = below.get((level[index] - 1, column[index]))
+        below[level[index], column[index]] = index
         kind = CAP if cells.body[index] >= n_bricks else BED
         if level[index] == 0:
             pairs.append((BED, GROUND, index))
