@@ -20,8 +20,7 @@ import numpy as np
 import pandas as pd
 
 from damage.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
-from damage.errors import InputError
-from damage.index import DRIFT_LIMIT, THRESHOLD, combine, drift_component
+from damage.index import DRIFT_LIMIT, THRESHOLD, check_positive, combine, drift_component
 from damage.layout import KINDS
 from damage.units import MILLIMETRE
 from damage.wall_picture import tributary_ends
@@ -66,8 +65,7 @@ def half_brick_height(layout):
 def map_cracks(pattern, layout, tolerance=None):
     """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's height."""
     tolerance = half_brick_height(layout) if tolerance is None else tolerance
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise InputError(f"tolerance = {tolerance!r} m: expected a positive number; mend it")
+    check_positive("tolerance [m]", tolerance)
     ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
     parts, length = pattern.stretches, pattern.length_m
     rows = [row for number, part in enumerate(parts.itertuples())
@@ -130,6 +128,7 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     through bricks too, with the file's own numbering of cracks.  Without a drift DI is that of the cracks
     alone.  undecided_m: length over the threshold whose mode is open.
     """
+    check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches
     chosen = table[cracked(table["width_m"], threshold)]
     ends = chosen[["x_start_m", "z_start_m", "x_end_m", "z_end_m"]].to_numpy(float).reshape(-1, 2, 2)

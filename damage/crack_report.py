@@ -37,6 +37,8 @@ def choose_samples(history, moments):
         try:
             time_s = float(moment)
         except ValueError:
+            if moment not in ("max", "end"):
+                raise InputError(f"--at {moment}: expected max, end or a time [s]; choose another") from None
             samples.append(choose_sample(history, moment)[0])
             continue
         if not (len(times) and times[0] - 1e-9 <= time_s <= times[-1] + 1e-9):

@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from damage.errors import InputError
-from damage.index import THRESHOLD
+from damage.index import THRESHOLD, check_positive
 from damage.units import MILLIMETRE
 from damage.wall_picture import tributary_ends
 
@@ -48,8 +48,7 @@ def mean_width(width, length):
 
 def cracked(width, threshold=THRESHOLD):
     """Which widths [m] reach the threshold [m], bool of the same shape; NaN does not."""
-    if not (np.isfinite(threshold) and threshold > 0):
-        raise InputError(f"crack width threshold = {threshold!r}: expected a positive number; mend it")
+    check_positive("crack width threshold", threshold)
     return np.asarray(width) >= threshold * (1 - _PRECISION)
 
 

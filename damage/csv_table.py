@@ -1,6 +1,6 @@
 """Tables in CSV with comment lines (`#`), a header and one row a line; complaints name the line."""
 
-import io
+import csv
 import os
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,14 +24,15 @@ class CsvTable:
         kept = [k for k, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
         if not kept:
             raise InputError(f"{path} is empty: expected a header with the columns {', '.join(required)}")
-        self._check_header([name.strip() for name in lines[kept[0]].split(",")], kept[0] + 1, required, optional)
         try:
-            self.text = pd.read_csv(io.StringIO("\n".join(lines[k] for k in kept)), dtype=str, index_col=False,
-                                    keep_default_na=False, skipinitialspace=True, on_bad_lines="error")
-        except pd.errors.ParserError as error:
-            raise InputError(f"{path}: {str(error).strip()}; give every row as many cells as the header") from error
-        self.text.columns = [name.strip() for name in self.text.columns]
-        self.text = self.text.fillna("").apply(lambda column: column.str.strip())
+            names, *rows = ([cell.strip() for cell in row] for row in csv.reader(lines[k] for k in kept))
+        except csv.Error as error:
+            raise InputError(f"{path} cannot be read as CSV ({error}); expected commas between short cells") from error
+        self._check_header(names, kept[0] + 1, required, optional)
+        for row, k in zip(rows, kept[1:]):
+            if len(row) != len(names):
+                raise InputError(f"{path} line {k + 1}: {len(row)} cells, the header has {len(names)}; give as many")
+        self.text = pd.DataFrame(rows, columns=names, dtype=object)
         self.line = np.array(kept[1:]) + 1
         if len(self.text) == 0:
             raise InputError(f"{path} has a header and no row; give at least one")

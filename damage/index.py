@@ -19,6 +19,12 @@ SLIP_CRITERIA = ("displacement", "shear-limit")
 COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")
 
 
+def check_positive(name, value):
+    """Raise InputError unless `value` is finite and positive."""
+    if not (np.isfinite(value) and value > 0):
+        raise InputError(f"{name} = {value!r}: expected a positive number; mend it")
+
+
 def combine(drift, opened, slipped):
     """DI = 1 - (1 - DI_drift)(1 - DI_open)(1 - DI_slip), equation (1); scalars or arrays in [0, 1].
 
@@ -57,9 +63,8 @@ def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
     """
     if slip_criterion not in SLIP_CRITERIA:
         raise InputError(f"slip criterion {slip_criterion!r}: expected one of {', '.join(SLIP_CRITERIA)}")
-    for name, value in (("threshold", threshold), ("drift limit", drift_limit)):
-        if not (np.isfinite(value) and value > 0):
-            raise InputError(f"{name} = {value!r}: expected a positive number; mend it")
+    check_positive("threshold", threshold)
+    check_positive("drift limit", drift_limit)
     slipped = np.abs(slip) > threshold if slip_criterion == "displacement" else at_limit
     over_limit = drift_component(np.asarray(drift_ratio, float), drift_limit)
     drift = np.clip(over_limit, 0, 1)

@@ -81,7 +81,9 @@ BAD = {
     "column-twice": ("crack,point,x_m,z_m,x_m\n", "1,1,0,0,1\n", "line 1: a column twice"),
     "text": (HEADER, "1,0,1,1,left,0,,,0.2,tension\n", "line 2: x_m = 'left': expected a finite number"),
     "infinite": (HEADER, "1,0,1,1,inf,0,,,0.2,tension\n", "line 2: x_m = 'inf'"),
-    "too-many-cells": (HEADER, "1,0,1,1,0,0,,,0.2,tension,7\n1,0,1,1,0,0,,,0.2,tension,7,8\n", "cells|Expected 1"),
+    "too-many-cells": (HEADER, "1,0,1,1,0,0,,,0.2,tension,7\n", "line 2: 11 cells, the header has 10"),
+    "too-few-cells": (HEADER, POINTS + "1,0,1,2\n", "line 3: 4 cells, the header has 10"),
+    "quote": (HEADER, '1,0,"1,1,0,0,,,0.2,tension\n', "line 2: 3 cells"),
     "mode": (HEADER, POINTS.replace("tension", "flexure"), "line 2: mode = 'flexure': expected one of tension"),
     "negative": (HEADER, POINTS.replace("0.2", "-0.2"), "line 2: width_mm is negative"),
     "one-point": (HEADER, "# comment\n" + POINTS, "line 3: crack 1 has a polyline of one point"),
@@ -283,10 +285,11 @@ def test_a_moment_that_the_history_lacks(random_history, moment, capsys):
     assert "expected" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("option", ["--tolerance-mm=0", "--threshold-mm=-1", "--threshold-mm=nan"])
+@pytest.mark.parametrize("option", ["--tolerance-mm=0", "--threshold-mm=-1", "--threshold-mm=nan",
+                                    "--drift-limit-pct=0"])
 def test_bad_numbers(option, tmp_path, capsys):
     (tmp_path / "small.py").write_text(WALL)
-    (tmp_path / "c.csv").write_text(f"crack,point,x_m,z_m,width_mm\n1,1,0.1,{BED},0.3\n1,2,0.4,{BED},\n")
+    (tmp_path / "c.csv").write_text(f"drift_pct,crack,point,x_m,z_m,width_mm\n0.1,1,1,0.1,{BED},0.3\n,1,2,0.4,{BED},\n")
     assert main(["cracks", str(tmp_path / "c.csv"), "--wall", str(tmp_path / "small.py"), option]) == 2
     assert "expected a positive number" in capsys.readouterr().err
     assert half_brick_height(small_layout()) == 0.0375
