@@ -152,12 +152,22 @@ def psi_history(history, threshold=THRESHOLD):
 
 
 def count_cracks(is_cracked, pairs):
-    """Number of cracks at every sample, (n_times,); is_cracked: (n_times, n) bool."""
-    count = np.zeros(len(is_cracked), int)
-    for k, now in enumerate(is_cracked):
-        same = k > 0 and np.array_equal(now, is_cracked[k - 1])
-        count[k] = count[k - 1] if same else crack_numbers(now, pairs).max(initial=0)
-    return count
+    """Number of cracks at every sample, (n_times,); is_cracked: (n_times, n) bool; pairs: of `close_pairs`.
+
+    One graph for all samples in which anything changes: its nodes are the cracked segments of each.
+    """
+    changed = np.ones(len(is_cracked), bool)
+    changed[1:] = (is_cracked[1:] != is_cracked[:-1]).any(axis=1)
+    states = is_cracked[changed]
+    sample, _ = np.nonzero(states)
+    if len(sample) == 0:
+        return np.zeros(len(is_cracked), int)
+    node = np.cumsum(states).reshape(states.shape) - 1
+    when, which = np.nonzero(states[:, pairs[:, 0]] & states[:, pairs[:, 1]])
+    first, second = pairs[which].T
+    graph = coo_array((np.ones(len(when)), (node[when, first], node[when, second])), shape=(len(sample),) * 2)
+    _, any_node = np.unique(connected_components(graph, directed=False)[1], return_index=True)
+    return np.bincount(sample[any_node], minlength=len(states))[np.cumsum(changed) - 1]
 
 
 def psi_summary(history, threshold=THRESHOLD):

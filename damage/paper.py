@@ -159,7 +159,7 @@ def _linear(period_s, amplitudes_g):
         column = evidence.column("max", "DI")
         values = [point.value(column) for point in evidence.harmonic_at("symmetric", period_s, amplitudes_g)]
         r2 = _r_squared(amplitudes_g, values)
-        return f"R² {r2:.3f} of {_list(values)}", r2 >= criteria.LINEAR_R2
+        return f"R² {r2:.4f} of {_list(values)}", r2 >= criteria.LINEAR_R2
     return judged
 
 
@@ -299,7 +299,7 @@ def _ida_points(evidence, column):
 def _maximum_is_linear(evidence):
     drift, index = _ida_points(evidence, evidence.column("max", "DI"))
     r2 = _r_squared(drift, index)
-    return f"R² {r2:.3f}, {len(drift)} runs", r2 >= criteria.LINEAR_R2
+    return f"R² {r2:.4f}, {len(drift)} runs", r2 >= criteria.LINEAR_R2
 
 
 def _residual_levels_off(evidence):

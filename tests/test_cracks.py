@@ -8,6 +8,8 @@ from damage.cracks import (
     JOINING_GAP,
     by_crack,
     close_pairs,
+    count_cracks,
+    crack_numbers,
     crack_table,
     cracks_at,
     psi,
@@ -115,3 +117,13 @@ def test_an_uncracked_or_unfinished_run(tmp_path):
         cracks_at(history, 21)
     with pytest.raises(InputError, match="threshold = -1: expected a positive number"):
         psi_history(history, -1)
+
+
+def test_cracks_over_time_are_counted_as_at_each_moment():
+    chance = np.random.default_rng(3)
+    is_cracked = chance.random((40, 60)) < np.linspace(0, 0.8, 40)[:, None]
+    is_cracked[10:15] = is_cracked[10]  # nothing changes for a while
+    pairs = np.unique(np.sort(chance.integers(0, 60, (80, 2)), axis=1), axis=0)
+    one_by_one = [crack_numbers(now, pairs).max(initial=0) for now in is_cracked]
+    assert count_cracks(is_cracked, pairs).tolist() == one_by_one
+    assert count_cracks(np.zeros((3, 60), bool), pairs).tolist() == [0, 0, 0]
