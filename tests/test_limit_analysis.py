@@ -113,7 +113,7 @@ class TestTheSolver:
         assert result.ratio >= 0.9 if result.friction_governs else result.ratio >= 0.95
 
     @pytest.mark.long
-    @pytest.mark.parametrize("change", [{"rate_per_s": 0.02}, {"damping": 0.3}])
+    @pytest.mark.parametrize("change", [{"rate_per_s": 0.02}, {"damping": 0.1}])
     def test_neither_speed_nor_damping_matters(self, change):
         layout = lay("door")
         highest = 1.05 * collapse_load(layout).multiplier

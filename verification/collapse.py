@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.modes import natural_modes
-from damage.options import LOCAL_DAMPING
 from damage.reference import STEP_FACTOR, ReferenceWall
 from damage.units import GRAVITY
 
@@ -26,9 +25,10 @@ GROWING = 4
 just above its multiplier a wall of many blocks falls slowly, held back by the damping of its rattling."""
 
 
-BETA = 0.3
-"""Stiffness-proportional damping, in time steps.  Cundall's damping alone takes its share of the rattling of the
-contacts, always against the motion: a wall that ought to fall may creep for minutes."""
+DAMPING, BETA = 0.3, 0.3
+"""Cundall's damping [-], and stiffness-proportional damping in time steps.  Cundall's alone takes its share of
+the rattling of the contacts, always against the motion: a wall that ought to fall may creep for minutes.  Both
+together at 0.7 and 0.3 are no longer stable at `STEP_FACTOR`."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Bracket:
         return (self.stands + self.falls) / 2
 
 
-def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damping=LOCAL_DAMPING):
+def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damping=DAMPING):
     """Bracket the multiplier between 0 and `highest` to a width of `tolerance` times `highest`.
 
     Every level starts from the highest one at which the wall was at rest, so that the load only grows.
@@ -69,7 +69,7 @@ def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damp
     return Bracket(stands, falls, motion, wall.displacement)
 
 
-def settled_wall(layout, damping=LOCAL_DAMPING):
+def settled_wall(layout, damping=DAMPING):
     """A wall at rest under gravity."""
     step = STEP_FACTOR * natural_modes(layout).critical_time_step_s
     wall = ReferenceWall(layout, step, beta=BETA * step)
