@@ -3,7 +3,7 @@
 import sys
 
 from damage.errors import InputError
-from damage.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.parameters import Brick, Joint, ModelOptions, Opening, Wall, brick_of_masonry
 
 try:
     from damage.reading import History, read_history
@@ -13,5 +13,5 @@ except ModuleNotFoundError as error:
 
 __version__ = "0.1.0"
 
-__all__ = ["Brick", "History", "InputError", "Joint", "ModelOptions", "Opening", "Wall", "read_history",
-           "__version__"]
+__all__ = ["Brick", "History", "InputError", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry",
+           "read_history", "__version__"]

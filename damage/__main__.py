@@ -36,6 +36,8 @@ def _parser():
                                      parser_class=OneLineParser)
     _add_command(commands, "reference", None, "run a wall in the reference solver (see reference --help)")
     _add_index(commands)
+    _add_cycles(commands)
+    _add_laboratory(commands)
     _add_modes(commands)
     _add_record(commands)
     _add_plot(commands)
@@ -77,6 +79,34 @@ def _index(parsed):
     summary = summarise(read_history(parsed.history), parsed.threshold_mm * MILLIMETRE,
                         parsed.drift_limit_pct / 100, parsed.slip)
     print(json.dumps(summary, indent=2) if parsed.json else describe(summary))
+
+
+def _add_cycles(commands):
+    command = _add_command(commands, "cycles", _cycles, "cycles, envelope and failure mode of a pushed wall")
+    command.add_argument("history", type=Path, metavar="FILE.h5")
+    command.add_argument("--json", action="store_true", help="as JSON")
+
+
+def _cycles(parsed):
+    from damage.laboratory import describe, figures
+    from damage.reading import read_history
+
+    found = figures(read_history(parsed.history))
+    print(json.dumps(found, indent=2) if parsed.json else describe(found))
+
+
+def _add_laboratory(commands):
+    command = _add_command(commands, "laboratory", _laboratory, "pushed laboratory walls beside their tests")
+    command.add_argument("histories", type=Path, nargs="+", metavar="FILE.h5")
+    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the pictures")
+
+
+def _laboratory(parsed):
+    from damage.laboratory_pictures import save
+    from damage.reading import read_history
+
+    for path in save([read_history(path) for path in parsed.histories], parsed.out):
+        print(path)
 
 
 def _add_modes(commands):

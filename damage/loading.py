@@ -230,13 +230,15 @@ class TopDisplacement:
     amplitudes_pct: drift ratios [%] to go to, in this order.
     cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
     boundary: "cantilever", the top may rotate; "fixed", it may not (double fixed).
-    speed_m_s: of the top [m/s]; the result depends on it, and on damping, when it is not slow.
+    speed_m_s: of the top [m/s]; local_damping [-], where the solver damps locally: the result depends on
+        both when they are not slow and high.
     """
 
     amplitudes_pct: tuple[float, ...]
     cycles: int = 2
     boundary: str = "cantilever"
     speed_m_s: float = 5e-3
+    local_damping: float = 0.7
 
     def __post_init__(self):
         if not self.amplitudes_pct or not all(math.isfinite(a) and a > 0 for a in self.amplitudes_pct):
@@ -247,6 +249,8 @@ class TopDisplacement:
             raise InputError(f"boundary {self.boundary!r}; expected one of {', '.join(BOUNDARIES)}")
         if not (math.isfinite(self.speed_m_s) and self.speed_m_s > 0):
             raise InputError(f"speed {self.speed_m_s!r} m/s; expected above 0")
+        if not 0 <= self.local_damping <= 0.7:
+            raise InputError(f"local damping {self.local_damping!r}; expected 0 to 0.7, for which steps are stable")
 
     @property
     def name(self) -> str:
@@ -314,6 +318,7 @@ class TopDisplacement:
             "boundary": self.boundary,
             "speed_m_s": float(self.speed_m_s),
             "ease_s": EASE_S,
+            "local_damping": float(self.local_damping),
         }
 
 

@@ -136,6 +136,8 @@ def _add_push(group):
     group.add_argument("--boundary", choices=BOUNDARIES,
                        help="the pushed top may rotate (cantilever, default), or not (fixed)")
     group.add_argument("--speed", type=float, metavar="M_S", help="of the pushed top (default 0.005)")
+    group.add_argument("--damping", type=float, metavar="C", help="local damping of the pushed wall, 0 to 0.7 "
+                       "(default 0.7); the reference solver has it with --relaxation local only")
 
 
 def _add_model(group, solver):
@@ -178,6 +180,7 @@ def _add_run(group, solver):
 
 
 _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"), "speed": ("pushover", "cyclic"),
+            "damping": ("pushover", "cyclic"),
             "sequence": ("harmonic", "record"),
             **{name: ("record",) for name in ("scale", "window", "vertical", "baseline", "band")}}
 
@@ -245,7 +248,8 @@ def _pushed(parsed):
         if cycles < 1:
             raise InputError(f"--cycles {cycles}: expected at least one cycle at each drift; mend it")
     return TopDisplacement(drifts, cycles, parsed.boundary or "cantilever",
-                           5e-3 if parsed.speed is None else parsed.speed)
+                           5e-3 if parsed.speed is None else parsed.speed,
+                           LOCAL_DAMPING if parsed.damping is None else parsed.damping)
 
 
 def _recorded(parsed):

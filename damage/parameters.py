@@ -6,7 +6,7 @@ paper gives a value; `docs/choices.md` gives the source of every other one.
 """
 
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 
 from damage.errors import InputError
 from damage.units import GRAVITY
@@ -74,6 +74,20 @@ class Joint:
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
                              "pi/2; give radians, for example math.radians(32)")
+
+
+def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
+    """A Brick so stiff that, with its bed joints, the masonry has this modulus across them [Pa].
+
+    1/E = 1/E_brick + 1/(k_n h), and with G = shear_ratio E (EN 1996-1-1, 3.7.3: 0.4) and k_s in shear; sizes:
+    the brick's other parameters.
+    """
+    brick = Brick(**sizes)
+    moduli = [1 / (1 / modulus - 1 / (stiffness * brick.height)) for modulus, stiffness in
+              ((young_modulus, joint.normal_stiffness), (shear_ratio * young_modulus, joint.shear_stiffness))]
+    if min(moduli) <= 0:
+        raise InputError(f"masonry of {young_modulus:g} Pa: its bed joints alone are softer; give stiffer joints")
+    return replace(brick, young_modulus=moduli[0], shear_modulus=moduli[1])
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,7 @@ class ReferenceRun:
         wall.start(schedule.base_acceleration(self.settings, self.schedule, wall.time_step))
         if isinstance(loading, TopDisplacement):
             wall.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
+            wall.local_damping = loading.local_damping if self.settings.relaxation == "local" else 0.0
         else:
             wall.local_damping = wall.adaptive_damping = 0.0
             wall.alpha, wall.beta = self.settings.alpha_1_s, self.settings.beta_s

@@ -10,6 +10,7 @@ from damage.session import EXIT_INPUT, Solver, run_session
 from damage.wall_file import load_wall
 
 PROG = "python3 -m damage reference"
+SOLVER = Solver("reference", {"numba": numba.__version__}, lambda settings: None, choose_time_step, ReferenceRun)
 
 
 def run_reference(arguments):
@@ -21,6 +22,5 @@ def run_reference(arguments):
         return EXIT_INPUT
     if wall.startswith("-"):
         wall, options = "walls/NAME.py", ["--help"]
-    solver = Solver("reference", {"numba": numba.__version__}, lambda settings: None, choose_time_step, ReferenceRun)
-    return run_session(solver, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
+    return run_session(SOLVER, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
 

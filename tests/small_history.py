@@ -4,12 +4,15 @@ import numpy as np
 
 from damage.history import AT_LIMIT, BROKEN, HistoryWriter
 from damage.layout import lay_out
+from damage.loading import TopDisplacement
 from damage.parameters import Wall
 from damage.reading import read_history
 from damage.units import GRAVITY
 
 STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
+CYCLIC = TopDisplacement((0.2,), cycles=3, speed_m_s=0.02)
 LOADINGS = {
+    "cyclic": CYCLIC.describe(),
     "harmonic": {"kind": "harmonic", "name": "harmonic_0.2s_0.05g"},
     "free_vibration": {"kind": "free_vibration", "name": "free_vibration"},
     "record": {"kind": "record", "name": "NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz"},

@@ -105,7 +105,10 @@ class Simulation:
     def run(self, stage, until_step):
         """Run one stage up to a step since time zero; True unless interrupted or collapsed."""
         self.recorder.stage = stage
-        self.newton.damping = LOCAL_DAMPING if stage == "settling" or self.recorder.top else 0.0
+        if self.recorder.top:
+            self.newton.damping = self.settings.loading.local_damping
+        else:
+            self.newton.damping = LOCAL_DAMPING if stage == "settling" else 0.0
         left = until_step - round(self.recorder.time / O.dt)
         while left > 0:
             if self.collapsed_at_s is not None or not self.keep_going(self, self.recorder.time):

@@ -1,0 +1,94 @@
+"""Pictures of laboratory walls: simulated envelopes beside the test's, and the index against the drift."""
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from damage.errors import InputError
+from damage.figure_parts import PAGE_WIDTH, add_heading, finish, grid, letter
+from damage.hysteresis import cycles_table, envelope, pushed_loading
+from damage.laboratory import test_of
+from damage.pictures import (
+    BLACK,
+    BLUE,
+    DRIFT_LIMITS_PCT,
+    GREEN,
+    MEDIUM,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    save_figures,
+    styled,
+)
+
+RUN_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
+SIDES = ((1, 0), (-1, 1))  # direction of loading, its place in a test's pairs
+
+
+@styled
+def beside_test_picture(histories):
+    """Figure of pushed Histories of one specimen: loops and envelopes beside the test's bilinear idealisation
+    and peak, and the index at the largest drift of every cycle beside published limits."""
+    tests = {test_of(history).specimen: test_of(history) for history in histories}
+    if len(tests) != 1:
+        raise InputError(f"runs of {len(tests)} specimens ({', '.join(tests)}); give runs of one")
+    test = next(iter(tests.values()))
+    figure, ((left, right),) = grid(1, 2, 2.9, PAGE_WIDTH, width_ratios=(1.25, 1))
+    handles = [_draw_run(left, right, history, colour) for history, colour in zip(histories, RUN_COLOURS)]
+    handles += _draw_test(left, test) + _draw_limits(right)
+    left.axhline(0, color=MEDIUM, lw=0.4, zorder=0)
+    left.axvline(0, color=MEDIUM, lw=0.4, zorder=0)
+    left.set(xlabel="drift ratio [%]", ylabel="base shear [kN]")
+    right.set(xlabel="largest drift ratio to either side [%]", ylabel="DI at that instant", ylim=(0, None))
+    right.set_xlim(0, 1.05 * max(100 * history.series["drift_ratio"].abs().max() for history in histories))
+    letter(left, 0, "envelopes, and loops of cyclic runs")
+    letter(right, 1, "damage index")
+    add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}")
+    return finish(figure, handles, columns=3)
+
+
+def _label(history):
+    loading = pushed_loading(history)
+    kind = "cyclic" if loading.cycles else "pushover"
+    return f"{history.wall}, {history.solver}, {kind} {1e3 * loading.speed_m_s:g} mm/s"
+
+
+def _draw_run(left, right, history, colour):
+    series = history.series
+    cyclic = pushed_loading(history).cycles > 0
+    if cyclic:
+        left.plot(100 * series["drift_ratio"], series["base_shear_n"] / 1e3, color=colour, lw=0.4, alpha=0.6)
+    for sign in (1, -1) if cyclic else (1,):
+        curve = envelope(history, sign)
+        left.plot(100 * sign * curve["drift_ratio"], sign * curve["force_n"] / 1e3, color=colour, lw=1.3)
+    if cyclic:
+        table = cycles_table(history)
+        drift = np.column_stack([table["max_drift_pct"], -table["min_drift_pct"]]).ravel()
+        right.plot(drift, table[["DI_at_max", "DI_at_min"]].to_numpy().ravel(), color=colour, marker="o", ms=3, lw=0.7)
+    else:
+        right.plot(100 * series["drift_ratio"].abs(), history.index()["DI"], color=colour, lw=1.1, ls="--")
+    return Line2D([], [], color=colour, lw=1.3, label=_label(history))
+
+
+def _draw_test(ax, test):
+    for sign, side in SIDES:
+        drift, force = test.bilinear_curve(side)
+        ax.plot(100 * sign * drift, sign * force / 1e3, color=BLACK, lw=1.1, ls="--")
+        ax.plot(100 * sign * test.drift_at_peak[side], sign * test.peak_force_n[side] / 1e3, color=BLACK, marker="*",
+                ms=7, ls="", zorder=5)
+    return [Line2D([], [], color=BLACK, lw=1.1, ls="--", label="test, bilinear idealisation"),
+            Line2D([], [], color=BLACK, marker="*", ms=7, ls="", label="test, peak force")]
+
+
+def _draw_limits(ax):
+    return [ax.axvline(drift, color=VERMILLION, lw=0.8, ls=line, label=label)
+            for drift, label, line in DRIFT_LIMITS_PCT]
+
+
+def save(histories, folder):
+    """Write the picture of each specimen among the Histories as PNG and PDF into a folder; returns the paths."""
+    by_specimen = {}
+    for history in histories:
+        by_specimen.setdefault(test_of(history).specimen, []).append(history)
+    return save_figures([(f"{specimen}_beside_test", beside_test_picture(runs))
+                         for specimen, runs in by_specimen.items()], folder)

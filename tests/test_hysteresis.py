@@ -1,0 +1,147 @@
+"""Envelope, cycles and failure mode of pushed walls, against closed forms; the tests' measured figures."""
+
+import json
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from small_history import CYCLIC, make_history, small_layout
+
+from damage.errors import InputError
+from damage.hysteresis import bilinear, cycles_table, drift_at_first_crack, envelope, mode_shares
+from damage.laboratory import SPECIMENS, beside_test, figures, read_test
+from damage.laboratory_pictures import beside_test_picture, save
+
+STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
+
+
+def plastic_force(displacement):
+    """Force of an elastic, perfectly plastic spring along a path of displacements."""
+    force = np.zeros_like(displacement)
+    for k, step in enumerate(np.diff(displacement)):
+        force[k + 1] = np.clip(force[k] + STIFFNESS * step, -YIELD, YIELD)
+    return force
+
+
+@pytest.fixture(scope="module")
+def plastic(tmp_path_factory):
+    """Three cycles of 0.2 % of an elastic, perfectly plastic wall that cracks in stairs."""
+    layout = small_layout()
+    time_s = np.arange(0, CYCLIC.schedule(layout.pushed_height)[0][-1] + 0.002, 0.002)
+    displacement = CYCLIC.top_displacement(time_s, layout.pushed_height)
+    return make_history(
+        tmp_path_factory.mktemp("plastic") / "small.h5", layout, stages=("motion",) * len(time_s), step_s=0.002,
+        drift=displacement / layout.drift_height, row={"base_shear_n": plastic_force(displacement)}, loading="cyclic")
+
+
+class TestCycles:
+    def test_area_and_damping_of_a_plastic_loop(self, plastic):
+        """E_d = 4 F (a - u_y), xi = (2 / pi) (1 - u_y / a) in steady cycles."""
+        table = cycles_table(plastic)
+        amplitude, elastic = 0.002 * small_layout().pushed_height, YIELD / STIFFNESS
+        assert len(table) == 3 and list(table.amplitude_pct) == [0.2, 0.2, 0.2]
+        steady = table.iloc[1]
+        assert_allclose(steady.dissipated_j, 4 * YIELD * (amplitude - elastic), rtol=2e-3)
+        assert_allclose(steady.equivalent_damping, 2 / np.pi * (1 - elastic / amplitude), rtol=2e-3)
+        assert_allclose([steady.max_force_kn, steady.min_force_kn], [20, -20])
+        assert_allclose(steady.max_drift_pct, 100 * amplitude / small_layout().drift_height, rtol=5e-4)
+
+    def test_index_is_that_of_the_instant(self, plastic):
+        table = cycles_table(plastic)
+        assert_allclose(table.DI_drift_at_max, table.max_drift_pct / 2)  # of the limit of 2 %
+
+    def test_shaken_walls_have_none(self, tmp_path):
+        with pytest.raises(InputError, match="pushover"):
+            cycles_table(make_history(tmp_path / "small.h5"))
+
+
+class TestEnvelope:
+    def test_loading_beyond_what_was_reached(self, plastic):
+        for sign in (1, -1):
+            curve = envelope(plastic, sign)
+            assert np.all(np.diff(curve.drift_ratio) > 0)
+            assert_allclose(curve.drift_ratio.iloc[-1], plastic.series.drift_ratio.abs().max(), rtol=5e-4)
+            assert_allclose(curve.force_n.iloc[-1], YIELD)
+
+    def test_the_bilinear_line_of_a_bilinear_envelope_is_itself(self, plastic):
+        line = bilinear(envelope(plastic), small_layout().drift_height)
+        assert_allclose(line["stiffness_n_per_m"], STIFFNESS, rtol=1e-6)
+        assert_allclose(line["force_n"], YIELD, rtol=2e-3)
+
+
+def crack(tmp_path, *, opening=None, slip=None):
+    return make_history(tmp_path / "cracked.h5", stages=("motion",) * 3, drift=[0, 1e-3, 5e-4], opening=opening,
+                        slip=slip, loading="cyclic")
+
+
+def stair(layout):
+    """A head joint in the middle of the wall and the bed joints' points beside it."""
+    contacts, brick = layout.contacts, layout.wall.brick
+    heads = np.flatnonzero((contacts.kind == 1) & (np.abs(contacts.z - 2.5 * brick.height) < 0.01))
+    head = heads[len(heads) // 2]
+    beside = np.flatnonzero((contacts.kind == 0) & (np.abs(contacts.x - contacts.x[head]) < brick.length / 2)
+                            & (np.abs(contacts.z - contacts.z[head]) < 0.51 * brick.height))
+    return head, beside
+
+
+class TestMode:
+    def test_slip_beside_an_opened_head_joint_is_a_stair(self, tmp_path):
+        head, beside = stair(small_layout())
+        shares = mode_shares(crack(tmp_path, opening={head: 5e-4}, slip=dict.fromkeys(beside, -4e-4)))
+        assert shares["stair_share"] == 1 and shares["mode"] == "diagonal shear" and shares["opened_m"] == 0
+
+    def test_slip_along_a_bed_joint_is_not(self, tmp_path):
+        layout = small_layout()
+        base = np.flatnonzero((layout.contacts.kind == 0) & (layout.contacts.z < 1e-6))
+        shares = mode_shares(crack(tmp_path, slip=dict.fromkeys(base, 4e-4)))
+        assert shares["stair_share"] == 0 and shares["mode"] == "sliding"
+        assert_allclose([shares["slipped_m"], shares["slipped_m2"]], [0.9, 0.9 * 4e-4])
+
+    def test_a_bed_joint_that_opens_is_flexure(self, tmp_path):
+        assert mode_shares(crack(tmp_path, opening={0: 2e-3, 1: 1e-3}, slip={7: 2e-4}))["mode"] == "flexure"
+
+    def test_no_crack_no_mode(self, tmp_path):
+        history = crack(tmp_path, opening={0: 0.9e-4})
+        assert mode_shares(history)["mode"] is None and drift_at_first_crack(history) is None
+
+
+class TestMeasured:
+    def test_stiffness_and_peaks_of_the_squat_wall(self):
+        test = read_test("COMP1_3")
+        assert_allclose(np.array(test.stiffness_n_per_m) / 1e6, [131, 163], atol=0.5)
+        assert_allclose(np.array(test.peak_force_n) / 1e3, [76.7, 77.96])
+        assert test.mode == "shear" and read_test("COMP2_1").mode == "flexure"
+
+    def test_every_modelled_specimen_is_in_the_table(self):
+        assert all(read_test(specimen).height > 2 for specimen in SPECIMENS.values())
+        with pytest.raises(InputError, match="COMP1_3"):
+            read_test("COMP9")
+
+    def test_a_wall_without_a_test_is_refused(self, plastic):
+        with pytest.raises(InputError, match="squat"):
+            beside_test(plastic)
+
+
+class TestCommand:
+    def test_cycles_prints_what_its_json_holds(self, plastic, damage_command):
+        done = damage_command("cycles", plastic.path, "--json")
+        assert done.returncode == 0, done.stderr
+        assert json.loads(done.stdout)["cycles"] == json.loads(json.dumps(figures(plastic)))["cycles"]
+        assert "damping" in damage_command("cycles", plastic.path).stdout
+
+    def test_a_shaken_wall_is_refused(self, damage_command, tmp_path):
+        history = make_history(tmp_path / "small.h5")
+        done = damage_command("cycles", history.path)
+        assert done.returncode == 2 and "pushover" in done.stderr
+
+
+def test_picture_beside_the_test(plastic, tmp_path):
+    from dataclasses import replace
+
+    squat = replace(plastic, wall="squat")
+    figure = beside_test_picture([squat])
+    assert "measured" in figure._suptitle.get_text()
+    names = {path.name for path in save([squat], tmp_path)}
+    assert names == {"COMP1_3_beside_test.png", "COMP1_3_beside_test.pdf"}
+    with pytest.raises(InputError, match="one"):
+        beside_test_picture([squat, replace(plastic, wall="comp2_1")])

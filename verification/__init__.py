@@ -1,1 +1,0 @@
-"""Problems with known solutions, which judge every solver: `python3 -m verification`."""
