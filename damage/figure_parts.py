@@ -152,6 +152,8 @@ EVENTS = {"MID1": ("Huizinge", "+"), "BGAR": ("Zeerijp", "x"), "BWSE": ("Zeerijp
           "BLOP": ("Zeerijp", "3")}
 """Earthquake and marker of the stations whose records ship, or have a named place."""
 OTHER_MARKERS = "4|_*"
+SINGLE_MARKERS = "osD^v"
+"""Hollow markers of the records, in their order, for single runs where all lines share a colour."""
 _DIRECTIONS = {"N": "north", "E": "east", "Z": "vertical"}
 
 

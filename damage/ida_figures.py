@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from damage.figure_parts import (
     CRITERIA,
     NOTHING,
+    SINGLE_MARKERS,
     SLIP_LABELS,
     add_heading,
     component_handles,
@@ -134,7 +135,7 @@ def against_drift(variant, slip="displacement"):
     YADE's runs where there are no others.
     """
     names = in_order(variant.points["record"].unique())
-    markers = record_markers(names)
+    markers, hollow = record_markers(names), dict(zip(names, SINGLE_MARKERS * len(names)))
     figure, axes = grid(1, 2, 2.5)
     for number, (ax, state) in enumerate(zip(axes[0], ("max", "residual"))):
         column = f"{state}_{CRITERIA[slip]}DI"
@@ -142,14 +143,14 @@ def against_drift(variant, slip="displacement"):
             reference, yade = (in_percent(points[points["record"] == name])
                                for points in (variant.reference, variant.yade))
             draw_points(ax, reference, "max_drift_pct", column, BLACK, markers[name], line="")
-            draw_single(ax, yade, "max_drift_pct", column, VERMILLION, "o" if markers[name] == "+" else "s")
+            draw_single(ax, yade, "max_drift_pct", column, VERMILLION, hollow[name])
         label = _draw_trend(ax, in_percent(variant.reference if len(variant.reference) else variant.yade), column)
         letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
         from_zero(ax, NOTHING)
     add_heading(figure, f"Damage index against maximum drift: {variant.title}", SLIP_LABELS[slip],
                 _synthetic_note(names))
-    return finish(figure, _record_handles(variant, names, markers), columns=2)
+    return finish(figure, _record_handles(variant, names, markers, hollow), columns=2)
 
 
 def in_percent(points):
@@ -173,14 +174,13 @@ def _draw_trend(ax, points, column):
     return f", trend R² = {1 - rest / spread:.2f}" if spread > 0 else ""
 
 
-def _record_handles(variant, names, markers):
+def _record_handles(variant, names, markers, hollow):
     handles = []
     for name in names:
         if len(variant.reference):
             handles.append(Line2D([], [], ls="", marker=markers[name], color=BLACK, ms=5,
                                   label=f"{record_label(name)}: reference, {describe_members(variant.reference)}"))
         if len(variant.yade):
-            handles.append(Line2D([], [], ls="", marker="o" if markers[name] == "+" else "s", mfc="none",
-                                  mec=VERMILLION, ms=5, label=f"{record_label(name)}: YADE, "
-                                  f"{describe_members(variant.yade)}"))
+            handles.append(Line2D([], [], ls="", marker=hollow[name], mfc="none", mec=VERMILLION, ms=5,
+                                  label=f"{record_label(name)}: YADE, {describe_members(variant.yade)}"))
     return handles + [Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares")]

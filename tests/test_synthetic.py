@@ -74,10 +74,11 @@ def test_another_target_is_met_and_the_seed_alone_decides(monkeypatch):
 
 @pytest.mark.slow
 def test_the_script_makes_the_shipped_motion_again(record, tmp_path):
-    """Within 2 % of PGA: linear algebra rounds differently on another machine, and a search goes on from there."""
+    """Within 0.1 % of PGA: linear algebra rounds differently on another machine; wavelets that are off by 1e-11 of
+    themselves change the motion by less than the file's seven digits."""
     [path] = make("synthetic", tmp_path)
     assert f"seed {SEED}" in path.read_text()
-    assert_allclose(read_record(path).acceleration_m_s2, record.acceleration_m_s2, atol=0.02 * HUIZINGE.pga_m_s2)
+    assert_allclose(read_record(path).acceleration_m_s2, record.acceleration_m_s2, atol=1e-3 * HUIZINGE.pga_m_s2)
 
 
 class TestZeerijp:
