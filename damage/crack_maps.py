@@ -32,8 +32,8 @@ def crack_maps(results, variant, name_of):
             shapes.append(wall_shape(history, sample))
             draw_wall(ax, shapes[-1])
             ax.label_outer()
-            letter(ax, number, f"{name}, {when}: DI {shapes[-1].index:.3f}, × {shapes[-1].magnification:g}")
+            letter(ax, number, f"{name}\n{when}: DI {shapes[-1].index:.3f}, displacements × "
+                   f"{shapes[-1].magnification:g}")
     widest = max(shapes, key=lambda shape: shape.crack_width_m.max(initial=0))
-    add_heading(figure, f"Cracks, {variant.title}: the most damaging motions, first run of each, {solver}",
-                "at the largest index and at the end; × factor on displacements")
+    add_heading(figure, f"Cracks, {variant.title}: the most damaging motions, first run of each, {solver}")
     return finish(figure, joint_handles(widest), columns=5)
