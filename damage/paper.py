@@ -324,7 +324,7 @@ def _no_damping(evidence):
 
 def _squat(column, bounds, unit, name):
     def judged(evidence):
-        point = evidence.pushed("squat")
+        point = evidence.cycled("squat")
         low, high = min(bounds) * (1 - criteria.PRINTED_TOLERANCE), max(bounds) * (1 + criteria.PRINTED_TOLERANCE)
         return f"{point.value(column) / unit:.1f} {name}", low <= point.value(column) <= high
     return judged
@@ -368,7 +368,7 @@ JUDGES = {
     "P14c": _cracks_without_drift("huizinge"), "P14d": _cracks_without_drift("zeerijp"),
     "P15a": _maximum_is_linear, "P15b": _residual_levels_off,
     "P16": _no_damping,
-    "P17a": _squat("initial_stiffness_n_per_m", criteria.SQUAT_STIFFNESS_N_PER_M, 1e6, "kN/mm"),
+    "P17a": _squat("secant_stiffness_n_per_m", criteria.SQUAT_STIFFNESS_N_PER_M, 1e6, "kN/mm"),
     "P17b": _squat("peak_force_n", criteria.SQUAT_PEAK_N, 1e3, "kN"),
     "P17c": _undecidable("no force-displacement curve of the test is published as numbers"),
     "P17d": _undecidable("compare the pictures of the validation study with figure 5"),

@@ -86,7 +86,8 @@ SA_G = 0.15
 LARGEST_RESIDUAL_DI = 0.11
 """Figure 11: Huizinge at twice its strength."""
 SQUAT_STIFFNESS_N_PER_M = (131e6, 163e6)
-"""Test COMP1_3 (Graziotti et al. 2016), both directions: bilinear force over its elastic drift times 2.75 m."""
+"""Test COMP1_3 (Graziotti et al. 2016), both directions: bilinear force over its elastic drift times 2.75 m.  The
+elastic branch of a bilinear idealisation goes through 0.7 of the peak, so ours is the secant to there."""
 SQUAT_PEAK_N = (76.7e3, 77.96e3)
 """Test COMP1_3, both directions."""
 
@@ -188,7 +189,7 @@ CLAIMS = (
           "dynamic run without --beta"),
     Claim("P17a", "squat wall: initial stiffness as in the test COMP1_3", "figure 4",
           "{:.0f} and {:.0f} kN/mm in the test".format(*(value / 1e6 for value in SQUAT_STIFFNESS_N_PER_M)),
-          f"between both directions of the test, less or more {PRINTED_TOLERANCE:.0%}"),
+          f"secant to 0.7 of the peak between both directions of the test, less or more {PRINTED_TOLERANCE:.0%}"),
     Claim("P17b", "squat wall: peak force as in the test COMP1_3", "figure 4",
           "{:.1f} and {:.1f} kN in the test".format(*(value / 1e3 for value in SQUAT_PEAK_N)),
           f"between both directions of the test, less or more {PRINTED_TOLERANCE:.0%}"),

@@ -144,12 +144,13 @@ class Evidence:
             raise NotThere(f"no run of the {wall} wall")
         return Point(rows, wall).plain("eigen_period_s")
 
-    def pushed(self, wall):
-        """The Point of all quasi-static runs of a wall, where the force was measured."""
-        rows = self.runs[self.runs["wall"].str.contains(wall) & self.runs["peak_force_n"].notna()]
+    def cycled(self, wall):
+        """The Point of a wall's runs pushed to and fro as a cantilever."""
+        motion = self.runs["motion"].astype(str)
+        rows = self.runs[(self.runs["wall"] == wall) & motion.str.contains("^cyclic.*cantilever")]
         if len(rows) == 0:
-            raise NotThere(f"no pushed run of the {wall} wall")
-        return Point(rows, f"{wall} wall, pushed")
+            raise NotThere(f"no cyclic run of the {wall} wall")
+        return Point(rows, f"{wall} wall, cyclic")
 
 
 def _harmonic_key(wall, lintel, period_s, cycles):

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import REPOSITORY
 
 from damage.__main__ import main
 from damage.index import COMPONENTS
@@ -59,7 +60,8 @@ def papers_world():
     rows = [harmonic_row(wall, period, number) for wall in EIGEN_S for period in PERIODS_S for number in range(5)]
     rows += [harmonic_row("symmetric", 0.2, number, cycles=2) for number in range(5)]
     rows += [recorded_row(record, scale) for record in ("BGAR_HGE", "MID1_N_synthetic") for scale in SCALES]
-    rows.append(row("squat-cyclic", "squat", initial_stiffness_n_per_m=150e6, peak_force_n=77e3))
+    rows.append(row("squat", "squat", motion="cyclic_0.1pct_1x_cantilever", secant_stiffness_n_per_m=150e6,
+                    peak_force_n=77e3))
     return pd.DataFrame(rows)
 
 
@@ -146,7 +148,7 @@ CONTRADICTIONS = [
     ("P15b", {"record": "MID1", "scale": 2.0}, "residual_DI", 0.9),
     ("P16", {"period": 1.0, "amplitude": 0.1}, "damping_energy_j", 0.01),
     ("P16", {"period": 1.0, "amplitude": 0.1}, "energy_error_fraction", 0.03),
-    ("P17a", {"wall": "squat"}, "initial_stiffness_n_per_m", 110e6),
+    ("P17a", {"wall": "squat"}, "secant_stiffness_n_per_m", 110e6),
     ("P17b", {"wall": "squat"}, "peak_force_n", 90e3),
 ]
 
@@ -264,3 +266,8 @@ def test_a_readme_without_markers_is_left_alone(papers_world, judged, tmp_path, 
     readme.write_text("mine")
     assert main(["paper", str(tmp_path), "--readme", str(readme)]) == 2
     assert readme.read_text() == "mine" and "lacks the line" in capsys.readouterr().err
+
+
+def test_the_readme_has_the_markers():
+    readme = (REPOSITORY / "README.md").read_text()
+    assert readme.index(BEGIN) < readme.index(END)
