@@ -78,16 +78,20 @@ def draw_points(ax, points, x, y, colour, marker, shift=0.0, line="-"):
     shift: along x, in its unit, so that ranges of several measures stand side by side.
     """
     points = points.iloc[np.argsort(numbers(points, x))]
-    place, place_range = median_and_range(points, x)
-    value, value_range = median_and_range(points, y)
-    ax.errorbar(place + shift, value, value_range, place_range if place_range.any() else None, color=colour,
-                marker=marker, ms=3.2, ls=line, lw=0.7, elinewidth=0.8, capsize=1.6, capthick=0.6, zorder=3)
+    _draw_with_range(ax, points, x, y, shift, color=colour, marker=marker, ms=3.2, ls=line, lw=0.7, zorder=3)
 
 
-def draw_single(ax, points, x, y, colour, marker, shift=0.0):
-    """Single runs of YADE: hollow markers, larger than the medians, so that both are seen."""
-    ax.plot(numbers(points, x) + shift, numbers(points, y), ls="", marker=marker, mfc="none", mec=colour, mew=0.8,
-            ms=5.6, zorder=4)
+def draw_yade(ax, points, x, y, colour, marker, shift=0.0):
+    """YADE's runs: hollow markers, larger than the medians, so that both are seen."""
+    _draw_with_range(ax, points, x, y, shift, ecolor=colour, marker=marker, mfc="none", mec=colour, mew=0.8, ms=5.6,
+                     ls="", zorder=4)
+
+
+def _draw_with_range(ax, points, x, y, shift, **style):
+    """Points with bars where there is a range."""
+    (place, place_range), (value, value_range) = (median_and_range(points, name) for name in (x, y))
+    ax.errorbar(place + shift, value, value_range if value_range.any() else None,
+                place_range if place_range.any() else None, elinewidth=0.8, capsize=1.6, capthick=0.6, **style)
 
 
 def draw_components(ax, reference, yade, x, prefix):
@@ -99,13 +103,13 @@ def draw_components(ax, reference, yade, x, prefix):
     shifts = dict(zip(COMPONENTS, span * np.array((-0.009, -0.003, 0.003, 0.009))))
     for name, (_, colour, marker) in COMPONENTS.items():
         draw_points(ax, reference, x, prefix + name, colour, marker, shifts[name])
-        draw_single(ax, yade, x, prefix + name, colour, marker, shifts[name])
+        draw_yade(ax, yade, x, prefix + name, colour, marker, shifts[name])
     return any([mark_collapses(ax, points, x, prefix + "DI", shifts["DI"]) for points in (reference, yade)])
 
 
 def mark_collapses(ax, points, x, y, shift=0.0):
     """A cross over every point of which a run collapsed; returns whether there is one."""
-    collapsed = np.isfinite(numbers(points, "collapsed_at_s"))
+    collapsed = np.isfinite(numbers(points, "collapsed_at_s")) | (numbers(points, "collapsed") > 0)
     ax.plot(numbers(points, x)[collapsed] + shift, numbers(points, y)[collapsed], ls="", marker="x", ms=7, mew=1.1,
             color=VERMILLION, zorder=5)
     return bool(collapsed.any())
@@ -121,7 +125,7 @@ def solver_handles(variant, collapse=False):
         handles.append(Line2D([], [], ls="", marker="o", mfc="none", mec=MEDIUM, mew=0.8, ms=5.6,
                               label=f"YADE: {describe_members(variant.yade)}"))
     if collapse:
-        handles.append(Line2D([], [], ls="", marker="x", color=VERMILLION, ms=6, label="collapsed"))
+        handles.append(Line2D([], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed"))
     return handles
 
 
@@ -130,7 +134,7 @@ def describe_members(points):
     low, high = int(points["members"].min()), int(points["members"].max())
     if high == 1:
         return "single runs"
-    return f"median, range of {low if low == high else f'{low} to {high}'} runs"
+    return f"median, range of {'' if low == high else 'up to '}{high} runs"
 
 
 def component_handles(slip_marker=True):

@@ -22,7 +22,7 @@ from damage.figure_parts import (
     describe_members,
     draw_components,
     draw_points,
-    draw_single,
+    draw_yade,
     finish,
     from_zero,
     grid,
@@ -143,7 +143,7 @@ def against_drift(variant, slip="displacement"):
             reference, yade = (in_percent(points[points["record"] == name])
                                for points in (variant.reference, variant.yade))
             draw_points(ax, reference, "max_drift_pct", column, BLACK, markers[name], line="")
-            draw_single(ax, yade, "max_drift_pct", column, VERMILLION, hollow[name])
+            draw_yade(ax, yade, "max_drift_pct", column, VERMILLION, hollow[name])
         label = _draw_trend(ax, in_percent(variant.reference if len(variant.reference) else variant.yade), column)
         letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))

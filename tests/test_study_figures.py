@@ -11,7 +11,7 @@ from small_history import make_history
 from damage import study_figures
 from damage.__main__ import main
 from damage.errors import InputError
-from damage.figure_parts import NOTHING, in_order, record_label, record_markers
+from damage.figure_parts import NOTHING, describe_members, in_order, record_label, record_markers
 from damage.harmonic_figures import against_amplitude, drifts, evolution, motions
 from damage.ida_figures import against_drift, records, residual_against_pga
 from damage.intensity import response_spectrum
@@ -41,8 +41,9 @@ def point_row(name, solver, strength, **columns):
            "status": "complete", "collapsed_at_s": np.nan, "eigen_period_s": 0.19, **columns}
     values = {name: strength * (number + 1) / 100 for number, name in enumerate(MEASURES)}
     values |= {"max_drift_ratio": strength / 1000, "max_DI": parabola(strength / 10)}
+    low, high = (0.9, 1.3) if solver == "reference" else (1.0, 1.0)
     for measure, value in values.items():
-        row |= {measure: value, f"{measure}_min": 0.9 * value, f"{measure}_max": 1.3 * value}
+        row |= {measure: value, f"{measure}_min": low * value, f"{measure}_max": high * value}
     return row
 
 
@@ -152,8 +153,14 @@ class TestAgainstAmplitude:
         assert "reference: median, range of 5 runs" in said and "YADE: single runs" in said
         assert "collapsed" not in said
 
-    def test_a_collapse_is_crossed_out(self, results, harmonic):
-        points = harmonic.reference.assign(collapsed_at_s=1.0)
+    def test_points_whose_number_of_runs_differs(self, harmonic):
+        points = harmonic.reference.copy()
+        points.loc[points.index[0], "members"] = 1
+        assert describe_members(points) == "median, range of up to 5 runs"
+
+    @pytest.mark.parametrize("column", [{"collapsed_at_s": 1.0}, {"collapsed": 1}])
+    def test_a_collapse_is_crossed_out(self, results, harmonic, column):
+        points = harmonic.reference.assign(**column)
         figure = against_amplitude(results, type(harmonic)("small", {}, points, harmonic.yade))
         crosses = [line for line in panel(figure, "maximum, 0.2").lines if line.get_marker() == "x"]
         assert sorted(len(line.get_xdata()) for line in crosses) == [0, len(AMPLITUDES_G)]
