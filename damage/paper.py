@@ -314,8 +314,9 @@ def _no_damping(evidence):
     rows = evidence.runs
     rows = rows[rows["lintel"].eq(evidence.lintel) & (rows["input_energy_j"] > 0) & (rows["beta_s"].fillna(0) == 0)
                 & (rows["motion_period_s"].notna() | rows["scale"].notna())]
+    rows = rows[rows[["damping_energy_j", "energy_error_fraction"]].notna().all(axis=1)]
     if len(rows) == 0:
-        raise NotThere("no shaken run without damping")
+        raise NotThere("no shaken run without damping, or none with its energies")
     share = float((rows["damping_energy_j"].abs() / rows["input_energy_j"]).max())
     error = float(rows["energy_error_fraction"].max())
     text = f"damping takes at most {share:.1g} of the input, imbalance at most {error:.2%}, {len(rows)} runs"

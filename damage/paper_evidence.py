@@ -15,6 +15,9 @@ LEAST_STEP_S = 2e-5
 BETA_S = 1e-6
 """Largest stiffness-proportional damping of a run that still counts where there is none without [s]; it damps the
 first mode by 1.6e-5."""
+MEASURES = ("collapsed_at_s", "lintel", "beta_s", "motion_period_s", "cycles", "amplitude_g", "scale",
+            "eigen_period_s", "input_energy_j", "damping_energy_j", "energy_error_fraction")
+"""Columns that are looked up in every run; empty where an older table lacks one."""
 RECORDS = {"zeerijp": r"BGAR.*HGE", "huizinge": r"(?i:MID1|huizinge)"}
 """How the names of the paper's two records are recognised."""
 
@@ -36,10 +39,23 @@ def load_runs(folder):
     if not paths:
         raise InputError(f"{folder}: no tables/summary.csv below it; expected the results of studies, as "
                          "./run_all.sh harmonic writes them")
-    tables = [pd.read_csv(path).assign(folder=str(path.parent)) for path in paths]
-    runs = pd.concat([table for table in tables if len(table)], ignore_index=True)
-    runs["cycles_file"] = runs["folder"] + "/" + runs["run"] + "_cycles.csv"
+    runs = pd.concat([_read(path) for path in paths], ignore_index=True)
+    runs = runs.reindex(columns=[*runs.columns, *(name for name in MEASURES if name not in runs)])
     return runs[runs["status"] == "complete"].reset_index(drop=True)
+
+
+def _read(path):
+    """A summary as it is, with the places of its runs' cycle tables."""
+    try:
+        table = pd.read_csv(path)
+    except (OSError, ValueError) as error:  # of the file, or of its text
+        raise InputError(f"{path} cannot be read as a table ({error}); make it again: python3 -m damage.tables "
+                         "summary RUN.h5 ... --out FILE.csv") from error
+    lacking = [name for name in ("run", "wall", "solver", "status", "motion") if name not in table]
+    if lacking:
+        raise InputError(f"{path} lacks the column {lacking[0]}; expected a summary of runs, as python3 -m "
+                         "damage.tables summary writes it")
+    return table.assign(cycles_file=f"{path.parent}/" + table["run"].astype(str) + "_cycles.csv")
 
 
 def comparable(runs):

@@ -260,6 +260,23 @@ def test_no_table_is_bad_input(tmp_path, capsys):
     assert "no tables/summary.csv" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(("text", "complaint"), [
+    ("", "cannot be read"), ("a,b\n1,2\n", "lacks the column run"),
+    ("run,wall,solver,status,motion\nx,symmetric,yade,failed,harmonic\n", "no complete run")])
+def test_odd_tables_are_bad_input(tmp_path, capsys, text, complaint):
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables" / "summary.csv").write_text(text)
+    assert main(["paper", str(tmp_path)]) == 2
+    assert complaint in capsys.readouterr().err
+
+
+def test_a_table_without_later_measures_is_judged_as_far_as_it_goes(papers_world, judged):
+    table = papers_world.drop(columns=["damping_energy_j", "energy_error_fraction", "last_cycle_s", "shocks"])
+    findings = judged(table, {})
+    assert usual(findings, "P4") == HOLDS
+    assert {usual(findings, claim) for claim in ("P5", "P12a", "P16")} == {UNJUDGED}
+
+
 def test_a_readme_without_markers_is_left_alone(papers_world, judged, tmp_path, capsys):
     judged(papers_world)
     readme = tmp_path / "README.md"
