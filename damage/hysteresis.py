@@ -9,7 +9,9 @@ from scipy.integrate import trapezoid
 
 from damage.errors import InputError
 from damage.index import COMPONENTS, THRESHOLD
+from damage.layout import CAP_HEIGHT
 from damage.loading import TopDisplacement
+from damage.units import GRAVITY
 
 CYCLE_COLUMNS = ("cycle", "amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn",
                  "dissipated_j", "equivalent_damping", *(f"{name}_at_max" for name in COMPONENTS),
@@ -111,6 +113,30 @@ def cycles_table(history):
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 
 
+# --- what to expect -------------------------------------------------------------------------------
+
+def hand_capacities(history):
+    """Lateral forces [N] by hand at which a solid wall rocks, slides and cracks in stairs.
+
+    rocking: rigid, about toes half a contact point's length inside the ends; held against rotation, about the base
+    and the joint below the top course.  sliding_top, sliding_base: friction alone, under the top course and at the
+    base.  diagonal: bed joints fail in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t / b
+    / (1 + 2 mu h / l) with bricks of l by h and b = 1.5 for a parabola of shear stress.
+    """
+    wall, fixed = history.parameters["wall"], pushed_loading(history).boundary == "fixed"
+    brick, joint = wall["brick"], wall["joint"]
+    height, area = history.attributes["height_m"], wall["length"] * brick["thickness"]
+    course = brick["density"] * GRAVITY * area * brick["height"]
+    above, weight = wall["precompression"] * area, course * height / brick["height"]
+    arm, friction = wall["length"] / 2 - brick["length"] / 8, float(np.tan(joint["friction_angle"]))
+    middle = (above + weight / 2) / area
+    stress = (joint["cohesion"] + friction * middle) / (1 + 2 * friction * brick["height"] / brick["length"])
+    rocking = (2 * above + course + weight) * arm / (height - brick["height"]) if fixed else \
+        (above + weight) * arm / (height + CAP_HEIGHT / 2)
+    return {"rocking": rocking, "sliding_top": friction * (above + course),
+            "sliding_base": friction * (above + weight), "diagonal": stress * area / 1.5}
+
+
 # --- how it fails ---------------------------------------------------------------------------------
 
 def mode_shares(history, sample=None):
@@ -119,8 +145,8 @@ def mode_shares(history, sample=None):
     sample: index into the series; None for the largest |drift|.
     opened_m2, slipped_m2: opening and |slip| of the bed joints, times length; stair_share: share of the slipped
     length of bed joints that lies beside an opened head joint, as the treads of a stepped crack do.
-    mode: "flexure" where more is opened than slipped, "diagonal shear" where a third or more of the slipped length
-    lies on stairs, else "sliding"; None where no joint is over the threshold of 0.1 mm.
+    mode: "flexure" where more is opened than slipped, "shear, diagonal" where a third or more of the slipped length
+    lies on stairs, else "shear, sliding"; None where no joint is over the threshold of 0.1 mm.
     """
     joints, brick = history.joints, history.parameters["wall"]["brick"]
     if sample is None:
@@ -144,4 +170,4 @@ def _mode(shares):
         return None
     if shares["opened_m2"] >= shares["slipped_m2"]:
         return "flexure"
-    return "diagonal shear" if shares["stair_share"] >= STAIR_SHARE else "sliding"
+    return "shear, diagonal" if shares["stair_share"] >= STAIR_SHARE else "shear, sliding"

@@ -10,7 +10,15 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.hysteresis import bilinear, cycles_table, drift_at_first_crack, envelope, mode_shares, pushed_loading
+from damage.hysteresis import (
+    bilinear,
+    cycles_table,
+    drift_at_first_crack,
+    envelope,
+    hand_capacities,
+    mode_shares,
+    pushed_loading,
+)
 from damage.measures import LIMITS
 from damage.summary import summarise
 
@@ -107,6 +115,7 @@ def figures(history):
     return {"wall": history.wall, "solver": history.solver, "motion": history.parameters["loading"]["name"],
             "status": history.status, "cycles": cycles_table(history).to_dict("records") if cyclic else [],
             "bilinear": sides, "first_crack_drift": drift_at_first_crack(history), "failure": mode_shares(history),
+            "by_hand_n": hand_capacities(history),
             "beside_test": [dict(zip(("figure", "unit", "simulated", "measured"), row))
                             for row in beside_test(history)] if history.wall in SPECIMENS else None}
 
@@ -124,6 +133,8 @@ def describe(found):
         lines.append(f"bilinear, {side}: {line['stiffness_n_per_m'] / 1e6:.1f} kN/mm, {line['force_n'] / 1e3:.1f} kN, "
                      f"to {100 * line['ultimate_drift']:.3f} % drift")
     failure = found["failure"]
+    hand = ", ".join(f"{name.replace('_', ' ')} {force / 1e3:.0f}" for name, force in found["by_hand_n"].items())
+    lines.append(f"by hand [kN]: {hand}")
     lines.append(f"failure: {failure['mode']}; bed joints opened over {failure['opened_m']:.2f} m, slipped over "
                  f"{failure['slipped_m']:.2f} m, {100 * failure['stair_share']:.0f} % of that on stairs")
     if found["beside_test"]:

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
 from damage.errors import InputError
-from damage.hysteresis import bilinear, cycles_table, drift_at_first_crack, envelope, mode_shares
+from damage.hysteresis import bilinear, cycles_table, drift_at_first_crack, envelope, hand_capacities, mode_shares
 from damage.laboratory import SPECIMENS, beside_test, figures, read_test
 from damage.laboratory_pictures import beside_test_picture, save
 
@@ -84,17 +84,27 @@ def stair(layout):
     return head, beside
 
 
+def test_hand_formulas_of_a_panel(plastic):
+    """0.9 x 0.45 m of bricks of 225 x 75 mm under 0.3 MPa, a cantilever."""
+    found = hand_capacities(plastic)
+    top, weight = 0.3e6 * 0.9 * 0.1025, 1900 * 9.81 * 0.9 * 0.45 * 0.1025
+    assert_allclose(found["rocking"], (top + weight) * (0.45 - 0.028125) / 0.55)
+    assert_allclose(found["sliding_base"], (top + weight) * np.tan(np.radians(32)))
+    shear = (0.24e6 + 0.6249 * 0.3042e6) / (1 + 2 * 0.6249 / 3)
+    assert_allclose(found["diagonal"], shear * 0.9 * 0.1025 / 1.5, rtol=1e-3)
+
+
 class TestMode:
     def test_slip_beside_an_opened_head_joint_is_a_stair(self, tmp_path):
         head, beside = stair(small_layout())
         shares = mode_shares(crack(tmp_path, opening={head: 5e-4}, slip=dict.fromkeys(beside, -4e-4)))
-        assert shares["stair_share"] == 1 and shares["mode"] == "diagonal shear" and shares["opened_m"] == 0
+        assert shares["stair_share"] == 1 and shares["mode"] == "shear, diagonal" and shares["opened_m"] == 0
 
     def test_slip_along_a_bed_joint_is_not(self, tmp_path):
         layout = small_layout()
         base = np.flatnonzero((layout.contacts.kind == 0) & (layout.contacts.z < 1e-6))
         shares = mode_shares(crack(tmp_path, slip=dict.fromkeys(base, 4e-4)))
-        assert shares["stair_share"] == 0 and shares["mode"] == "sliding"
+        assert shares["stair_share"] == 0 and shares["mode"] == "shear, sliding"
         assert_allclose([shares["slipped_m"], shares["slipped_m2"]], [0.9, 0.9 * 4e-4])
 
     def test_a_bed_joint_that_opens_is_flexure(self, tmp_path):
