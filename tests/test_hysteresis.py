@@ -3,14 +3,18 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
+from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
+from damage import Joint, brick_of_masonry, read_history
 from damage.errors import InputError
 from damage.hysteresis import bilinear, cycles_table, drift_at_first_crack, envelope, hand_capacities, mode_shares
-from damage.laboratory import SPECIMENS, beside_test, figures, read_test
+from damage.laboratory import SPECIMENS, TESTS, beside_test, figures, read_test
 from damage.laboratory_pictures import beside_test_picture, save
+from damage.wall_file import load_wall
 
 STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
 
@@ -155,3 +159,42 @@ def test_picture_beside_the_test(plastic, tmp_path):
     assert names == {"COMP1_3_beside_test.png", "COMP1_3_beside_test.pdf"}
     with pytest.raises(InputError, match="one"):
         beside_test_picture([squat, replace(plastic, wall="comp2_1")])
+
+
+class TestLaboratoryWalls:
+    @pytest.mark.parametrize("name", ["squat", "squat_tested", "comp2_1", "comp2_4"])
+    def test_sizes_are_the_specimens(self, name):
+        wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
+        row = pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name]]
+        assert_allclose([wall.length, wall.built_height, wall.brick.thickness], row[["L_m", "H_m", "t_m"]].to_list(),
+                        rtol=6e-3)
+        assert_allclose(wall.precompression, 1e6 * row["sigma0_MPa"])
+        assert wall.courses == row["N courses"]
+
+    @pytest.mark.parametrize("name", ["squat_tested", "comp2_1", "comp2_4"])
+    def test_material_is_the_tested_one(self, name):
+        wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
+        row = pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name]]
+        joint, brick = wall.joint, wall.brick
+        assert_allclose([joint.cohesion, np.tan(joint.friction_angle)], [1e6 * row["fv0_MPa"], row["mu"]])
+        modulus = 1 / (1 / brick.young_modulus + 1 / (joint.normal_stiffness * brick.height))
+        shear = 1 / (1 / brick.shear_modulus + 1 / (joint.shear_stiffness * brick.height))
+        assert_allclose([modulus, shear], [1e6 * row["Em_MPa"], 0.4e6 * row["Em_MPa"]])
+
+    def test_masonry_softer_than_its_bricks_can_make_it_is_refused(self):
+        with pytest.raises(InputError, match="softer"):
+            brick_of_masonry(1e12, Joint())
+
+    @pytest.mark.long
+    def test_squat_wall_is_near_its_test(self, damage_command, tmp_path):
+        """Stiffness within 25 %, peak force within 15 % of the measured means."""
+        out = tmp_path / "squat.h5"
+        done = damage_command("reference", "walls/squat.py", "--pushover", 0.1, "--speed", 2e-3, "--out", out,
+                              "--no-pictures")
+        assert done.returncode == 0, done.stderr
+        rows = {name: (simulated, measured) for name, _, simulated, measured in beside_test(read_history(out))}
+        simulated, measured = rows["stiffness, secant to 0.7 of the peak"]
+        assert_allclose(simulated, measured, rtol=0.25)
+        simulated, measured = rows["peak force"]
+        assert_allclose(simulated, measured, rtol=0.15)
+        assert rows["failure mode"][0].startswith(rows["failure mode"][1])
