@@ -10,7 +10,7 @@ from scipy.integrate import trapezoid
 from damage.errors import InputError
 from damage.index import COMPONENTS, THRESHOLD
 from damage.layout import CAP_HEIGHT
-from damage.loading import TopDisplacement
+from damage.loading import EASE_S, TopDisplacement
 from damage.units import GRAVITY
 
 CYCLE_COLUMNS = ("cycle", "amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn",
@@ -79,15 +79,18 @@ def drift_at_first_crack(history):
 # --- cycle by cycle -------------------------------------------------------------------------------
 
 def cycle_edges(history):
-    """Sample numbers (n_cycles + 1,) between which the prescribed top goes from zero up, down and back."""
+    """Sample numbers (n_cycles + 1,) between which the prescribed top goes from zero up, down and back; of a run
+    that was cut short the whole cycles."""
     loading = pushed_loading(history)
     bodies = history.bodies
     pushed = bodies[bodies["course"] == -1] if (bodies["course"] == -1).any() else \
         bodies[bodies["course"] == bodies["course"].max()]
-    asked = loading.top_displacement(history.series["time_s"], float(pushed["z_m"].mean()))
+    time_s, height = history.series["time_s"], float(pushed["z_m"].mean())
+    asked = loading.top_displacement(time_s, height)
     upwards = np.flatnonzero((asked[:-1] <= 0) & (asked[1:] > 0))
     whole = len(loading.amplitudes_pct) * loading.cycles
-    return np.append(upwards[:whole], len(asked) - 1)
+    ended = time_s.iloc[-1] >= loading.schedule(height)[0][-1] - EASE_S
+    return np.append(upwards[:whole], len(asked) - 1) if ended else upwards
 
 
 def cycles_table(history):

@@ -38,13 +38,20 @@ def beside_test_picture(histories):
     handles += _draw_test(left, test) + _draw_limits(right)
     left.axhline(0, color=MEDIUM, lw=0.4, zorder=0)
     left.axvline(0, color=MEDIUM, lw=0.4, zorder=0)
-    left.set(xlabel="drift ratio [%]", ylabel="base shear [kN]")
+    left.set(xlabel="drift ratio [%]", ylabel="base shear [kN]", xlim=_reach(histories, test))
     right.set(xlabel="largest drift ratio to either side [%]", ylabel="DI at that instant", ylim=(0, None))
     right.set_xlim(0, 1.05 * max(100 * history.series["drift_ratio"].abs().max() for history in histories))
     letter(left, 0, "envelopes, and loops of cyclic runs")
     letter(right, 1, "damage index")
     add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}")
     return finish(figure, handles, columns=3)
+
+
+def _reach(histories, test):
+    """Limits [%] that hold what was simulated and the test's peaks; its long plateau may go on beyond."""
+    reach = 115 * max(*test.drift_at_peak, *(history.series["drift_ratio"].abs().max() for history in histories))
+    cyclic = any(pushed_loading(history).cycles for history in histories)
+    return (-reach if cyclic else -0.05 * reach), reach
 
 
 def _label(history):

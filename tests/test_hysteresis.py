@@ -1,6 +1,7 @@
 """Envelope, cycles and failure mode of pushed walls, against closed forms; the tests' measured figures."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -49,6 +50,12 @@ class TestCycles:
         assert_allclose(steady.equivalent_damping, 2 / np.pi * (1 - elastic / amplitude), rtol=2e-3)
         assert_allclose([steady.max_force_kn, steady.min_force_kn], [20, -20])
         assert_allclose(steady.max_drift_pct, 100 * amplitude / small_layout().drift_height, rtol=5e-4)
+
+    def test_a_run_cut_short_has_its_whole_cycles(self, plastic):
+        n = int(0.6 * len(plastic.series))
+        table = cycles_table(replace(plastic, series=plastic.series.iloc[:n], opening_m=plastic.opening_m[:n],
+                                     slip_m=plastic.slip_m[:n], at_limit=plastic.at_limit[:n]))
+        assert_allclose(table, cycles_table(plastic).iloc[:1])
 
     def test_index_is_that_of_the_instant(self, plastic):
         table = cycles_table(plastic)
@@ -150,8 +157,6 @@ class TestCommand:
 
 
 def test_picture_beside_the_test(plastic, tmp_path):
-    from dataclasses import replace
-
     squat = replace(plastic, wall="squat")
     figure = beside_test_picture([squat])
     assert "measured" in figure._suptitle.get_text()
