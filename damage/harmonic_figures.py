@@ -75,6 +75,9 @@ def evolution(results, variant):
     handles = component_handles(slip_marker=False)
     for number, (ax, (period_s, amplitude_g, points)) in enumerate(zip(axes.flat, shown)):
         letter(ax, number, f"{period_s:g} s, {amplitude_g:g} g" + ("" if len(points) else ": no run"))
+        if len(points) == 0:
+            ax.set_axis_off()
+            continue
         ax.set(xlabel="time [s]", ylabel="damage index [-]")
         for _, point in points.iterrows():
             _draw_evolution(ax, results, point)
@@ -87,8 +90,7 @@ def evolution(results, variant):
         handles.append(Patch(color="0.8", label="range of DI over runs"))
     handles.append(Patch(color=LIGHT, label="settling"))
     add_heading(figure, f"Damage index over time: {variant.title}",
-                "components of the first run of the "
-                f"{'reference solver' if len(variant.reference) else 'point, in YADE'}")
+                f"components: first run of each motion, {'reference solver' if len(variant.reference) else 'YADE'}")
     return finish(figure, handles)
 
 
@@ -146,42 +148,54 @@ def drifts(results, variant):
     amplitudes = np.unique(points["amplitude_g"])
     figure, axes = grid(len(amplitudes), 1, 1.15, sharex=True)
     period_s = points["motion_period_s"].iloc[0]
+    marked = set()
     for number, (ax, amplitude_g) in enumerate(zip(axes[:, 0], amplitudes)):
         letter(ax, number, f"{amplitude_g:g} g")
         for _, point in _at(points, period_s, amplitude_g).iterrows():
-            _draw_drift(ax, results, point)
+            marked |= _draw_drift(ax, results, point)
         ax.set_ylabel("drift ratio [%]")
+        ax.ticklabel_format(axis="y", style="plain", useOffset=False)
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
     add_heading(figure, f"Drift ratio over time, motion of {period_s:g} s: {variant.title}",
                 "T: duration of the last full cycle, the last that begins while the base moves")
     first = "reference solver, first run" if len(variant.reference) else "YADE"
-    handles = [Line2D([], [], color=SKY, lw=1.5, label=first),
-               Line2D([], [], color=VERMILLION, ls="--", lw=1.3, label="last full cycle")]
+    handles = [Line2D([], [], color=SKY, lw=1.5, label=first)]
     if len(variant.reference) and len(variant.yade):
-        handles.insert(1, Line2D([], [], color=BLACK, lw=0.6, label="YADE"))
+        handles.append(Line2D([], [], color=BLACK, lw=0.6, label="YADE"))
+    if "cycle" in marked:
+        handles.append(Line2D([], [], color=VERMILLION, ls="--", lw=1.3, label="last full cycle"))
+    if "collapse" in marked:
+        handles.append(Line2D([], [], color=VERMILLION, ls="", marker="x", ms=6, label="collapse"))
     if variant.reference["members"].max() > 1:
         handles.append(Patch(color="0.8", label="range over runs"))
     return finish(figure, handles)
 
 
 def _draw_drift(ax, results, point):
-    """Drift of a point's first run without settling; only that drawn first has its last cycle marked."""
+    """Drift of a point's first run without settling; returns what is marked, "cycle" and "collapse".
+
+    Only the run that is drawn first has its last cycle marked.
+    """
     history = results.history(point)
-    is_main = not ax.lines
     series = history.series[history.series["stage"] != "settling"]
-    drift_pct = 100 * series["drift_ratio"]
-    if is_main:
-        _draw_band(ax, results, point, lambda each: 100 * each.series["drift_ratio"])
-    ax.plot(series["time_s"], drift_pct, color=SKY if is_main else BLACK, lw=1.5 if is_main else 0.6,
-            zorder=3 if is_main else 5)
-    ax.set_xlim(0, max(series["time_s"].iloc[-1], 0 if is_main else ax.get_xlim()[1]))
+    time_s, drift_pct = series["time_s"], 100 * series["drift_ratio"]
+    marked = set()
+    if history.collapsed_at_s is not None:
+        ax.plot(time_s.iloc[-1], drift_pct.iloc[-1], "x", color=VERMILLION, ms=6, zorder=7)
+        marked.add("collapse")
+    if len(ax.lines) > len(marked):
+        ax.plot(time_s, drift_pct, color=BLACK, lw=0.6, zorder=5)
+        return marked
+    _draw_band(ax, results, point, lambda each: 100 * each.series["drift_ratio"])
+    ax.plot(time_s, drift_pct, color=SKY, lw=1.5, zorder=3)
     driven, _ = drift_cycles(history)
-    if not is_main or len(driven) == 0:
-        return
-    within = series["time_s"].between(*driven[-1])
-    ax.plot(series["time_s"][within], drift_pct[within], color=VERMILLION, ls="--", lw=1.2, zorder=6)
+    if len(driven) == 0:
+        return marked
+    within = time_s.between(*driven[-1])
+    ax.plot(time_s[within], drift_pct[within], color=VERMILLION, ls="--", lw=1.2, zorder=6)
     ax.set_title(_cycle_text(point, np.ptp(driven[-1])), loc="right", color=VERMILLION, fontsize=7)
+    return marked | {"cycle"}
 
 
 def _cycle_text(point, duration_s):

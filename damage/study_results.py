@@ -13,6 +13,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.reading import read_history
+from damage.tables import index_table
 
 NEEDED = ("point", "solver", "wall", "members")
 MODEL = {"lintel": "elastic", "top": "piers", "cells": 2, "contacts": "interior", "cycles": None, "strength_cov": 0.0}
@@ -76,11 +77,9 @@ class Results:
         return [read_history(path) for path in paths if path.is_file()]
 
     def index(self, point):
-        """The damage index over time of a point's first run, from its table."""
+        """The damage index over time of a point's first run, from its table or else its history."""
         path = point["folder"] / "tables" / f"{self.run(point)['run']}_index.csv"
-        if not path.is_file():
-            raise Missing(f"no table {path.name} in {path.parent}")
-        return _read_csv(path)
+        return _read_csv(path) if path.is_file() else index_table(self.history(point))
 
 
 @dataclass(frozen=True)

@@ -190,6 +190,18 @@ class TestOverTime:
         assert "T = 0.06 s" in text(figure)
 
 
+    def test_a_collapse_and_no_cycle(self, tmp_path):
+        write_study(tmp_path / "harmonic", harmonic_rows()[:2])
+        for path in (tmp_path / "harmonic" / "runs").iterdir():
+            make_history(path, stages=("motion",) * 8, drift=1e-3 * np.arange(8), collapsed_at_s=0.07, overwrite=True)
+        results = load_results(tmp_path)
+        variant, = variants(results.points)
+        figure = drifts(results, variant)
+        assert figure.axes[0].get_xlim()[1] == pytest.approx(0.07)
+        assert "collapse" in text(figure).splitlines() and "last full cycle" not in text(figure).splitlines()
+        assert "no run" in text(evolution(results, variant))
+
+
 class TestRecords:
     def test_spectra_are_those_of_the_windowed_record_times_the_scale(self, results, ida):
         figure = records(results, ida.points)
@@ -266,6 +278,17 @@ class TestResults:
         assert results.members(point) == [f"h0.2-0.025_{member}_reference" for member in range(5)]
         assert results.history(point).path.stem == "h0.2-0.025_0_reference"
         assert len(results.histories(point)) == 1  # of five; the others' files are not there
+
+    def test_the_index_comes_from_the_history_where_its_table_is_missing(self, tmp_path):
+        write_study(tmp_path / "harmonic", harmonic_rows()[:1])
+        results = load_results(tmp_path)
+        point = results.points.iloc[0]
+        table = results.index(point)
+        (tmp_path / "harmonic" / "tables" / "h0.2-0.025_0_reference_index.csv").unlink()
+        assert_allclose(results.index(point)["DI"], table["DI"], rtol=1e-8)
+        (tmp_path / "harmonic" / "runs" / "h0.2-0.025_0_reference.h5").unlink()
+        with pytest.raises(Missing, match="no history h0.2-0.025_0_reference.h5"):
+            results.index(point)
 
     def test_tables_of_something_else_are_refused(self, tmp_path):
         with pytest.raises(InputError, match="expected a folder with the results of studies"):
