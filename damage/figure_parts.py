@@ -72,13 +72,19 @@ def median_and_range(points, name):
     return median, np.clip(np.nan_to_num(spread), 0, None)
 
 
-def draw_points(ax, points, x, y, colour, marker, shift=0.0, line="-"):
+def draw_points(ax, points, x, y, colour, marker, shift=0.0):
     """Medians of the reference solver with their range, joined by a line; x, y: names of measures.
 
     shift: along x, in its unit, so that ranges of several measures stand side by side.
     """
     points = points.iloc[np.argsort(numbers(points, x))]
-    _draw_with_range(ax, points, x, y, shift, color=colour, marker=marker, ms=3.2, ls=line, lw=0.7, zorder=3)
+    _draw_with_range(ax, points, x, y, shift, color=colour, marker=marker, ms=3.2, lw=0.7, zorder=3)
+
+
+def draw_cloud(ax, points, x, y, colour, marker):
+    """Medians of the reference solver, not joined, with their ranges in grey behind them."""
+    _draw_with_range(ax, points, x, y, 0.0, color=colour, marker=marker, ms=5, mew=1.0, ls="", zorder=3,
+                     ecolor=MEDIUM)
 
 
 def draw_yade(ax, points, x, y, colour, marker, shift=0.0):

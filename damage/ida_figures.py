@@ -20,8 +20,8 @@ from damage.figure_parts import (
     add_heading,
     component_handles,
     describe_members,
+    draw_cloud,
     draw_components,
-    draw_points,
     draw_yade,
     finish,
     from_zero,
@@ -142,7 +142,7 @@ def against_drift(variant, slip="displacement"):
         for name in names:
             reference, yade = (in_percent(points[points["record"] == name])
                                for points in (variant.reference, variant.yade))
-            draw_points(ax, reference, "max_drift_pct", column, BLACK, markers[name], line="")
+            draw_cloud(ax, reference, "max_drift_pct", column, BLACK, markers[name])
             draw_yade(ax, yade, "max_drift_pct", column, VERMILLION, hollow[name])
         label = _draw_trend(ax, in_percent(variant.reference if len(variant.reference) else variant.yade), column)
         letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
@@ -168,7 +168,7 @@ def _draw_trend(ax, points, column):
         return ""
     trend = np.polynomial.Polynomial.fit(drift[known], value[known], 2)
     along = np.linspace(drift[known].min(), drift[known].max(), 200)
-    ax.plot(along, trend(along), color=BLUE, lw=1.0, zorder=2)
+    ax.plot(along, trend(along), color=BLUE, lw=1.0, zorder=5)
     rest = np.sum((value[known] - trend(drift[known])) ** 2)
     spread = np.sum((value[known] - value[known].mean()) ** 2)
     return f", trend R² = {1 - rest / spread:.2f}" if spread > 0 else ""
