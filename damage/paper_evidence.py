@@ -1,6 +1,7 @@
 """The tables of studies as evidence: runs picked by their parameters, medians over members of a point."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -101,16 +102,15 @@ class Point:
         return None if len(values) < 2 else (float(values.min()), float(values.max()))
 
     def cycles(self, name):
-        """A column of the cycle tables by driven cycle, (n_cycles,), the median over the members."""
+        """A column of the cycle tables by driven cycle, (n_cycles,): the median over the members that have one.
+
+        Studies keep the tables of an ensemble's first member only.
+        """
         self.stood()
-        members = []
-        for path in self.rows["cycles_file"]:
-            try:
-                table = pd.read_csv(path)
-            except OSError as error:
-                raise NotThere(f"no table of cycles ({self.label})") from error
-            members.append(table.loc[table["kind"] == "driven", name].to_numpy())
-        return np.median(members, axis=0)
+        tables = [pd.read_csv(path) for path in self.rows["cycles_file"] if Path(path).is_file()]
+        if not tables:
+            raise NotThere(f"no table of cycles ({self.label})")
+        return np.median([table.loc[table["kind"] == "driven", name] for table in tables], axis=0)
 
 
 @dataclass(frozen=True)

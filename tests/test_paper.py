@@ -163,6 +163,11 @@ def test_one_contradiction_and_the_claim_differs(papers_world, judged, claim, ro
     assert usual(findings, claim) == DIFFERS, findings[claim, "elastic", "displacement"].value
 
 
+def test_cycles_of_the_first_member_stand_for_an_ensemble(papers_world, judged):
+    members = papers_world[where(papers_world, period=0.33, amplitude=0.1)].assign(run="without-a-table")
+    assert usual(judged(pd.concat([papers_world, members])), "P5") == HOLDS
+
+
 @pytest.mark.parametrize(("claim", "run", "values"), [
     ("P5", "symmetric-0.33-0.1-3", (0.08, 0.22, 0.34)), ("P6a", "symmetric-0.2-0.025-3", (0.02, 0.04, 0.04)),
     ("P6b", "symmetric-0.2-0.1-3", (0.10, 0.20, 0.19))])
