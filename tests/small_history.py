@@ -13,7 +13,7 @@ STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
 CYCLIC = TopDisplacement((0.2,), cycles=3, speed_m_s=0.02)
 LOADINGS = {
     "cyclic": CYCLIC.describe(),
-    "harmonic": {"kind": "harmonic", "name": "harmonic_0.2s_0.05g"},
+    "harmonic": {"kind": "harmonic", "name": "harmonic_0.2s_0.05g", "period_s": 0.2, "cycles": 3},
     "free_vibration": {"kind": "free_vibration", "name": "free_vibration"},
     "record": {"kind": "record", "name": "NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz"},
 }
