@@ -116,12 +116,19 @@ def compare_drift(first, second):
 
 
 def _common_drift(first, second):
-    """Times before settling that both runs have, and both drifts there."""
+    """Times before settling that both runs have, and both drifts there.
+
+    By cubic splines: lines between samples of 2 ms would take 0.4 % off a vibration of 0.06 s.
+    """
+    from scipy.interpolate import CubicSpline
+
     frames = [history.series[history.series["stage"] != "settling"] for history in (first, second)]
     end = min(frame["time_s"].iloc[-1] for frame in frames)
     time = frames[0]["time_s"].to_numpy()
     time = time[time <= end]
-    return time, *(np.interp(time, frame["time_s"], frame["drift_ratio"]) for frame in frames)
+    if len(time) < 4:
+        return time, *(np.interp(time, frame["time_s"], frame["drift_ratio"]) for frame in frames)
+    return time, *(CubicSpline(frame["time_s"], frame["drift_ratio"])(time) for frame in frames)
 
 
 def _first_break(history):

@@ -41,6 +41,15 @@ def test_drift_rms_is_the_relative_amplitude_of_the_difference(tmp_path):
     assert not compare_drift(first, second)["agrees"]
 
 
+def test_the_samples_times_do_not_matter(tmp_path):
+    runs = []
+    for step in (2e-3, 2.1e-3):
+        stages = ["motion"] * 20 + ["rest"] * 580
+        drift = 1e-3 * np.sin(2 * np.pi * step * np.arange(600) / 0.06)
+        runs.append(make_history(tmp_path / f"{step}.h5", stages=stages, step_s=step, drift=drift))
+    assert compare_drift(*runs)["rms_before_failure"] < 1e-4
+
+
 def test_lag_of_a_late_copy(tmp_path):
     first = history(tmp_path / "a.h5", wave() * np.exp(-3 * TIME))
     second = history(tmp_path / "b.h5", wave(late=0.0044) * np.exp(-3 * (TIME - 0.0044)))

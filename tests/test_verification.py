@@ -1,0 +1,67 @@
+"""Every solver against closed forms; `python3 -m verification` prints the figures."""
+
+import math
+import shutil
+
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+
+from damage.loading import Harmonic
+from verification import rocking, sliding
+from verification.__main__ import all_problems, main
+from verification.problem import Problem
+
+PROBLEMS = {problem.name: problem for problem in all_problems()}
+QUICK_IN_YADE = ("free fall", "incline of 40°", "stack of ten bricks")
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_reference(name):
+    result = PROBLEMS[name].judge("reference")
+    assert result.holds, result
+
+
+def yade_problems():
+    for name, problem in PROBLEMS.items():
+        if not isinstance(problem.solvers["yade"], str):
+            yield pytest.param(name, marks=[] if name in QUICK_IN_YADE else pytest.mark.long)
+
+
+@pytest.mark.yade
+@pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
+@pytest.mark.parametrize("name", yade_problems())
+def test_yade(name):
+    result = PROBLEMS[name].judge("yade")
+    assert result.holds, result
+
+
+def test_newmark_by_plain_integration():
+    motion, angle, friction = Harmonic(0.1, 0.5, 2), math.radians(20), math.tan(math.radians(32))
+    omega, gravity = 2 * math.pi / 0.1, 9.81
+    dt, speed, way, time = 1e-6, 0.0, 0.0, 0.0
+    while time < 0.3:
+        base = 0.5 * gravity * math.sin(omega * time) if time <= 0.2 else 0.0
+        drive = gravity * math.sin(angle) - base
+        resist = gravity * math.cos(angle) * friction
+        speed = max(0.0, speed + dt * (drive - resist))
+        way, time = way + dt * speed, time + dt
+    assert_allclose(sliding.newmark_slip(motion, angle, friction), way, rtol=1e-3)
+
+
+def test_quarter_period_by_plain_integration():
+    slenderness, rate, share = 0.25, 4.0, 0.6
+    upright = lambda t, y: y[0]  # noqa: E731
+    upright.terminal = True
+    solved = solve_ivp(lambda t, y: [y[1], -rate**2 * math.sin(slenderness - y[0])], (0, 5),
+                       [share * slenderness, 0.0], events=upright, rtol=1e-10, atol=1e-12)
+    assert_allclose(rocking.quarter_period(share, slenderness, rate), solved.t_events[0][0], rtol=1e-6)
+    assert_allclose(rocking.housner(share, rate), solved.t_events[0][0], rtol=1e-2)
+
+
+def test_a_wrong_answer_fails(capsys, monkeypatch):
+    wrong = Problem("wrong", "one", "m", 1.0, "made up", {"reference": 1e-3}, {"reference": lambda: 1.1})
+    monkeypatch.setattr("verification.__main__.all_problems", lambda: [wrong])
+    assert main(["--solver", "reference"]) == 1
+    assert "FAILS" in capsys.readouterr().out
+    assert main(["nothing"]) == 2

@@ -1,0 +1,1 @@
+"""Problems with known solutions, which judge every solver: `python3 -m verification`."""

@@ -1,0 +1,144 @@
+"""Elastic walls: the period of a stack, and the stiffness of a cantilever wall as bricks get finer.
+
+A stack of n bricks: u, w and rotation of each, springs k_n, k_s a length between them.  Joint i connects the top
+of brick i (its arm h/2 upwards) with the bottom of brick i + 1, so the joint's shear displacement is
+u' - u + (theta' + theta) h/2 and its closing turn theta' - theta against the sum of k_n x^2; the vertical motion
+is a problem of its own.
+
+A wall of running bond, bricks b x h rigid, joints with stiffness k_n, k_s an area (bed: n, s; head: s_h).  Under a
+shear gamma = g_1 + g_2 (u = g_1 z, w = g_2 x) a brick may turn by theta; the bed joints then shear by
+(g_1 + theta) h and open by +-(g_2 - theta) b/2, the head joints shear by (g_2 - theta) b.  The energy is least
+with both parts in series:
+
+    1/G = 1/(k_s h) + 1/(k_n b^2/(4 h) + k_s,head b),       E_z = k_n h
+
+and a cantilever of length H loaded at its end by F is Timoshenko's beam, u/F = H^3/(3 E I) + H/(5/6 G A).  Cells at
+the interior leave the bed joint's own bending stiffness a little too low; it vanishes as bricks get finer, and so
+do the base's half layer and the bricks' own rotation.
+"""
+
+import math
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse.linalg import spsolve
+
+from damage.layout import lay_out
+from damage.modes import mass_vector, natural_modes, stiffness_matrix
+from damage.parameters import Brick, Joint, ModelOptions, Wall
+from damage.reference import ReferenceWall
+from damage.summary import natural_period
+from verification.problem import Problem, ask_yade
+
+UNBREAKABLE = Joint(tensile_strength=1e15, cohesion=1e15)
+STACK = Wall("stack", 0.1125, 10 * 0.075, joint=UNBREAKABLE, precompression=0.0)
+STACK_S = 0.25
+WALL_LENGTH, WALL_HEIGHT = 0.9, 4.5
+"""Slender, so that the clamped end counts for little."""
+FINER = (1, 2, 4)
+
+
+def problems():
+    """First period of a stack of ten; end stiffness of a cantilever wall with bricks of full, half, quarter size."""
+    stack = lay_out(STACK)
+    exact = stack_period(stack)
+    limit = beam_stiffness()
+    rows = [Problem("stack of ten bricks", "first period", "s", exact, "dense eigenvalue problem of the module",
+                    {"reference": 1e-3, "yade": 1e-3},
+                    {"reference": lambda: free_period(stack), "yade": lambda: ask_yade("stack")})]
+    for finer, tolerance in zip(FINER, (0.01, 0.003, 0.001)):
+        name = f"cantilever, bricks of 1/{finer}" if finer > 1 else "cantilever, whole bricks"
+        slow = "the joint forces' own linearisation is solved in its place at this size"
+        rows.append(Problem(
+            name, "force for 1 m at the end", "N/m", limit, "Timoshenko beam, moduli of the module",
+            {"reference": tolerance, "yade": tolerance},
+            {"reference": lambda finer=finer: end_stiffness(finer),
+             "yade": (lambda: ask_yade("cantilever")) if finer == 1 else slow}))
+    return rows
+
+
+# --- a stack -------------------------------------------------------------------------------------
+
+def stack_period(layout):
+    """First period [s] of a stack by its own dense matrices, without gravity."""
+    bodies, contacts = layout.bodies, layout.contacts
+    n, height = len(bodies), float(bodies.height[0])
+    stiffness = np.zeros((2 * n, 2 * n))  # u, theta of every brick
+    for upper in range(n):
+        mine = contacts.second == upper
+        area = contacts.area[mine]
+        shear = float((contacts.shear_stiffness[mine] * area).sum())
+        arm = contacts.x[mine] - bodies.x[upper]
+        turning = float((contacts.normal_stiffness[mine] * area * arm**2).sum())
+        # Rotation from x towards z: the bottom of a brick moves by +theta h/2, its top by -theta h/2.
+        slide, turn = np.zeros(2 * n), np.zeros(2 * n)
+        slide[2 * upper:2 * upper + 2] = 1.0, height / 2
+        turn[2 * upper + 1] = 1.0
+        if upper > 0:
+            slide[2 * upper - 2:2 * upper] = -1.0, height / 2
+            turn[2 * upper - 1] = -1.0
+        stiffness += shear * np.outer(slide, slide) + turning * np.outer(turn, turn)
+    mass = np.column_stack([bodies.mass, bodies.inertia]).ravel()
+    return 2 * math.pi / math.sqrt(eigh(stiffness, np.diag(mass), eigvals_only=True)[0])
+
+
+def free_period(layout):
+    """Period [s] of the stack's free vibration, weightless."""
+    modes = natural_modes(layout, 1)
+    wall = ReferenceWall(layout, 0.3 * modes.critical_time_step_s)
+    wall.start(np.zeros((0, 2)), np.zeros(1))
+    wall.velocity = 1e-3 * modes.shape[0]
+    track = []
+    for _ in range(round(STACK_S / wall.time_step / 20)):
+        wall.run(20)
+        track.append(wall.displacement[layout.drift_bodies, 0].mean())
+    return natural_period(20 * wall.time_step * np.arange(len(track)), np.array(track))
+
+
+# --- a cantilever --------------------------------------------------------------------------------
+
+def cantilever(finer):
+    """Layout of the wall with bricks of 1/finer of their size, whose moduli stay the same."""
+    brick = Brick(length=0.225 / finer, height=0.075 / finer)
+    joint = Joint(normal_stiffness=finer * UNBREAKABLE.normal_stiffness,
+                  shear_stiffness=finer * UNBREAKABLE.shear_stiffness, tensile_strength=1e15, cohesion=1e15)
+    return lay_out(Wall("cantilever", WALL_LENGTH, WALL_HEIGHT, brick=brick, joint=joint), ModelOptions())
+
+
+def beam_stiffness():
+    """Force over displacement of the end [N/m]: Timoshenko's beam up to the cap's middle, rigid above the wall."""
+    wall = cantilever(1).wall
+    brick, joint = wall.brick, wall.joint
+    bed_n = 1 / (1 / joint.normal_stiffness + brick.height / brick.young_modulus)
+    bed_s = 1 / (1 / joint.shear_stiffness + brick.height / brick.shear_modulus)
+    head_s = 1 / (1 / joint.shear_stiffness + brick.length / brick.shear_modulus)
+    modulus = bed_n * brick.height
+    shear = 1 / (1 / (bed_s * brick.height)
+                 + 1 / (bed_n * brick.length**2 / (4 * brick.height) + head_s * brick.length))
+    inertia, area = brick.thickness * WALL_LENGTH**3 / 12, brick.thickness * WALL_LENGTH
+    beyond = float(cantilever(1).bodies.z[-1]) - WALL_HEIGHT
+    # A force beyond the end: the end's displacement and rotation by force and moment, and the rigid arm.
+    length, bending = WALL_HEIGHT, modulus * inertia
+    flexibility = (length**3 / 3 + length**2 * beyond + length * beyond**2) / bending + length / (5 / 6 * shear * area)
+    return 1 / flexibility
+
+
+def end_stiffness(finer):
+    """Force over displacement of the cap [N/m]: the time-stepping solver for whole bricks, the linear equations of
+    the same joints for finer ones."""
+    layout = cantilever(finer)
+    cap = len(layout.bodies) - 1
+    if finer > 1:
+        force = np.zeros(len(mass_vector(layout)))
+        force[3 * cap] = 1.0
+        return 1 / spsolve(stiffness_matrix(layout).tocsc(), force)[3 * cap]
+    wall = ReferenceWall(layout, 0.6 * natural_modes(layout).critical_time_step_s)
+    wall.start(np.zeros((0, 2)), np.zeros(1))
+    wall.adaptive_damping = 1.0
+    wall.hold(np.array([cap]), rotation=False)
+    steps = round(0.05 / wall.time_step)
+    wall.push(1e-6 / (steps * wall.time_step))
+    wall.run(steps)
+    wall.push(0.0)
+    wall.run(10 * steps)
+    return wall.push_force() / wall.displacement[cap, 0]

@@ -1,0 +1,61 @@
+"""A problem with an exact solution, and what each solver makes of it."""
+
+import subprocess
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+SOLVERS = ("reference", "yade")
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """name; quantity: what is compared, with its unit; exact: its value; source: of the solution;
+    tolerance: {solver: largest relative error}, absolute where the exact value is zero;
+    solvers: {solver: function without arguments that measures it, or a string that says why it cannot}.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    exact: float
+    source: str
+    tolerance: dict
+    solvers: dict[str, Callable | str]
+
+    def judge(self, solver):
+        """Result of one solver."""
+        how = self.solvers[solver]
+        if isinstance(how, str):
+            return Result(self, solver, None, None, how)
+        value = float(how())
+        error = (value - self.exact) / (abs(self.exact) or 1.0)
+        return Result(self, solver, value, error, "")
+
+
+@dataclass(frozen=True)
+class Result:
+    """value, error (relative, absolute where the exact value is zero): None where the solver cannot;
+    note: why it cannot."""
+
+    problem: Problem
+    solver: str
+    value: float | None
+    error: float | None
+    note: str
+
+    @property
+    def holds(self):
+        """Whether the error is within the tolerance; None where the solver cannot."""
+        return None if self.error is None else abs(self.error) <= self.problem.tolerance[self.solver]
+
+
+def ask_yade(case, *numbers):
+    """The number that `verification/yade_case.py CASE NUMBERS` prints from inside YADE."""
+    command = ["yade", "-n", "-j1", "verification/yade_case.py", case, *map(repr, numbers)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    lines = [line for line in done.stdout.splitlines() if line.startswith("result ")]
+    if done.returncode != 0 or not lines:
+        raise RuntimeError(f"{' '.join(command)} ended with status {done.returncode}:\n{done.stderr[-2000:]}")
+    return float(lines[-1].split()[1])

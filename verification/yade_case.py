@@ -1,0 +1,151 @@
+"""Inside YADE: the problems of this package, one a process.
+
+    yade -n -j1 verification/yade_case.py CASE [NUMBERS]
+
+prints "result NUMBER".  The models are those of yade_scripts; what moves them is set in every step.
+"""
+
+import builtins
+import math
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
+
+import numpy as np
+from yade import O, PyRunner, Vector3
+
+from damage.layout import lay_out
+from damage.modes import natural_modes
+from damage.summary import natural_period
+from damage.units import GRAVITY
+from verification import elastic, falling, sliding
+from verification.block import one_block
+from yade_scripts.leaving import run_and_leave
+from yade_scripts.model import build
+from yade_scripts.scene import SceneReader
+
+
+class Case:
+    """A model, its arrays, and what is called in every step before the bodies move."""
+
+    def __init__(self, layout, factor):
+        self.layout = layout
+        self.model = build(layout, factor * natural_modes(layout, 1).critical_time_step_s)
+        self.scene, self.newton = SceneReader(self.model), self.model.newton
+        self.newton.gravity = (0, 0, 0)
+        builtins.verification_step = lambda: None
+        O.engines = [*O.engines[:-1], PyRunner(command="verification_step()", iterPeriod=1), self.newton]
+
+    def run(self, steps, each=None):
+        """Advance; each(k) is called in step k of these."""
+        first = O.iter
+        builtins.verification_step = (lambda: each(O.iter - first)) if each else (lambda: None)
+        O.run(steps, True)
+
+    def field(self, along, gravity):
+        """Uniform acceleration: backwards `along` x, downwards `gravity` [m/s2]."""
+        self.newton.gravity = (-float(along), 0.0, -float(gravity))
+
+    def rest(self):
+        for state in self.scene.states:
+            state.vel = state.angVel = Vector3.Zero
+
+    def place(self, body=0):
+        """Displacement (x, z) and rotation of a body."""
+        return self.scene.motion()[body]
+
+
+def fall(seconds):
+    case = Case(one_block(), 0.5)
+    state, steps = case.scene.states[0], round(seconds / O.dt)
+    state.pos += Vector3(0, 0, 10.0)
+    state.vel = Vector3(0, 0, GRAVITY * O.dt / 2)
+    case.field(0.0, GRAVITY)
+    case.run(steps)
+    return (10.0 - case.place()[1]) * (seconds / (steps * O.dt)) ** 2
+
+
+def bounce(height, key):
+    case = Case(one_block(), 0.02)
+    state = case.scene.states[0]
+    state.pos += Vector3(0, 0, height)
+    state.vel = Vector3(0, 0, GRAVITY * O.dt / 2)
+    case.field(0.0, GRAVITY)
+    steps = round(2.2 * math.sqrt(2 * height / GRAVITY) / O.dt)
+    track, forces = np.empty(steps), []
+
+    def each(k):
+        track[k] = state.pos[2] - case.scene.start[0, 1]
+        if track[k] < 0:
+            forces.append(case.scene.base_reaction())
+
+    case.run(steps, each)
+    # The engine sees the place before the step, so the first one is that of time zero.
+    return falling.apexes(track[1:], O.dt, max(forces))[("force", "height", "time")[int(key)]]
+
+
+def _resting(angle):
+    """A block at rest on an incline that was tilted slowly."""
+    case = Case(one_block(), 0.3)
+    case.newton.damping = 0.7
+    case.field(0.0, GRAVITY)
+    steps = round(0.02 / O.dt)
+    case.run(steps)
+    case.run(2 * steps, lambda k: case.field(*sliding.downhill(angle * min(k / steps, 1.0))))
+    case.newton.damping = 0.0
+    case.rest()
+    return case
+
+
+def incline(angle):
+    case = _resting(sliding.FLAT)
+    steps, start = round(sliding.SLIDE_S / O.dt), case.place()[0]
+    case.field(*sliding.downhill(angle))
+    case.run(steps)
+    return (case.place()[0] - start) * (sliding.SLIDE_S / (steps * O.dt)) ** 2
+
+
+def shaken():
+    case = _resting(sliding.GENTLE)
+    motion, start = sliding.SHAKEN, case.place()[0]
+    steps = round((motion.duration_s + sliding.REST_S) / O.dt)
+    along, gravity = sliding.downhill(sliding.GENTLE)
+    base = motion.base_acceleration(np.arange(steps) * O.dt)[:, 0] + along
+    case.run(steps, lambda k: case.field(base[min(k, steps - 1)], gravity))
+    return case.place()[0] - start
+
+
+def stack():
+    layout = lay_out(elastic.STACK)
+    case, top = Case(layout, 0.3), layout.drift_bodies[0]
+    for state, (vx, vz, turn) in zip(case.scene.states, 1e-3 * natural_modes(layout, 1).shape[0]):
+        state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -turn, 0)
+    track = []
+    case.run(round(elastic.STACK_S / O.dt), lambda k: k % 20 or track.append(case.scene.states[top].pos[0]))
+    return natural_period(20 * O.dt * np.arange(len(track)), np.array(track))
+
+
+def cantilever():
+    layout = elastic.cantilever(1)
+    case, cap = Case(layout, 0.6), len(layout.bodies) - 1
+    clump = O.bodies[case.model.clumps[cap]]
+    clump.state.blockedDOFs = "xyXZ"
+    case.newton.damping = 0.7
+    steps = round(0.05 / O.dt)
+    clump.state.vel = Vector3(1e-6 / (steps * O.dt), 0, 0)
+    case.run(steps)
+    clump.state.vel = Vector3.Zero
+    case.run(5 * steps)
+    return case.scene.base_shear() / case.place(cap)[0]
+
+
+CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, stack, cantilever)}
+
+
+def main():
+    case, *numbers = sys.argv[1:]
+    print("result", repr(float(CASES[case](*map(float, numbers)))))
+
+
+run_and_leave(main)
