@@ -1,0 +1,93 @@
+"""The table of docs/two-solvers.md: YADE against an ensemble of the reference solver, motion by motion.
+
+    python3 benchmarks/two_solvers.py --out DIR
+
+DIR keeps the histories; those that are there already are not made again.  About an hour on one core, almost all
+of it YADE's.
+"""
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from damage.compare import compare
+from damage.reading import read_history
+
+RECORD = ["--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "--window", "17", "23", "--rest", "1"]
+MOTIONS = {
+    "0.2 s, 0.025 g": ["--harmonic", "0.2", "0.025"], "0.2 s, 0.05 g": ["--harmonic", "0.2", "0.05"],
+    "0.2 s, 0.1 g": ["--harmonic", "0.2", "0.1"], "BGAR x 1": RECORD, "BGAR x 2": [*RECORD, "--scale", "2"],
+}
+ELASTIC = {"free vibration, 2 s": ["--free-vibration"], "0.2 s, 0.004 g": ["--harmonic", "0.2", "0.004", "--rest", "1"]}
+WALLS = ("solid", "symmetric", "asymmetric")
+MEMBERS = 5
+FIGURES = {  # of damage.compare.TOLERANCES: label, factor, decimals, what is allowed
+    "max_drift_ratio": ("maximum drift ratio [%]", 100, 4, "2 %"),
+    "cycle_length_s": ("length of the free cycles [s]", 1, 4, "2 %"),
+    "peak_base_shear_n": ("peak base shear [kN]", 1e-3, 1, "6 %"),
+    "DI": ("max DI", 1, 3, "0.03"), "DI_open": ("max DI_open", 1, 4, "0.006 or 30 %"),
+    "DI_slip_shear_limit": ("shear-limit DI_slip", 1, 4, "0.015 or 20 %"),
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, required=True)
+    folder = parser.parse_args().out
+    folder.mkdir(parents=True, exist_ok=True)
+    print("| motion | figure | YADE | reference: median (range) | allowed difference | |\n" + "| --- " * 6 + "|")
+    for motion, words in MOTIONS.items():
+        for line in nonlinear_rows(folder, motion, words):
+            print(line, flush=True)
+    print("\n| wall | motion | drift, RMS of the difference | allowed |\n" + "| --- " * 4 + "|")
+    for wall in WALLS:
+        for motion, words in ELASTIC.items():
+            result = compare(*pair(folder, wall, motion, words))["drift"]
+            print(f"| {wall} | {motion} | {100 * result['rms_before_failure']:.2f} % | {100 * result['allowed']:.1f} % |",
+                  flush=True)
+
+
+def nonlinear_rows(folder, motion, words):
+    """Lines of the table for one motion of the symmetric wall."""
+    yade, _ = pair(folder, "symmetric", motion, words, reference=False)
+    members = [run(folder, "reference", "symmetric", motion, [*words, "--perturb", "1e-9", "--seed", str(seed)], seed)
+               for seed in range(1, MEMBERS + 1)]
+    result = compare(yade, members)
+    for key, (label, factor, digits, allowed) in FIGURES.items():
+        row = result["figures"][key]
+        low, high = (f"{factor * value:.{digits}f}" for value in row["range"])
+        spread = "" if low == high else f" ({low} to {high})"
+        yield (f"| {motion if key == 'max_drift_ratio' else ''} | {label} | {factor * row['first']:.{digits}f} | "
+               f"{factor * row['median']:.{digits}f}{spread} | {allowed} | {'holds' if row['agrees'] else 'DIFFERS'} |")
+    drift, joints = result["drift"], result["joints"]
+    parted = "never" if drift["diverged_at_s"] is None else f"{drift['diverged_at_s']:.3f} s"
+    yield (f"| | drift to the first failure at {drift['first_failure_s']:.4f} s, RMS | | "
+           f"{100 * drift['rms_before_failure']:.3f} % | 0.5 % | {'holds' if drift['agrees'] else 'DIFFERS'} |")
+    yield f"| | parted by 1 % of the peak; kappa of the joints | | {parted}; {joints['kappa']:.2f} | | |"
+
+
+def pair(folder, wall, motion, words, reference=True):
+    """Histories of YADE and, unless it is not asked for, of the reference solver."""
+    return (run(folder, "yade", wall, motion, words),
+            [run(folder, "reference", wall, motion, words)] if reference else None)
+
+
+def run(folder, solver, wall, motion, words, seed=0):
+    """The History of one run, made where it is not there."""
+    name = "".join(c if c.isalnum() or c == "." else "-" for c in f"{wall}_{motion}_{solver}_{seed}")
+    path = folder / f"{name}.h5"
+    if not path.exists():
+        program = ["yade", "-n", "-j1"] if solver == "yade" else [sys.executable, "-m", "damage", "reference"]
+        part = folder / f"{name}.part.h5"
+        subprocess.run([*program, f"walls/{wall}.py", *words, "--out", str(part), "--overwrite", "--no-pictures"],
+                       cwd=ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        part.rename(path)
+    return read_history(path)
+
+
+if __name__ == "__main__":
+    main()
