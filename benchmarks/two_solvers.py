@@ -47,8 +47,8 @@ def main():
     for wall in WALLS:
         for motion, words in ELASTIC.items():
             result = compare(*pair(folder, wall, motion, words))["drift"]
-            print(f"| {wall} | {motion} | {100 * result['rms_before_failure']:.2f} % | {100 * result['allowed']:.1f} % |",
-                  flush=True)
+            rms, allowed = 100 * result["rms_before_failure"], 100 * result["allowed"]
+            print(f"| {wall} | {motion} | {rms:.2f} % | {allowed:.1f} % |", flush=True)
 
 
 def nonlinear_rows(folder, motion, words):
