@@ -45,6 +45,7 @@ def _parser():
     _add_figures(commands)
     _add_paper(commands)
     _add_cracks(commands)
+    _add_fragility(commands)
     return parser
 
 
@@ -298,6 +299,34 @@ def _cracks(parsed):
     if parsed.out:
         _save(_crack_pictures(*drawn, limits["threshold"]), parsed.out)
     print(json.dumps(figures, indent=2) if parsed.json else crack_report.describe(figures))
+
+
+def _add_fragility(commands):
+    command = _add_command(commands, "fragility", _fragility,
+                           "probabilities of exceeding levels of damage, from a study with scattered strengths")
+    command.add_argument("study", type=Path, metavar="STUDY_DIR", help="folder of a study, as results/fragility")
+    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for table and pictures")
+    command.add_argument("--intensity", default="pga_g", help="column of summary.csv: pga_g (default) or sa_0.2_s_g")
+    command.add_argument("--replicates", type=int, default=500, metavar="N", help="bootstrap samples (default 500)")
+
+
+def _fragility(parsed):
+    from damage.fragility import INTENSITIES, fit_all, fragility_table, load_runs
+    from damage.fragility_picture import fragility_picture
+    from damage.tables import write_table
+
+    if parsed.intensity not in INTENSITIES:
+        raise InputError(f"--intensity {parsed.intensity}: expected {' or '.join(INTENSITIES)}; mend it")
+    if parsed.replicates < 0:
+        raise InputError(f"--replicates {parsed.replicates}: expected zero or more; mend it")
+    runs = load_runs(parsed.study)
+    fits = fit_all(runs, parsed.intensity, parsed.replicates)
+    table = fragility_table(fits, parsed.intensity)
+    print(table.to_string(index=False, float_format="%.3f"))
+    print(write_table(table, parsed.out / f"fragility_{parsed.intensity}.csv"))
+    _save([(f"fragility_{wall}_{parsed.intensity}", fragility_picture(wall, runs[runs["wall"] == wall], ones,
+                                                                      parsed.intensity))
+           for wall, ones in fits.items()], parsed.out)
 
 
 def _only_with(parsed, what, needs=(), without=()):

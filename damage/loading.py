@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from damage.errors import InputError
+from damage.intensity import pga_g, response_spectrum
 from damage.records import (
     Record,
     band_passed,
@@ -168,6 +169,8 @@ class Recorded:
             "vertical": None if self.vertical is None else _origin(self.vertical),
             "time_step_s": float(self.record.time_step_s),
             "scale": float(self.scale),
+            "pga_g": pga_g(self.motion[0]),
+            "sa_0.2_s_g": float(response_spectrum(self.motion[0], [0.2])[0]),
             "window_s": _floats(self.window_s),
             "baseline_order": None if self.baseline_order is None else int(self.baseline_order),
             "band_hz": _floats(self.band_hz),

@@ -4,6 +4,7 @@ A study is a TOML file:
 
     name = "quick"
     title = "one line for people"      # optional
+    pictures = "none"                  # optional: no pictures of single runs; the default is "all"
 
     [[runs]]
     wall = "walls/symmetric.py"
@@ -12,7 +13,17 @@ A study is a TOML file:
 `options` is a table of the run's command-line options without their dashes (true stands for an
 option without a value), or the list of words of a command line.  A run may have an `id` of its own;
 otherwise one is made of its wall and options.  Paths are looked for beside the study file, then in
-the repository.
+the repository; a list of paths means the first that is there.  A table [[grid]] has `vary`, too, and
+stands for many runs: `damage.study_grid`.
+
+Every run is a point of the study.  In the reference solver a point can be an ensemble:
+
+    members = 5        # runs that differ by random offsets of the bricks, of size perturb = 1e-9 [m],
+                       # seeds 1 to 5; only one where the first member breaks no joint
+    samples = 25       # or: draws of the joints' strengths, strength-seed 1 to 25; needs strength-cov
+
+YADE runs a point once, unperturbed.  `solvers = ["reference"]` keeps a point from other solvers.
+`docs/batches.md` describes all keys.
 """
 
 import hashlib
@@ -23,10 +34,17 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.options import parse_run
+from damage.study_grid import expand
 
 PATH_OPTIONS = ("--record", "--vertical")
 RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--view", "--help", "-h")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
+
+SOLVERS = ("yade", "reference")
+PICTURES = ("all", "none")
+PERTURB_M = 1e-9
+"""Offsets of the bricks in an ensemble where the study says nothing else [m]: far below what a joint opens."""
+_ENTRY_KEYS = {"id", "wall", "options", "solvers", "members", "perturb", "samples"}
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -35,22 +53,41 @@ _LONGEST_ID = 120  # characters; file names end at 255 and tables add theirs
 
 @dataclass(frozen=True)
 class StudyRun:
-    """One run of a study.
+    """One point of a study in one solver: a run, or an ensemble of them.
 
-    id: unique in the study, fit for file names, ends with the solver's name.
+    point: unique in the study, fit for file names.
     wall: the wall file; words: the rest of its command line.  Paths within the repository are
     relative to it, others absolute.
+    varied: words that end each member's command line, before its number 1, 2, ...; empty for a single run.
+    members: how many; adaptive: only one where the first breaks no joint.
     """
 
-    id: str
+    point: str
     wall: str
     words: tuple[str, ...]
     solver: str = "yade"
+    varied: tuple[str, ...] = ()
+    members: int = 1
+    adaptive: bool = False
 
     def __post_init__(self):
         if not _ID.fullmatch(self.id) or len(self.id) > _LONGEST_ID:
             raise InputError(f"run id {self.id!r}: expected at most {_LONGEST_ID} letters, digits, '.', '_' "
                              "or '-', since it names files; mend it")
+
+    @property
+    def id(self):
+        """The point with the solver's name: unique in every batch, names files."""
+        return f"{self.point}_{self.solver}"
+
+    @property
+    def is_ensemble(self):
+        return bool(self.varied)
+
+    @property
+    def first(self):
+        """Name of the first, or only, run."""
+        return f"{self.id}_s1" if self.is_ensemble else self.id
 
     def digests(self, root=REPOSITORY):
         """SHA-256 of every file that the run reads, in a fixed order: what changes when they do."""
@@ -61,19 +98,26 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Study:
-    """A study: its name, one line about it, its file and its runs."""
+    """A study: its name, one line about it, its file, its runs, those of both solvers, whether runs are drawn."""
 
     name: str
     title: str
     path: Path
     runs: tuple[StudyRun, ...]
+    of_both: tuple[StudyRun, ...] = ()
+    pictures: str = "all"
 
     def __post_init__(self):
         if not isinstance(self.name, str) or not _ID.fullmatch(self.name):
             raise InputError(f"{self.path}: name = {self.name!r}; expected letters, digits, '.', '_' or '-', "
                              "since it names a folder; rename the study")
+        if self.pictures not in PICTURES:
+            raise InputError(f"{self.path}: pictures = {self.pictures!r}; expected {' or '.join(PICTURES)}; mend it")
+        if not self.of_both:
+            raise InputError(f"{self.path}: no runs; expected at least one table [[runs]] or [[grid]]; add one")
         if not self.runs:
-            raise InputError(f"{self.path}: no runs; expected at least one table [[runs]]; add one")
+            raise InputError(f"{self.path}: no run is for this solver; expected --solver "
+                             f"{self.of_both[0].solver}; choose it")
         _check_ids_differ(self)
 
 
@@ -94,14 +138,14 @@ def load_study(path, solver="yade", root=REPOSITORY):
     """
     path = Path(path).absolute()
     table = _read_toml(path)
-    _check_keys(table, {"name", "title", "runs"}, f"{path}")
-    runs = table.get("runs", [])
-    if not isinstance(runs, list) or not all(isinstance(run, dict) for run in runs):
-        raise InputError(f"{path}: runs is no list of tables; write one [[runs]] for each run")
+    _check_keys(table, {"name", "title", "pictures", "runs", "grid"}, f"{path}")
+    runs = [run for entry, where in _entries(table, path) for run in _load_entry(entry, where, path.parent, root)]
+    chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
+    for run, where in chosen:
+        _try_options(run, where, root)
     return Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
-                 runs=tuple(_load_run(run, f"{path}, run {number}", path.parent, name, root)
-                            for number, run in enumerate(runs, start=1)
-                            for name in (("yade", "reference") if solver == "both" else (solver,))))
+                 runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
+                 pictures=table.get("pictures", "all"))
 
 
 def _read_toml(path):
@@ -120,22 +164,75 @@ def _check_keys(table, known, where):
                          "take it out or mend its spelling")
 
 
-def _load_run(table, where, folder, solver, root):
-    _check_keys(table, {"id", "wall", "options"}, where)
+def _entries(table, path):
+    """(a table of one point, where it stands in the file), of the runs and then of the grids."""
+    for kind, what in (("runs", "run"), ("grid", "grid")):
+        tables = table.get(kind, [])
+        if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
+            raise InputError(f"{path}: {kind} is no list of tables; write one [[{kind}]] for each")
+        for number, entry in enumerate(tables, start=1):
+            where = f"{path}, {what} {number}"
+            _check_keys(entry, _ENTRY_KEYS | ({"vary"} if kind == "grid" else set()), where)
+            for one in expand(entry, where) if kind == "grid" else [entry]:
+                yield one, where
+
+
+def _load_entry(table, where, folder, root):
+    """(StudyRun, where it stands) of one point in every solver that it is for."""
     if not isinstance(table.get("wall"), str):
         raise InputError(f"{where}: wall = {table.get('wall')!r}; expected a path like "
                          '"walls/symmetric.py"; give one')
-    words = option_words(table.get("options", {}), where)
+    solvers = table.get("solvers", list(SOLVERS))
+    if not isinstance(solvers, list) or not solvers or not set(solvers) <= set(SOLVERS):
+        raise InputError(f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; mend it")
+    words = option_words(_existing_files(table.get("options", {}), where, folder, root), where)
+    _refuse_reserved(words, where)
     wall = _find(table["wall"], where, folder, root)
     words = [_find(word, where, folder, root) if option in PATH_OPTIONS else word
              for option, word in zip(["", *words], words)]
-    _try_options(words, where, solver)
     wall, *words = (_shorten(word, root) for word in (wall, *words))
-    name = table.get("id", None if "id" in table else run_name(wall, words))
+    name = table.get("id", run_name(wall, words))
+    ensemble = _ensemble(table, where)
+    solvers = [solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and "samples" in table)]
     try:
-        return StudyRun(id=f"{name}_{solver}", wall=wall, words=tuple(words), solver=solver)
+        return [(StudyRun(point=name, wall=wall, words=tuple(words), solver=solver,
+                          **(ensemble if solver == "reference" else {})), where) for solver in solvers]
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
+
+
+def _ensemble(table, where):
+    """What makes a StudyRun an ensemble, as its `members` or `samples` ask for; empty without."""
+    if "members" in table and "samples" in table:
+        raise InputError(f"{where}: members and samples given together; choose one kind of ensemble")
+    if "perturb" in table and "members" not in table:
+        raise InputError(f"{where}: perturb without members; expected both; add members = 5")
+    for name in ("members", "samples"):
+        if name in table and not (type(table[name]) is int and table[name] >= 1):
+            raise InputError(f"{where}: {name} = {table[name]!r}; expected a whole number, 1 or more; mend it")
+    perturb = table.get("perturb", PERTURB_M)
+    if type(perturb) not in (int, float) or not perturb > 0:
+        raise InputError(f"{where}: perturb = {perturb!r}; expected a length above zero [m], like 1e-9; mend it")
+    if "members" in table:
+        return {"varied": ("--perturb", f"{perturb:g}", "--seed"), "members": table["members"], "adaptive": True}
+    return {"varied": ("--strength-seed",), "members": table["samples"]} if "samples" in table else {}
+
+
+def _existing_files(options, where, folder, root):
+    """The options with the first file that is there in place of a list of paths."""
+    if not isinstance(options, dict):
+        return options
+    chosen = dict(options)
+    for name in (option[2:] for option in PATH_OPTIONS):
+        paths = options.get(name)
+        if isinstance(paths, list):
+            there = [path for path in paths if isinstance(path, str)
+                     and any((base / path).is_file() for base in (folder, root))]
+            if not there:
+                raise InputError(f"{where}: none of the files {name} = {paths!r} is beside the study or in the "
+                                 "repository; mend a path")
+            chosen[name] = there[0]
+    return chosen
 
 
 def option_words(options, where="options"):
@@ -180,14 +277,25 @@ def _shorten(word, root):
     return str(Path(word).relative_to(root)) if inside else word
 
 
-def _try_options(words, where, solver):
+def _refuse_reserved(words, where):
     reserved = [word for word in words if word in RESERVED_OPTIONS]
     if reserved:
         raise InputError(f"{where}: {reserved[0]} is set by the batch itself; take it out")
+
+
+def _try_options(run, where, root):
+    """Have the run's own parser look at the options, those of the first member included."""
+    words = [str(root / word) if option in PATH_OPTIONS else word for option, word in zip(["", *run.words], run.words)]
+    taken = [word for word in run.varied if word in run.words]
+    if taken:
+        raise InputError(f"{where}: {taken[0]} is set by members or samples; take it out")
     try:
-        parse_run(words, prog="study", solver=solver)
+        settings = parse_run([*words, *run.varied, *(["1"] if run.varied else [])], prog="study", solver=run.solver)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
+    if run.varied == ("--strength-seed",) and not settings.model.strength_cov:
+        raise InputError(f"{where}: samples of walls whose strengths do not scatter; expected strength-cov = 0.3 or "
+                         "the like among the options; add it")
 
 
 def run_name(wall, words):

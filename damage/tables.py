@@ -17,28 +17,41 @@ from damage.index import COMPONENTS
 from damage.measures import cycles_table
 from damage.reading import read_history
 from damage.summary import summarise
+from damage.units import GRAVITY
 
 _PER_COMPONENT = ("max", "residual", "max_shear_limit", "residual_shear_limit")
 
 
-def summary_row(history, run=""):
-    """The key figures of a History as one flat dictionary; `run` names the row.
+def summary_row(history, run="", point=""):
+    """The key figures of a History as one flat dictionary; `run` names the row, `point` that of a study.
 
     What drove the run and how it was modelled comes first, then `damage.summary.summarise`, its
     entries per component spread over columns like max_DI_open.  What does not apply is None.
     """
-    row = {"run": run or history.path.stem}
+    row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     figures = summarise(history)
     del figures["complete"]  # status says it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = figures.pop(key)
-    row |= _motion_columns(history.parameters) | _model_columns(history.parameters)
+    row |= _record_columns(history) | _motion_columns(history.parameters) | _model_columns(history.parameters)
     for key, value in figures.items():
         if key in _PER_COMPONENT:
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
         else:
             row[key] = value
     return row
+
+
+def _record_columns(history):
+    """The record's name, and the horizontal peak acceleration of the motion as it was applied [g]."""
+    motion = history.parameters["loading"]
+    factor = max(abs(one) for one in history.parameters.get("sequence", [1.0]))
+    pga_g = motion.get("amplitude_g", motion.get("pga_g"))
+    if pga_g is None and motion["kind"] == "record":  # of files that do not say it: within a sample of it
+        pga_g, factor = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY, 1.0
+    sa_g = motion.get("sa_0.2_s_g")
+    return {"record": motion.get("horizontal", {}).get("record"), "pga_g": pga_g and pga_g * factor,
+            "sa_0.2_s_g": sa_g and sa_g * max(map(abs, history.parameters.get("sequence", [1.0])))}
 
 
 def _motion_columns(parameters):
@@ -69,6 +82,7 @@ def index_table(history):
     table = history.index()
     latched = history.index(slip="shear-limit")
     table.insert(1, "stage", history.series["stage"].astype(str))
+    table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
     table["DI_slip_shear_limit"] = latched["DI_slip"]
     table["DI_shear_limit"] = latched["DI"]
     return table

@@ -99,7 +99,7 @@ class TestLoading:
         ('name = "s"', "no runs"),
         ('name = "s"\nruns = 3', "no list of tables"),
         ('name = "s', "is no TOML"),
-        ('name = "s"\nrun = []', "unknown key 'run'; expected name, runs, title"),
+        ('name = "s"\nrun = []', "unknown key 'run'; expected grid, name, pictures, runs, title"),
         (f'name = "s"\n[[runs]]\n{HARMONIC}', "run 1: wall = None"),
         (f'name = "s"\n[[runs]]\n{WALL}option = 1', "run 1: unknown key 'option'"),
         (f'name = "s"\n[[runs]]\nwall = "walls/no.py"\n{HARMONIC}', "run 1: no file walls/no.py"),
@@ -125,7 +125,7 @@ class TestLoading:
 
     def test_runs_are_checked_where_they_are_made(self):
         with pytest.raises(InputError, match="names files"):
-            StudyRun(id="../x", wall="w.py", words=())
+            StudyRun(point="../x", wall="w.py", words=())
 
 
 class TestTables:
@@ -177,7 +177,7 @@ class TestTables:
         assert main(["run", str(history.path), "--out", str(tmp_path / "t" / "one")]) == 0
         assert main(["summary", str(history.path), "--out", str(tmp_path / "t" / "summary.csv")]) == 0
         assert sorted(path.name for path in (tmp_path / "t").iterdir()) == [
-            "one_events.csv", "one_index.csv", "one_joints.csv", "summary.csv"]
+            "one_cycles.csv", "one_events.csv", "one_index.csv", "one_joints.csv", "summary.csv"]
         index = pd.read_csv(tmp_path / "t" / "one_index.csv")
         assert_allclose(index["DI"], history.index()["DI"], rtol=1e-8)  # nine digits are written
 

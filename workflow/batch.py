@@ -22,6 +22,7 @@ from shared import MARK, ROOT, end_with_parent
 
 from damage.errors import InputError
 from damage.study import load_study
+from damage.study_tables import runs_there
 from damage.tables import describe_table
 
 LOCK_PATIENCE_S = 10.0
@@ -41,7 +42,7 @@ def main():
         return 2
     batch = Batch(study, folder, parsed.jobs, parsed.solver, lock)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}\n"
-          f"runs: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
+          f"{batch.unit}: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
     status = batch.snakemake()
     if status != 0 and not batch.interrupted and batch.simulated():
         batch.snakemake("tables/summary.csv", partial="true")  # of the runs that are there
@@ -103,10 +104,12 @@ class Batch:
     def __init__(self, study, folder, jobs, solver, lock):
         self.study, self.folder, self.jobs, self.solver, self.lock = study, folder, jobs, solver, lock
         self.interrupted = False
+        self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
+        self._began, self._there_before = time.monotonic(), len(self.simulated())
 
     def simulated(self):
-        """The runs whose histories are there."""
-        return [run for run in self.study.runs if (self.folder / "runs" / f"{run.id}.h5").exists()]
+        """The points, or single runs, that are simulated."""
+        return [run for run in self.study.runs if runs_there(run, self.folder)]
 
     def snakemake(self, *targets, **config):
         """Bring the targets up to date, all of them by default; returns Snakemake's exit status."""
@@ -127,8 +130,8 @@ class Batch:
         config = {"study": json.dumps(str(self.study.path)), "solver": self.solver, **config}
         return [sys.executable, "-m", "snakemake", *targets,
                 "--snakefile", str(ROOT / "workflow" / "Snakefile"), "--directory", str(self.folder),
-                "--cores", str(self.jobs), "--nolock", "--nocolor", "--keep-going", "--rerun-incomplete",
-                "--rerun-triggers", "mtime", "params", "input",
+                "--cores", str(self.jobs), "--scheduler", "greedy", "--nolock", "--nocolor", "--keep-going",
+                "--rerun-incomplete", "--rerun-triggers", "mtime", "params", "input",
                 "--config", *(f"{key}={value}" for key, value in config.items())]
 
     def _environment(self):
@@ -144,8 +147,17 @@ class Batch:
         if line.startswith(MARK):
             print(line[len(MARK):], end="", flush=True)
         elif steps:
-            print(f"study {self.study.name}: {len(self.simulated())} of {len(self.study.runs)} runs "
-                  f"simulated, {steps[1]} of {steps[2]} steps done", flush=True)
+            print(f"study {self.study.name}: {len(self.simulated())} of {len(self.study.runs)} {self.unit} "
+                  f"simulated, {steps[1]} of {steps[2]} steps done{self._left()}", flush=True)
+
+    def _left(self):
+        """The time that the simulations will still take, at the pace of this batch; empty before the first."""
+        there = len(self.simulated())
+        if there in (self._there_before, len(self.study.runs)):
+            return ""
+        pace_s = (time.monotonic() - self._began) / (there - self._there_before)
+        minutes, seconds = divmod(round(pace_s * (len(self.study.runs) - there)), 60)
+        return f", about {minutes}:{seconds:02d} left"
 
     def _interrupt(self, process):
         """Pass an interrupt on to Snakemake and all that it runs."""
@@ -167,19 +179,29 @@ def _prepare_child():
 def report(batch, status):
     """Print the summary table, where things are and what failed; returns the exit status."""
     folder, done = batch.folder, len(batch.simulated())
-    print(f"\nstudy {batch.study.name}: {done} of {len(batch.study.runs)} runs done")
+    print(f"\nstudy {batch.study.name}: {done} of {len(batch.study.runs)} {batch.unit} done")
     if batch.interrupted:
         print("interrupted: the same command goes on from here", file=sys.stderr)
         return 130
     failed = list(failures(batch))
     if (folder / "tables" / "summary.csv").exists():
-        print(describe_table(pd.read_csv(folder / "tables" / "summary.csv")))
-        print(f"tables:   {folder / 'tables'}\npictures: {folder / 'pictures'}")
+        print(describe_table(_shown_table(folder / "tables", batch.unit)))
+        print(f"tables:   {folder / 'tables'}")
+        if batch.study.pictures == "all":
+            print(f"pictures: {folder / 'pictures'}")
     for what, log in failed:
         print(f"failed: {what}; see {log}{last_words(log)}", file=sys.stderr)
     if status != 0 and not failed:
         print(f"failed: Snakemake, status {status}; see {folder / 'logs' / 'snakemake.log'}", file=sys.stderr)
     return 1 if failed or status != 0 else 0
+
+
+def _shown_table(tables, unit):
+    """The summary, or of ensembles their points, named by point and solver."""
+    if unit == "runs":
+        return pd.read_csv(tables / "summary.csv")
+    points = pd.read_csv(tables / "points.csv")
+    return points.assign(run=points["point"] + "_" + points["solver"])
 
 
 def failures(batch):
@@ -188,19 +210,21 @@ def failures(batch):
     if not (folder / "tables" / "summary.csv").exists() and batch.simulated():
         yield "summary", logs / "summary.log"
     for run in batch.study.runs:
-        if not (folder / "runs" / f"{run.id}.h5").exists():
+        if not runs_there(run, folder):
             yield run.id, logs / f"{run.id}.log"
             continue
-        for what, made in (("tables", folder / "tables" / f"{run.id}_joints.csv"),
-                           ("pictures", folder / "pictures" / run.id)):
-            if not made.exists():
-                yield f"{what} of {run.id}", logs / f"{run.id}_{what}.log"
+        made = {"tables": folder / "tables" / f"{run.first}_joints.csv"}
+        if batch.study.pictures == "all":
+            made["pictures"] = folder / "pictures" / run.first
+        for what, path in made.items():
+            if not path.exists():
+                yield f"{what} of {run.first}", logs / f"{run.first}_{what}.log"
 
 
 def last_words(log):
     """The last line of a log, in brackets, where there is one."""
     lines = log.read_text(encoding="utf-8", errors="replace").split("\n") if log.is_file() else []
-    lines = [line.strip() for line in lines if line.strip()]
+    lines = [line.strip() for line in lines if line.strip() and not line.startswith(MARK)]
     return f" ({lines[-1][:200]})" if lines else ""
 
 

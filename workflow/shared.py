@@ -15,7 +15,8 @@ _LIBC = ctypes.CDLL(None)
 def tell(text):
     """Send one line up to the terminal."""
     try:
-        print(f"{MARK}{text}", file=sys.stderr, flush=True)
+        sys.stderr.write(f"{MARK}{text}\n")  # at once, lest two programs' lines mix
+        sys.stderr.flush()
     except OSError:  # the batch is gone, and this process about to go
         pass
 

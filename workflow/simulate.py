@@ -1,9 +1,11 @@
-"""One run of a study: logged, its progress told, its history put in place when it is whole.
+"""One point of a study: logged, its progress told, its history put in place when it is whole.
 
     simulate.py RUN [--solver yade|reference] --out FILE.h5 --log FILE.log -- walls/NAME.py [OPTIONS]
+    simulate.py POINT --log FILE.log --ensemble -- WORDS OF ensemble.py
 
 The history grows in FILE.part.h5 and gets its name when the solver ended well and marked it complete,
 so a FILE.h5 is always a whole run.  Exit status: the solver's own; 1 where its history is not complete.
+An ensemble, whose members run one after another in one process, looks after its files itself.
 """
 
 import argparse
@@ -16,37 +18,28 @@ import sys
 import time
 from pathlib import Path
 
-from shared import ROOT, end_with_parent, tell
+from shared import MARK, ROOT, end_with_parent, tell
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
 EXIT_INTERRUPTED = 130
 COMMANDS = {"yade": ["yade", "-n", "-j1"], "reference": [sys.executable, "-m", "damage", "reference"]}
 """What runs a wall file, by solver."""
+ENSEMBLE = Path(__file__).with_name("ensemble.py")
 _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.progress
 
 
 def main():
     """Run one simulation; returns the exit status."""
     end_with_parent(signal.SIGTERM)
-    run, solver, out, log_path, words = _arguments()
-    part = out.with_name(f"{out.stem}.part.h5")
-    for folder in (out.parent, log_path.parent):
-        folder.mkdir(parents=True, exist_ok=True)
-    with open(log_path, "a+", buffering=1, encoding="utf-8") as log:
+    asked = _arguments()
+    asked.log.parent.mkdir(parents=True, exist_ok=True)
+    with open(asked.log, "a+", buffering=1, encoding="utf-8") as log:
         fcntl.flock(log, fcntl.LOCK_EX)  # a killed batch's solver may still be closing its file
         log.truncate(0)
-        status = _simulate(run, COMMANDS[solver], words, part, log)
-    if status == 0:
-        complaint = _not_whole(part)
-        if complaint is None:
-            os.replace(part, out)
-            tell(f"{run}: done")
-            return 0
-        with open(log_path, "a", encoding="utf-8") as log:
-            log.write(f"error: {complaint}\n")
-        status = 1
-    tell(f"{run}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}, see {log_path}")
+        status = _ensemble(asked, log) if asked.ensemble else _single(asked, log)
+    if status != 0:
+        tell(f"{asked.run}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}, see {asked.log}")
     return status
 
 
@@ -54,17 +47,42 @@ def _arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("run")
     parser.add_argument("--solver", default="yade", choices=COMMANDS)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--log", type=Path, required=True)
+    parser.add_argument("--out", type=_absolute)
+    parser.add_argument("--log", type=_absolute, required=True)
+    parser.add_argument("--ensemble", action="store_true")
     parser.add_argument("words", nargs="+")
-    parsed = parser.parse_args()
-    return parsed.run, parsed.solver, parsed.out.absolute(), parsed.log.absolute(), parsed.words
+    return parser.parse_args()
 
 
-def _simulate(run, program, words, part, log):
-    """Run the solver's program into the file `part` with its output into `log`; returns its exit status."""
-    wall, *options = words
-    command = [*program, wall, *options, "--out", str(part), "--overwrite", "--no-pictures"]
+def _absolute(path):
+    return Path(path).absolute()
+
+
+def _ensemble(asked, log):
+    """Run the members of an ensemble; returns the exit status."""
+    return _simulate(asked.run, [sys.executable, str(ENSEMBLE), asked.run, *asked.words], log)
+
+
+def _single(asked, log):
+    """Run the solver into FILE.part.h5 and give it its name when it is whole; returns the exit status."""
+    part = asked.out.with_name(f"{asked.out.stem}.part.h5")
+    asked.out.parent.mkdir(parents=True, exist_ok=True)
+    wall, *options = asked.words
+    status = _simulate(asked.run, [*COMMANDS[asked.solver], wall, *options, "--out", str(part), "--overwrite",
+                                   "--no-pictures"], log)
+    if status != 0:
+        return status
+    complaint = _not_whole(part)
+    if complaint is not None:
+        log.write(f"error: {complaint}\n")
+        return 1
+    os.replace(part, asked.out)
+    tell(f"{asked.run}: done")
+    return 0
+
+
+def _simulate(run, command, log):
+    """Run a command with its output into `log`; returns its exit status."""
     tell(f"{run}: started")
     with _Interrupts() as interrupts:
         try:
@@ -75,7 +93,7 @@ def _simulate(run, program, words, part, log):
                 pass_fds=(log.fileno(),),  # so that the lock lasts as long as the solver does
                 preexec_fn=lambda: end_with_parent(signal.SIGTERM))
         except OSError as error:
-            log.write(f"error: {program[0]} does not start: {error.strerror}\n")
+            log.write(f"error: {command[0]} does not start: {error.strerror}\n")
             return 1
         interrupts.go_to(solver)
         _follow(run, solver.stdout, log)
@@ -83,7 +101,7 @@ def _simulate(run, program, words, part, log):
     if interrupts.came and status != 0:
         return EXIT_INTERRUPTED
     if status < 0:
-        log.write(f"error: {program[0]} was ended by signal {-status} ({signal.Signals(-status).name})\n")
+        log.write(f"error: {command[0]} was ended by signal {-status} ({signal.Signals(-status).name})\n")
     return status if status >= 0 else 128 - status
 
 
@@ -120,6 +138,9 @@ def _follow(run, lines, log):
     told_share, told_at = 0, time.monotonic()
     for line in lines:
         log.write(line)
+        if line.startswith(MARK):
+            tell(line[len(MARK):].rstrip("\n"))
+            told_share = 0  # of the next member
         progress = _PROGRESS.search(line)
         if progress:
             share = round(100 * float(progress[1]) / max(float(progress[2]), 1e-9))

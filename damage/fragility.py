@@ -1,0 +1,152 @@
+"""Fragility of a wall: the probability that a measure of damage exceeds a level, by the motion's intensity.
+
+The curve is the lognormal one, P(x) = Phi(ln(x / median) / dispersion), fitted by maximum likelihood to how many of
+the runs at each intensity exceed the level: J. W. Baker (2015), Efficient analytical fragility function fitting
+using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation (11).  Bounds are
+percentiles over bootstrap samples: the walls, which are the seeds of their joints' strengths, are drawn anew with
+replacement, each with all its runs; the records stay, so that bounds tell nothing of other earthquakes.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import minimize
+from scipy.special import log_ndtr, ndtr
+
+from damage.errors import InputError
+
+LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}
+"""Levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
+INTENSITIES = {"pga_g": "PGA [g]", "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]"}
+REPLICATES, CONFIDENCE = 500, 0.9
+DISPERSIONS = 0.01, 3.0
+"""Range of a fitted dispersion: where intensities tell runs that exceed from those that do not, the likelihood has no
+largest value and the lower end stands for a step."""
+
+
+@dataclass(frozen=True)
+class Fragility:
+    """A fitted curve with its bounds.
+
+    median [g], dispersion [-]: NaN where no run or every run exceeds the level; n_runs, n_exceeding; replicates:
+    (n, 2) medians and dispersions of the bootstrap samples that could be fitted; n_replicates: how many were drawn.
+    """
+
+    measure: str
+    level: float
+    median: float
+    dispersion: float
+    n_runs: int
+    n_exceeding: int
+    replicates: np.ndarray
+    n_replicates: int
+
+    def probability(self, intensity):
+        """P(measure > level) at intensities of any shape [g]."""
+        return curve(intensity, self.median, self.dispersion)
+
+    def bounds(self, intensity, confidence=CONFIDENCE):
+        """Lower and upper bound of the probability, (2, n), at intensities (n,) [g]."""
+        curves = curve(np.asarray(intensity)[None, :], *(column[:, None] for column in self.replicates.T))
+        return np.percentile(curves, _percentiles(confidence), axis=0)
+
+    def row(self, confidence=CONFIDENCE):
+        """The fit as a flat dictionary: a row of the table."""
+        row = {"measure": self.measure, "level": self.level, "runs": self.n_runs, "exceeding": self.n_exceeding,
+               "median_g": self.median, "dispersion": self.dispersion}
+        few = len(self.replicates) < 2
+        for name, column in zip(("median{}_g", "dispersion{}"), self.replicates.T):
+            low, high = (np.nan, np.nan) if few else np.percentile(column, _percentiles(confidence))
+            row |= {name.format("_low"): low, name.format("_high"): high}
+        return row | {"confidence": confidence, "replicates": self.n_replicates, "fitted": len(self.replicates)}
+
+
+def _percentiles(confidence):
+    return 50 * (1 - confidence), 50 * (1 + confidence)
+
+
+def curve(intensity, median, dispersion):
+    """The lognormal fragility curve; broadcasts."""
+    return ndtr(np.log(np.asarray(intensity) / median) / dispersion)
+
+
+def fit(intensity, exceeding, runs):
+    """(median, dispersion) by maximum likelihood.
+
+    intensity: (n,) [g]; exceeding, runs: (n,) how many of how many runs exceed the level there.
+    NaN where none or all do: the data then bound the median on one side only.
+    """
+    x, y, n = np.log(np.asarray(intensity, float)), np.asarray(exceeding, float), np.asarray(runs, float)
+    if y.sum() in (0, n.sum()):
+        return np.nan, np.nan
+
+    def misfit(parameters):  # Baker (2015), equation (11), with the sign changed
+        z = (x - parameters[0]) / np.exp(parameters[1])
+        below, above = log_ndtr(z), log_ndtr(-z)
+        density = -0.5 * z**2 - 0.5 * np.log(2 * np.pi)
+        dz = y * np.exp(density - below) - (n - y) * np.exp(density - above)
+        return (-np.sum(y * below + (n - y) * above),
+                np.array([np.sum(dz) / np.exp(parameters[1]), np.sum(dz * z)]))
+
+    centre = np.average(x, weights=n)
+    best = minimize(misfit, (centre, np.log(0.5)), jac=True, method="L-BFGS-B",
+                    bounds=((x.min() - 5, x.max() + 5), tuple(np.log(DISPERSIONS))))
+    return float(np.exp(best.x[0])), float(np.exp(best.x[1]))
+
+
+def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, seed=1):
+    """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every level.
+
+    The runs' walls are told apart by `strength_seed`.
+    """
+    exceeds = (runs[measure].to_numpy(float) > level) | runs["collapsed_at_s"].notna().to_numpy()
+    values, place = np.unique(runs[intensity].to_numpy(float), return_inverse=True)
+    walls, wall = np.unique(runs["strength_seed"].to_numpy(), return_inverse=True)
+    counts = np.zeros((2, len(walls), len(values)))  # runs of a wall at an intensity, and those that exceed
+    np.add.at(counts[0], (wall, place), 1)
+    np.add.at(counts[1], (wall, place), exceeds)
+    n, y = counts.sum(axis=1)
+    random = np.random.default_rng(seed)
+    fits = []
+    for _ in range(replicates if len(walls) > 1 else 0):
+        weights = np.bincount(random.integers(len(walls), size=len(walls)), minlength=len(walls))
+        drawn_n, drawn_y = np.tensordot(weights, counts, axes=(0, 1))
+        fits.append(fit(values, drawn_y, drawn_n))
+    fits = np.array(fits).reshape(-1, 2)
+    return Fragility(measure, level, *fit(values, y, n), len(runs), int(exceeds.sum()),
+                     fits[np.isfinite(fits).all(axis=1)], len(fits))
+
+
+def load_runs(folder):
+    """The runs of a study's folder whose strengths scatter: rows of its tables/summary.csv."""
+    path = Path(folder) / "tables" / "summary.csv"
+    if not path.is_file():
+        raise InputError(f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
+                         "./run_all.sh fragility --solver reference")
+    runs = pd.read_csv(path)
+    lacking = [name for name in (*LEVELS, "pga_g", "strength_cov", "strength_seed") if name not in runs]
+    if lacking:
+        raise InputError(f"{path} has no column {lacking[0]}; expected the tables of a study of this version; "
+                         "run it again")
+    runs = runs[(runs["strength_cov"] > 0) & (runs["status"] == "complete")]
+    if len(runs) == 0:
+        raise InputError(f"{path} holds no finished run with scattered strengths; expected some with strength-cov, "
+                         "as in studies/fragility.toml")
+    return runs
+
+
+def fit_all(runs, intensity="pga_g", replicates=REPLICATES):
+    """{wall: [Fragility of each level]} of runs."""
+    if intensity not in runs or runs[intensity].isna().any():
+        raise InputError(f"not every run has {intensity}; expected a study of recorded motions; choose "
+                         f"{' or '.join(name for name in INTENSITIES if name != intensity)}")
+    return {wall: [fragility(of_wall, measure, level, intensity, replicates) for measure, levels in LEVELS.items()
+                   for level in levels] for wall, of_wall in runs.groupby("wall", sort=False)}
+
+
+def fragility_table(fits, intensity):
+    """A DataFrame with a row for each wall, measure and level."""
+    return pd.DataFrame([{"wall": wall, "intensity": intensity, **one.row()} for wall, ones in fits.items()
+                         for one in ones])

@@ -1,0 +1,51 @@
+"""The picture of a wall's fragility: curves with confidence bounds, and the shares that they were fitted to."""
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from damage.figure_parts import add_heading, finish, grid, letter
+from damage.fragility import CONFIDENCE, INTENSITIES
+from damage.pictures import BLUE, GREEN, ORANGE, styled
+
+_PANELS = {"max_DI": "maximum DI", "max_crack_width_mm": "maximum crack width [mm]", "max_psi": r"maximum $\Psi$"}
+_STYLES = ((BLUE, "o", "-"), (GREEN, "s", "--"), (ORANGE, "^", "-."))
+
+
+@styled
+def fragility_picture(wall, runs, fits, intensity="pga_g"):
+    """Panels by measure, a curve a level; runs: the rows of this wall; fits: its list of Fragility."""
+    figure, axes = grid(1, len(_PANELS), 2.3)
+    x = np.linspace(0.005, 1.08, 200) * runs[intensity].max()
+    for number, (ax, (measure, label)) in enumerate(zip(axes[0], _PANELS.items())):
+        handles = []
+        for one, style in zip([one for one in fits if one.measure == measure], _STYLES):
+            handles.append(_draw(ax, x, runs, one, style, intensity))
+        ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
+        letter(ax, number, label)
+        ax.set(xlabel=INTENSITIES[intensity], xlim=(0, x[-1]), ylim=(-0.03, 1.03))
+    axes[0, 0].set_ylabel("probability of exceeding")
+    n_walls, records = runs["strength_seed"].nunique(), runs["record"].dropna().unique()
+    add_heading(figure, f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
+                f"variation {runs['strength_cov'].iloc[0]:g}; {', '.join(records)}")
+    return finish(figure, [
+        Line2D([], [], color="0.3", label="lognormal fit"), Patch(color="0.3", alpha=0.2, lw=0, label=(
+            f"{100 * CONFIDENCE:.0f} % confidence, over draws")),
+        Line2D([], [], color="0.3", marker="o", ls="", ms=3, label="share of the runs at one intensity")])
+
+
+def _draw(ax, x, runs, one, style, intensity):
+    """Shares, curve and bounds of one level; returns the legend's entry."""
+    colour, marker, line = style
+    exceeds = (runs[one.measure] > one.level) | runs["collapsed_at_s"].notna()
+    shares = exceeds.groupby(runs[intensity]).mean()
+    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
+    told = f"> {one.level:g}"
+    if np.isfinite(one.median):
+        ax.plot(x, one.probability(x), color=colour, ls=line)
+        if len(one.replicates) > 1:
+            ax.fill_between(x, *one.bounds(x), color=colour, alpha=0.2, lw=0)
+        told += f": median {one.median:.3f} g, dispersion {one.dispersion:.2f}"
+    else:
+        told += f": {one.n_exceeding} of {one.n_runs} runs"
+    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=told)

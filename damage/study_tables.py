@@ -1,0 +1,168 @@
+"""The tables of a whole study, of whichever runs are there: one row a run, one row a point.
+
+    python3 -m damage.study_tables STUDY.toml DIR [-j N]
+
+writes below DIR/tables: summary.csv, a row for each run; points.csv, a row for each point and solver, with the
+median over its members under a measure's NAME and their range under NAME_min and NAME_max; study.h5, both of them
+as HDF5 (`read_study_table`).  A run's row is worked out once and kept in DIR/tables/rows; it is worked out anew
+when the history is younger.
+"""
+
+import argparse
+import json
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+from damage.reading import read_history
+from damage.study import load_study
+from damage.tables import summary_row, write_table
+
+COUNTED = ("run", "seed", "status", "collapsed_at_s")
+"""Columns of a run that a point counts instead of taking medians of, or leaves out."""
+PARAMETERS = ("point", "solver", "wall", "motion", "record", "pga_g", "sa_0.2_s_g", "motion_period_s", "amplitude_g",
+              "cycles", "scale", "window_start_s", "window_end_s", "vertical", "shocks", "motion_duration_s", "rest_s",
+              "lintel", "top", "cells", "contacts", "strength_cov", "alpha_1_s", "beta_s", "perturb_m", "time_step_s",
+              "eigen_period_s", "slip", "total_joint_length_m")
+"""Columns that all runs of a point share; a point's value is that of its first run."""
+
+
+def runs_there(run, folder):
+    """Names of the runs of a StudyRun whose histories are in `folder`/runs and whole, in their order."""
+    if run.is_ensemble:
+        stamp = folder / "runs" / f"{run.id}.members"
+        return stamp.read_text(encoding="utf-8").split() if stamp.is_file() else []
+    return [run.id] if (folder / "runs" / f"{run.id}.h5").is_file() else []
+
+
+def row_of(folder, name, point):
+    """The summary's row of one run, from its file or, where that is missing or old, from the history."""
+    history, kept = folder / "runs" / f"{name}.h5", folder / "tables" / "rows" / f"{name}.json"
+    if not kept.is_file() or kept.stat().st_mtime_ns < history.stat().st_mtime_ns:
+        return write_row(read_history(history), kept, point)
+    return json.loads(kept.read_text(encoding="utf-8"))
+
+
+def write_row(history, path, point):
+    """Write the summary's row of a History as JSON, whole or not at all; returns it."""
+    row = summary_row(history, run=path.stem, point=point)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    part.write_text(json.dumps(row), encoding="utf-8")
+    os.replace(part, path)
+    return row
+
+
+def summary_of(study, folder, jobs=1):
+    """A DataFrame with a row for each run of the study that is there, of either solver.
+
+    `members` is how many runs there are of the row's point in its solver.
+    """
+    there = [(name, run.point, members) for run in study.of_both
+             for members in [runs_there(run, folder)] for name in members]
+    if not there:
+        raise InputError(f"{folder} holds no run of the study {study.name}; run it first with ./run_all.sh")
+    names, points, members = zip(*there)
+    if jobs > 1 and len(there) > 8:
+        with ProcessPoolExecutor(jobs) as pool:
+            rows = list(pool.map(row_of, [folder] * len(there), names, points, chunksize=4))
+    else:
+        rows = [row_of(folder, *one) for one in zip(names, points)]
+    table = pd.DataFrame(rows)
+    table.insert(table.columns.get_loc("solver") + 1, "members", [len(names) for names in members])
+    return table
+
+
+def points_of(summary):
+    """A row for each point and solver of a summary: what its runs share, medians and ranges of what they do not.
+
+    `status` is complete when all runs are, `collapsed` counts those that collapsed, and `collapsed_at_s` is the
+    median of these where they are half of the runs or more.  Words, as of classes, are the most frequent.
+    """
+    groups = summary.groupby(["point", "solver"], sort=False)
+    return pd.DataFrame([_point(runs) for _, runs in groups])
+
+
+def _point(runs):
+    first, fallen = runs.iloc[0], runs["collapsed_at_s"].astype(float).dropna()
+    row = {name: first[name] for name in PARAMETERS if name in runs}
+    ended = runs["status"] == "complete"
+    row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
+            "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None}
+    for name in runs.columns.difference([*row, *COUNTED, "strength_seed"], sort=False):
+        values = runs[name].dropna()
+        if _is_number(values):
+            numbers = values.astype(float)
+            row |= {name: numbers.median(), f"{name}_min": numbers.min(), f"{name}_max": numbers.max()}
+        else:
+            row[name] = values.mode().iloc[0]
+    return row
+
+
+def _is_number(values):
+    return all(isinstance(value, (int, float, np.number)) for value in values)
+
+
+def write_hdf5(tables, path):
+    """Write {name: DataFrame} as HDF5, whole or not at all: a group a table, a dataset a column.
+
+    Numbers are f8, NaN where empty; words are UTF-8, empty where missing.
+    """
+    part = path.with_name(f"{path.name}.part")
+    with h5py.File(part, "w") as file:
+        for table, frame in tables.items():
+            group = file.create_group(table, track_order=True)
+            for name, column in frame.items():
+                words = not _is_number(column.dropna())
+                values = column.fillna("").astype(str).to_numpy(object) if words else column.to_numpy(dtype="f8",
+                                                                                                     na_value=np.nan)
+                group.create_dataset(name, data=values, dtype=h5py.string_dtype() if words else "f8")
+    os.replace(part, path)
+
+
+def read_study_table(path, table="runs"):
+    """DataFrame of one table, "runs" or "points", of a study's study.h5."""
+    try:
+        with h5py.File(path, "r") as file:
+            return pd.DataFrame({name: (column.asstr()[:] if column.dtype == object else column[:])
+                                 for name, column in file[table].items()})
+    except (OSError, KeyError) as error:
+        raise InputError(f"{path} cannot be read as the tables of a study ({error}); expected study.h5 of a study, "
+                         'and "runs" or "points"') from error
+
+
+def write_study_tables(study, folder, jobs=1):
+    """Write summary.csv, points.csv and study.h5 of what there is; returns their paths, the summary last."""
+    summary = summary_of(study, folder, jobs)
+    points = points_of(summary)
+    tables = folder / "tables"
+    paths = [write_table(points, tables / "points.csv"), tables / "study.h5"]
+    write_hdf5({"runs": summary, "points": points}, paths[1])
+    return [*paths, write_table(summary, tables / "summary.csv")]
+
+
+def main(arguments=None):
+    """Run the command; returns the exit status: 0 done, 2 bad input."""
+    parser = argparse.ArgumentParser(prog="python3 -m damage.study_tables", description=__doc__.splitlines()[0])
+    parser.add_argument("study", type=Path, metavar="STUDY.toml")
+    parser.add_argument("folder", type=Path, metavar="DIR")
+    parser.add_argument("--solver", default="both")
+    parser.add_argument("-j", dest="jobs", type=int, default=1)
+    parsed = parser.parse_args(arguments)
+    try:
+        for path in write_study_tables(load_study(parsed.study, parsed.solver), parsed.folder, parsed.jobs):
+            print(path)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

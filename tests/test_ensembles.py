@@ -1,0 +1,234 @@
+"""Grids and ensembles of studies: what a file asks for, whole batches of the reference solver, their tables."""
+
+import hashlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+from small_history import make_history
+
+from damage.errors import InputError
+from damage.reading import read_history
+from damage.study import load_study
+from damage.study_grid import expand
+from damage.study_tables import points_of, read_study_table
+from damage.tables import summary_row
+
+SINE = 'options = { harmonic = [0.2, 0.05] }\n'
+WALL = 'wall = "walls/symmetric.py"\n'
+BGAR = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
+
+
+def write_study(folder, text):
+    path = folder / "study.toml"
+    path.write_text(f'name = "s"\npictures = "none"\n{text}')
+    return path
+
+
+class TestGrid:
+    def test_every_combination_the_last_name_fastest(self):
+        grid = {"wall": "{w}.py", "options": {"harmonic": ["{t}", 0.1], "x": "a{t}"}, "vary": {"w": ["a", "b"],
+                                                                                          "t": [1, 2.5]}}
+        tables = expand(grid, "here")
+        assert [(one["wall"], one["options"]["harmonic"]) for one in tables] == [
+            ("a.py", [1, 0.1]), ("a.py", [2.5, 0.1]), ("b.py", [1, 0.1]), ("b.py", [2.5, 0.1])]
+        assert tables[1]["options"]["x"] == "a2.5" and "vary" not in tables[0]
+
+    def test_a_range_stands_for_whole_numbers_and_any_value_for_a_name_alone(self):
+        assert [one["a"] for one in expand({"a": "{n}", "vary": {"n": {"from": 3, "to": 5}}}, "")] == [3, 4, 5]
+        assert [one["a"] for one in expand({"a": "{n}", "vary": {"n": [False, [1, 2]]}}, "")] == [False, [1, 2]]
+
+    @pytest.mark.parametrize(("text", "told"), [
+        (f'[[grid]]\n{WALL}{SINE}', "grid 1: vary = None"),
+        (f'[[grid]]\n{WALL}{SINE}vary = {{ a = [] }}', "vary holds a = []"),
+        (f'[[grid]]\n{WALL}{SINE}vary = {{ a = [1] }}', "vary names 'a', which nothing uses"),
+        ('[[grid]]\nwall = "{b}"\noptions = { rest = "{a}" }\nvary = { a = [1] }', "names 'b'"),
+        (f'[[grid]]\n{WALL}{SINE}vary = 1\nmembres = 3', "grid 1: unknown key 'membres'"),
+        (f'grid = 3\n[[runs]]\n{WALL}{SINE}', "grid is no list of tables"),
+        (f'[[runs]]\n{WALL}{SINE}members = 0', "members = 0"),
+        (f'[[runs]]\n{WALL}{SINE}members = true', "members = True"),
+        (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9', "perturb without members"),
+        (f'[[runs]]\n{WALL}{SINE}perturb = -1\nmembers = 2', "perturb = -1"),
+        (f'[[runs]]\n{WALL}{SINE}samples = 2\nmembers = 2', "choose one kind"),
+        (f'[[runs]]\n{WALL}{SINE}samples = 2', "strengths do not scatter"),
+        (f'[[runs]]\n{WALL}options = {{ seed = 3 }}\nmembers = 2', "--seed is set by members"),
+        (f'[[runs]]\n{WALL}{SINE}solvers = ["udec"]', "solvers = ['udec']"),
+        (f'[[runs]]\n{WALL}{SINE}solvers = ["yade"]', "expected --solver yade"),
+        (f'[[runs]]\n{WALL}options = {{ record = ["no.csv", "nor.csv"] }}', "none of the files"),
+        (f'pictures = "some"\n[[runs]]\n{WALL}{SINE}', "TOML"),
+    ], ids=str)
+    def test_a_bad_grid_or_ensemble_is_refused_in_one_line(self, tmp_path, text, told):
+        with pytest.raises(InputError) as caught:
+            load_study(write_study(tmp_path, text), "reference")
+        assert told in str(caught.value) and "\n" not in str(caught.value)
+
+    def test_the_first_file_that_is_there_counts(self, tmp_path):
+        path = write_study(tmp_path, f'[[runs]]\n{WALL}options = {{ record = ["own.csv", "{BGAR}"] }}\n')
+        assert load_study(path).runs[0].words == ("--record", BGAR)
+        (tmp_path / "own.csv").write_text("0,0\n0.1,1\n0.2,0\n")
+        assert load_study(path).runs[0].words == ("--record", str(tmp_path / "own.csv"))
+
+
+class TestShipped:
+    def test_harmonic_is_the_papers_matrix(self):
+        runs = load_study(REPOSITORY / "studies" / "harmonic.toml", "reference").runs
+        assert {(run.wall, run.words[1], run.words[2]) for run in runs} == {
+            (f"walls/{wall}.py", str(period), str(amplitude)) for wall in ("solid", "symmetric", "asymmetric")
+            for period in (0.06, 0.2, 0.33, 1.0) for amplitude in (0.01, 0.025, 0.05, 0.075, 0.1)}
+        assert {(run.members, run.adaptive, run.varied) for run in runs} == {
+            (5, True, ("--perturb", "1e-09", "--seed"))}
+
+    def test_ida_is_two_records_at_eight_scales_on_two_walls(self):
+        study = load_study(REPOSITORY / "studies" / "ida.toml", "both")
+        for solver, members in (("yade", 1), ("reference", 5)):
+            runs = [run for run in study.runs if run.solver == solver]
+            assert len({(run.wall, run.words[1], run.words[3]) for run in runs}) == len(runs) == 32
+            assert {run.members for run in runs} == {members}
+
+
+class TestTables:
+    def test_a_row_names_the_point_the_record_and_the_peak_of_the_motion_as_applied(self, tmp_path):
+        row = summary_row(make_history(tmp_path / "a_s1.h5"), point="a")
+        assert (row["run"], row["point"], row["record"], row["pga_g"]) == ("a_s1", "a", None, row["amplitude_g"])
+
+    def test_a_point_is_the_median_of_its_runs_with_their_range(self):
+        runs = pd.DataFrame({"run": list("abcd"), "point": ["p", "p", "p", "q"], "solver": "reference", "wall": "w",
+                             "status": "complete", "collapsed_at_s": [None, 1.0, None, 2.0], "seed": [1, 2, 3, 1],
+                             "max_DI": [0.1, 0.5, 0.2, 0.7], "drift_class": ["a", "b", "b", "c"]})
+        points = points_of(runs).set_index("point")
+        assert_allclose(points.loc["p", ["max_DI", "max_DI_min", "max_DI_max"]].astype(float), [0.2, 0.1, 0.5])
+        assert points.loc["p", "drift_class"] == "b" and list(points["members"]) == [3, 1]
+        assert list(points["collapsed"]) == [1, 1]
+        assert_allclose(points["collapsed_at_s"].astype(float), [np.nan, 2.0])
+        assert "seed" not in points
+
+
+# Three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g.
+TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
+POINTS = ('[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}" }\n'
+          'members = 3\nvary = { g = [%s], rest = [0.05] }\n')
+
+
+class Reference:
+    """Batches of the reference solver in a folder, with the tiny wall."""
+
+    def __init__(self, folder):
+        (folder / "tiny.py").write_text(TINY)
+        self.folder, self.out = folder, folder / "out"
+
+    def command(self, study, *words):
+        return [str(REPOSITORY / "run_all.sh"), str(study), "--solver", "reference", "-j2", *words]
+
+    def run(self, study, *words):
+        return subprocess.run(self.command(study, "--out", self.out, *words), timeout=300, capture_output=True,
+                              text=True, env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
+
+    def start(self, study):
+        return subprocess.Popen(self.command(study, "--out", self.out), stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL,
+                                env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
+
+    def members(self):
+        return sorted(path for path in (self.out / "runs").glob("*_s?.h5"))
+
+    def checksums(self):
+        return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in self.members()}
+
+    def tables(self):
+        return {path.name: path.read_bytes() for path in (self.out / "tables").glob("*.csv")}
+
+
+@pytest.fixture
+def reference(tmp_path):
+    pytest.importorskip("snakemake")
+    return Reference(tmp_path)
+
+
+def kill_tree(pid):
+    """SIGKILL a process and all below it, the topmost first."""
+    rows = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True).stdout.split("\n")
+    children = {}
+    for child, parent in (map(int, row.split()) for row in rows if row):
+        children.setdefault(parent, []).append(child)
+    ending = [pid]
+    for one in ending:
+        ending += children.get(one, [])
+    for one in ending:
+        try:
+            os.kill(one, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+
+
+@pytest.mark.slow
+class TestBatch:
+    def test_members_differ_by_seed_and_an_intact_wall_has_but_one(self, reference):
+        study = write_study(reference.folder, POINTS % "0.5, 0.01")
+        done = reference.run(study)
+        assert done.returncode == 0, done.stderr
+        assert "study s: 2 of 2 points done" in done.stdout
+        names = [f"tiny_harmonic-0.1-{g}_cycles-2_rest-0.05_reference_s{k}" for g, k in
+                 ((0.01, 1), (0.5, 1), (0.5, 2), (0.5, 3))]
+        assert [path.stem for path in reference.members()] == names
+        assert [read_history(path).parameters["seed"] for path in reference.members()] == [1, 1, 2, 3]
+        assert {read_history(path).parameters["perturb_m"] for path in reference.members()} == {1e-9}
+        summary = pd.read_csv(reference.out / "tables" / "summary.csv")
+        assert list(summary["members"]) == [3, 3, 3, 1] and list(summary["pga_g"]) == [0.5, 0.5, 0.5, 0.01]
+        points = pd.read_csv(reference.out / "tables" / "points.csv").set_index("amplitude_g")
+        cracked = summary[summary["amplitude_g"] == 0.5]["max_DI"]
+        assert_allclose(points.loc[0.5, ["max_DI", "max_DI_min", "max_DI_max"]].astype(float),
+                        [cracked.median(), cracked.min(), cracked.max()])
+        stored = read_study_table(reference.out / "tables" / "study.h5", "runs")
+        assert list(stored["run"]) == list(summary["run"]) and list(stored.columns) == list(summary.columns)
+        assert_allclose(stored["max_DI"], summary["max_DI"], rtol=1e-8)
+        assert sorted(path.name for path in (reference.out / "tables").glob("*_index.csv")) == [
+            f"{names[0]}_index.csv", f"{names[1]}_index.csv"]  # of the first member only
+
+        before = reference.checksums()
+        (reference.out / "tables" / "summary.csv").unlink()
+        more = write_study(reference.folder, (POINTS % "0.5, 0.01").replace("members = 3", "members = 4"))
+        assert reference.run(more).returncode == 0
+        after = reference.checksums()
+        assert len(after) == 5 and before == {name: after[name] for name in before}
+        (reference.folder / "tiny.py").write_text(TINY.replace("0.6)", "0.675)"))
+        assert reference.run(more).returncode == 0  # another wall: all members anew
+        assert not set(after.values()) & set(reference.checksums().values()) and len(reference.members()) == 5
+
+    def test_killed_while_a_history_grows_it_goes_on_and_ends_in_the_same_tables(self, reference):
+        study = write_study(reference.folder, (POINTS % "0.5, 0.4, 0.3").replace("rest = [0.05]", "rest = [1.5]"))
+        batch = reference.start(study)
+        until = time.monotonic() + 120
+        while len(reference.members()) < 3 or not list((reference.out / "runs").glob("*.part.h5")):
+            assert batch.poll() is None and time.monotonic() < until, "it ended before it could be killed"
+            time.sleep(0.02)
+        kill_tree(batch.pid)
+        batch.wait()
+        before = reference.checksums()
+        stamps = {path: path.stat().st_mtime_ns for path in reference.members()}
+        assert 3 <= len(before) < 9
+        assert list((reference.out / "runs").glob("*.part.h5")), "no history was being written"
+        done = reference.run(study)
+        assert done.returncode == 0, done.stderr
+        after = reference.checksums()
+        assert len(after) == 9 and before == {name: after[name] for name in before}
+        assert all(path.stat().st_mtime_ns == stamp for path, stamp in stamps.items())
+        resumed, reference.out = reference.tables(), Path(f"{reference.out}_whole")
+        assert reference.run(study).returncode == 0
+        assert len(resumed) > 10 and reference.tables() == resumed
+
+    def test_a_failing_member_stops_no_other_point_and_is_named(self, reference):
+        # A step above the stable one is refused when the member starts.
+        bad = '[[runs]]\nid = "bad"\nwall = "tiny.py"\noptions = { rest = 0, dt = 0.1 }\nmembers = 2\n'
+        done = reference.run(write_study(reference.folder, POINTS % "0.01" + bad))
+        assert done.returncode == 1
+        log = reference.out / "logs" / "bad_reference.log"
+        assert f"failed: bad_reference; see {log} (error: --dt 0.1 s is above" in done.stderr
+        assert list(pd.read_csv(reference.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]

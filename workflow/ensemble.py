@@ -1,0 +1,107 @@
+"""The members of an ensemble one after another, in one process: imports and compiled code are loaded once.
+
+    ensemble.py POINT --runs runs --tables tables --members N --varied='--perturb 1e-9 --seed' [--adaptive]
+        --inputs DIGEST --name POINT_NAME -- walls/NAME.py [OPTIONS]
+
+Member k is the reference solver's run with the words of --varied and k behind its options, in runs/POINT_sk.h5; it
+grows in runs/POINT_sk.part.h5 and gets its name when it is whole.  A member that is there is not done again, unless
+runs/.inputs/POINT tells of other inputs than DIGEST.  With --adaptive the first is the only one where it breaks no
+joint: the wall was linear, and offsets of a nanometre change nothing.  Last comes runs/POINT.members, their names;
+before it their rows for the summary and the first one's tables.
+
+Exit status: 0 all members whole, 130 interrupted, otherwise that of the last member that failed.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from shared import tell
+
+from damage.errors import InputError
+from damage.reading import read_history
+from damage.reference_session import run_reference
+from damage.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.study_tables import write_row
+from damage.tables import write_run_tables
+
+
+def main():
+    """Run one ensemble; returns the exit status."""
+    asked = _arguments()
+    keep_what_fits(asked.runs, asked.point, asked.inputs)
+    status, names = EXIT_OK, []
+    for number in range(1, asked.members + 1):
+        name = f"{asked.point}_s{number}"
+        ended, history = member(asked, name, number)
+        if ended == EXIT_INTERRUPTED:
+            return ended
+        if history is None:
+            status = ended
+            continue
+        if number == 1:
+            write_run_tables(history, asked.tables / name)
+        write_row(history, asked.tables / "rows" / f"{name}.json", asked.name)
+        names.append(name)
+        if asked.adaptive and not (history.broken.any() or history.at_limit.any()):
+            break
+    if status == EXIT_OK:
+        write_whole(asked.runs / f"{asked.point}.members", "\n".join(names) + "\n")
+    return status
+
+
+def _arguments():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("point")
+    for option in ("--runs", "--tables"):
+        parser.add_argument(option, type=Path, required=True)
+    parser.add_argument("--members", type=int, required=True)
+    for option in ("--varied", "--inputs", "--name"):
+        parser.add_argument(option, required=True)
+    parser.add_argument("--adaptive", action="store_true")
+    parser.add_argument("words", nargs="+")
+    return parser.parse_args()
+
+
+def keep_what_fits(runs, point, inputs):
+    """Remove the members that were made from other inputs, and note of which the next ones are."""
+    note = runs / ".inputs" / point
+    note.parent.mkdir(parents=True, exist_ok=True)
+    if not note.is_file() or note.read_text(encoding="utf-8") != inputs:
+        for path in runs.glob(f"{point}_s*.h5"):
+            if path.name.removeprefix(f"{point}_s").split(".")[0].isdigit():
+                path.unlink()
+        write_whole(note, inputs)
+
+
+def write_whole(path, text):
+    """Write a file, whole or not at all."""
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, path)
+
+
+def member(asked, name, number):
+    """Simulate one member unless it is there; returns (exit status, its History or None)."""
+    out, part = asked.runs / f"{name}.h5", asked.runs / f"{name}.part.h5"
+    if not out.is_file():
+        words = [*asked.words, *asked.varied.split(), str(number)]
+        sys.argv = ["damage", "reference", *words]  # the history keeps it as its command
+        print(f"--- {name}", flush=True)
+        status = run_reference([*words, "--out", str(part), "--overwrite", "--no-pictures"])
+        if status != EXIT_OK:
+            tell(f"{name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
+            return status, None
+        os.replace(part, out)
+        tell(f"{name}: done")
+    try:
+        history = read_history(out)
+    except InputError as error:
+        print(f"error: {error}; delete it", file=sys.stderr)
+        return EXIT_FAILED, None
+    return EXIT_OK, history
+
+
+if __name__ == "__main__":
+    sys.exit(main())
