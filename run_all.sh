@@ -13,7 +13,7 @@ shipped() {
 
 usage() {
     cat <<END
-usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both]
+usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
 
 STUDY is one of: $(shipped | paste -sd' ')
 or the path of a study file of your own (.toml; copy studies/quick.toml).
@@ -21,9 +21,12 @@ or the path of a study file of your own (.toml; copy studies/quick.toml).
   -j N           simulations at a time (default: one for each core, here $(nproc))
   --out DIR      where everything goes (default: results/STUDY in the repository)
   --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
+  --slurm        each as a job of a SLURM cluster that shares this folder; SBATCH_PARTITION and the
+                 like choose where (docs/batches.md); -j is the number of jobs at a time
   -h, --help     this help
 
-DIR gets runs/ (histories), tables/ (summary.csv and three tables a run), pictures/ and logs/.
+DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
+runs), pictures/ where the study asks for them, and logs/.  docs/batches.md describes studies.
 What is done is not done again: the same command goes on where an interrupted one stopped, and
 repeats only what a changed study file, wall or record touches.  To have tables or pictures made anew,
 delete their folder.
@@ -37,12 +40,16 @@ fail() {
     exit 2
 }
 
-study='' jobs=$(nproc) out='' solver=yade
+study='' jobs=$(nproc) out='' solver=yade slurm=''
 while [ $# -gt 0 ]; do
     case $1 in
         -h | --help)
             usage
             exit 0
+            ;;
+        --slurm)
+            slurm=--slurm
+            shift
             ;;
         --out=* | --solver=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
         -j?*) set -- -j "${1#-j}" "${@:2}" ;;
@@ -55,7 +62,7 @@ while [ $# -gt 0 ]; do
             esac
             shift 2
             ;;
-        -*) fail "unknown option $1: expected -j, --out or --solver; see --help" ;;
+        -*) fail "unknown option $1: expected -j, --out, --solver or --slurm; see --help" ;;
         *)
             [ -z "$study" ] || fail "two studies, $study and $1: expected one; run them one after the other"
             study=$1
@@ -65,6 +72,7 @@ while [ $# -gt 0 ]; do
 done
 
 [ -n "$study" ] || fail "no study given: expected $(shipped | paste -sd' ') or a study file; see --help"
+[ -z "$slurm" ] || [ -n "$(type -P sbatch)" ] || fail "--slurm without sbatch on PATH: run it where SLURM is, or leave it out"
 [[ $jobs =~ ^[1-9][0-9]{0,3}$ ]] || fail "-j $jobs: expected a whole number, 1 or more; mend it"
 case $solver in
     yade | reference | both) ;;
@@ -84,4 +92,4 @@ esac
 
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" run
-exec "$PYTHON" "$root/workflow/batch.py" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver"
+exec "$PYTHON" "$root/workflow/batch.py" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm

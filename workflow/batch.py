@@ -1,6 +1,6 @@
 """One study from its file to tables and pictures, by way of Snakemake; `run_all.sh` starts this.
 
-    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both]
+    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
 
 Exit status: 0 all done, 1 something failed, 2 bad input, 130 interrupted.
 """
@@ -10,6 +10,7 @@ import fcntl
 import json
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -40,7 +41,7 @@ def main():
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    batch = Batch(study, folder, parsed.jobs, parsed.solver, lock)
+    batch = Batch(study, folder, parsed.jobs, parsed.solver, lock, parsed.slurm)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}\n"
           f"{batch.unit}: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
     status = batch.snakemake()
@@ -55,6 +56,7 @@ def _parse():
     parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count())
     parser.add_argument("--out", type=Path)
     parser.add_argument("--solver", default="yade", choices=("yade", "reference", "both"))
+    parser.add_argument("--slurm", action="store_true")
     return parser.parse_args()
 
 
@@ -101,8 +103,9 @@ def load_name(path):
 class Batch:
     """A study on its way through Snakemake in one folder."""
 
-    def __init__(self, study, folder, jobs, solver, lock):
+    def __init__(self, study, folder, jobs, solver, lock, slurm=False):
         self.study, self.folder, self.jobs, self.solver, self.lock = study, folder, jobs, solver, lock
+        self.slurm = slurm
         self.interrupted = False
         self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
         self._began, self._there_before = time.monotonic(), len(self.simulated())
@@ -127,12 +130,23 @@ class Batch:
         return process.wait()
 
     def _command(self, targets, config):
-        config = {"study": json.dumps(str(self.study.path)), "solver": self.solver, **config}
-        return [sys.executable, "-m", "snakemake", *targets,
+        config = {"study": json.dumps(str(self.study.path)), "solver": self.solver,
+                  "jobs": 1 if self.slurm else self.jobs, **config}
+        where = self._slurm() if self.slurm else ["--cores", str(self.jobs)]
+        return [sys.executable, "-m", "snakemake", *targets, *where,
                 "--snakefile", str(ROOT / "workflow" / "Snakefile"), "--directory", str(self.folder),
-                "--cores", str(self.jobs), "--scheduler", "greedy", "--nolock", "--nocolor", "--keep-going",
+                "--scheduler", "greedy", "--nolock", "--nocolor", "--keep-going",
                 "--rerun-incomplete", "--rerun-triggers", "mtime", "params", "input",
                 "--config", *(f"{key}={value}" for key, value in config.items())]
+
+    def _slurm(self):
+        """Snakemake's words for jobs on a SLURM cluster, whose folder and repository all nodes share."""
+        logs = self.folder / "logs" / "slurm"
+        logs.mkdir(parents=True, exist_ok=True)
+        submit = ["sbatch", "--parsable", "--ntasks=1", f"--job-name={self.study.name}", f"--output={logs}/%j.log"]
+        return ["--jobs", str(self.jobs), "--latency-wait", "60", "--max-status-checks-per-second", "2",
+                "--cluster", shlex.join(submit) + " --cpus-per-task={threads}", "--cluster-cancel", "scancel",
+                "--cluster-status", str(ROOT / "workflow" / "slurm_status.sh")]
 
     def _environment(self):
         """This process's, with what Snakemake, matplotlib and YADE's IPython keep inside the folder."""

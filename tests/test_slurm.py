@@ -1,0 +1,78 @@
+"""A study on a real SLURM of one node gives the tables that it gives without; a status for every state of a job."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from conftest import REPOSITORY
+
+STATUS = REPOSITORY / "workflow" / "slurm_status.sh"
+PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
+STUDY = '''name = "s"
+pictures = "none"
+[[grid]]
+wall = "tiny.py"
+options = { harmonic = [0.1, "{g}"], cycles = 2, rest = 0.05 }
+members = 2
+vary = { g = [0.5, 0.01] }
+[[runs]]
+id = "bad"
+wall = "tiny.py"
+options = { rest = 0, dt = 0.1 }
+'''
+
+
+@pytest.mark.parametrize(("told", "status"), [
+    ("JobId=7 JobState=PENDING Reason=None", "running"), ("JobId=7 JobState=RUNNING Reason=None", "running"),
+    ("JobId=7 JobState=COMPLETED Reason=None", "success"), ("JobId=7 JobState=TIMEOUT Reason=None", "failed"),
+    ("JobId=7 JobState=FAILED Reason=NonZeroExitCode", "failed"), ("JobId=7 JobState=CANCELLED Reason=x", "failed"),
+    ("slurm_load_jobs error: Invalid job id specified", "failed"),
+    ("slurm_load_jobs error: Unable to contact slurm controller", "running"),
+])
+def test_states_of_jobs(tmp_path, told, status):
+    scontrol = tmp_path / "scontrol"
+    scontrol.write_text(f'#!/bin/sh\necho "{told}"\n')
+    scontrol.chmod(0o755)
+    done = subprocess.run([STATUS, "7"], capture_output=True, text=True,
+                          env={"PATH": f"{tmp_path}{os.pathsep}/usr/bin{os.pathsep}/bin"})
+    assert done.stdout.strip() == status
+
+
+def test_slurm_is_asked_for_in_one_line_where_it_is_missing(tmp_path):
+    done = subprocess.run([REPOSITORY / "run_all.sh", "quick", "--slurm"], capture_output=True, text=True,
+                          env={"PATH": "/nowhere:/bin" if not shutil.which("sbatch", path="/bin") else _without_slurm(
+                              tmp_path)})
+    assert done.returncode == 2 and "--slurm without sbatch" in done.stderr and done.stderr.count("\n") == 1
+
+
+def _without_slurm(folder):
+    """A PATH with what run_all.sh needs before it looks for sbatch."""
+    for name in ("bash", "env", "dirname", "readlink", "basename", "nproc", "paste", "cat"):
+        (folder / name).symlink_to(shutil.which(name))
+    return str(folder)
+
+
+@pytest.mark.long
+@pytest.mark.skipif(os.geteuid() != 0, reason="SLURM's node starts jobs as root only")
+@pytest.mark.skipif(not all(shutil.which(name, path=f"{os.environ['PATH']}:/usr/sbin") for name in PROGRAMS),
+                    reason="SLURM is not installed")
+def test_a_study_on_slurm(tmp_path):
+    pytest.importorskip("snakemake")
+    (tmp_path / "tiny.py").write_text(
+        "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n")
+    (tmp_path / "study.toml").write_text(STUDY)
+    batch = [REPOSITORY / "run_all.sh", tmp_path / "study.toml", "--solver", "reference", "-j2", "--out"]
+    tables = {}
+    for name, words in (("slurm", [REPOSITORY / "scripts" / "local_slurm.sh"]), ("here", [])):
+        command = [*words, *batch, tmp_path / name, *(["--slurm"] if words else [])]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=500,
+                              env={**os.environ, "PYTHON": sys.executable, "CPUS": "2"})
+        if done.returncode == 3:
+            pytest.skip(f"SLURM does not start here: {done.stderr[-200:]}")
+        assert done.returncode == 1, done.stderr  # of the run with too large a step, which stops no other
+        assert "failed: bad_reference; see" in done.stderr and "2 of 3 points done" in done.stdout
+        tables[name] = {path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
+    assert len(list((tmp_path / "slurm" / "logs" / "slurm").glob("*.log"))) >= 4
+    assert len(tables["here"]) == 10 and tables["slurm"] == tables["here"]
