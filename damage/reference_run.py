@@ -68,8 +68,8 @@ class ReferenceRun:
             wall.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
             wall.local_damping = loading.local_damping if self.settings.relaxation == "local" else 0.0
         else:
-            wall.local_damping = wall.adaptive_damping = 0.0
-            wall.alpha, wall.beta = self.settings.alpha_1_s, self.settings.beta_s
+            wall.adaptive_damping = 0.0
+            self._damp(settling=False)
             wall.velocity = getattr(loading, "top_velocity_m_s", 0.0) * first_mode
         wall.energy[:] = 0.0
         self._zero = wall.displacement.copy(), wall.elastic_energy()
@@ -100,7 +100,7 @@ class ReferenceRun:
             return self.run_pushed()
         for stage in self.schedule:
             self.stage = stage.name
-            self.wall.local_damping = LOCAL_DAMPING if stage.name == "settling" else 0.0
+            self._damp(settling=stage.name == "settling")
             while self.wall.step - self.wall.first_step < stage.end_step:
                 if not self.keep_going(self, self.time):
                     return False
@@ -109,6 +109,12 @@ class ReferenceRun:
                 if self.collapsed_at_s is not None:
                     return True
         return True
+
+    def _damp(self, settling):
+        """Local damping while settling, that of the settings otherwise: both at once are unstable at this step."""
+        wall, settings = self.wall, self.settings
+        wall.local_damping = LOCAL_DAMPING if settling else 0.0
+        wall.alpha, wall.beta = (0.0, 0.0) if settling else (settings.alpha_1_s, settings.beta_s)
 
     def record(self):
         """Write one sample of everything."""

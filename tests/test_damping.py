@@ -98,3 +98,15 @@ def test_push_force_and_base_shear_are_one_under_adaptive_damping(tmp_path):
     series = damage.read_history(out).series
     peak = series["base_shear_n"].max()
     assert_allclose(series["top_force_n"].max(), peak, rtol=0.05)
+
+
+@pytest.mark.parametrize("words", [["--beta", "1e-5"], ["--rayleigh", "0.02", "5", "200"]])
+def test_a_damped_wall_settles(tmp_path, words):
+    """Viscous and local damping together would be unstable at the step that each allows."""
+    out = tmp_path / "run.h5"
+    assert run_reference(["walls/symmetric.py", "--free-vibration", "--rest", "0.05", *words, "--out", str(out),
+                          "--no-pictures"]) == 0
+    history = damage.read_history(out)
+    energy = history.series["kinetic_energy_j"].to_numpy()
+    assert not history.broken.any()
+    assert energy[-1] < 1e-3 * energy[0]
