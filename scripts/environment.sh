@@ -2,7 +2,7 @@
 # Finds, or installs on Debian, what the programs of this repository need.  Other scripts source it:
 #
 #     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
-#     source scripts/environment.sh test    # also pytest, hypothesis and, where it can be had, obspy
+#     source scripts/environment.sh test    # also pytest with xdist, hypothesis and, where it can be had, obspy
 #
 # A machine may have another python3 first on its path, without the packages; YADE uses Debian's.  So
 # the interpreter is the first of $PYTHON, /usr/bin/python3 and python3 on PATH that imports them all.
@@ -57,6 +57,7 @@ _env_missing_packages() {
     for module in $(_env_missing_modules "$(type -P "$SYSTEM_PYTHON" || true)" "$@"); do
         case $module in
             snakemake) echo snakemake ;;
+            xdist) echo python3-pytest-xdist ;;
             *) echo "python3-$module" ;;
         esac
     done
@@ -162,7 +163,7 @@ _env_main() {
     local modules=(numpy scipy pandas h5py matplotlib numba snakemake)
     case ${1:-run} in
         run) ;;
-        test) modules+=(pytest hypothesis) ;;
+        test) modules+=(pytest xdist hypothesis) ;;
         *)
             _env_say "error: environment.sh $1: expected run or test; mend the call"
             return 2

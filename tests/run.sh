@@ -6,6 +6,7 @@
 #     bash tests/run.sh -m long                       # what takes minutes each
 #     bash tests/run.sh tests/test_study.py -k quick
 #
+# Files run side by side, one for each of at most four cores; -n 0 runs them one after the other.
 # The exit status is pytest's; 3 when something that the tests need is missing.
 set -euo pipefail
 
@@ -13,4 +14,5 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" test
 cd "$root"
-exec "$PYTHON" -m pytest -q "$@"
+cores=$(nproc)
+exec "$PYTHON" -m pytest -q -n $((cores < 4 ? cores : 4)) --dist loadfile "$@"

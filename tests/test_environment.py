@@ -107,7 +107,7 @@ class TestMissing:
         missing, command = done.stderr.splitlines()
         packages = ["yade", *(f"python3-{name}" for name in ("numpy", "scipy", "pandas", "h5py", "matplotlib",
                                                              "numba")),
-                    "snakemake", "python3-pytest", "python3-hypothesis"]
+                    "snakemake", "python3-pytest", "python3-pytest-xdist", "python3-hypothesis"]
         assert missing == f"error: missing on this machine: {' '.join(packages)}"
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
 
