@@ -21,9 +21,8 @@ LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_ps
 """Levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
 INTENSITIES = {"pga_g": "PGA [g]", "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]"}
 REPLICATES, CONFIDENCE = 500, 0.9
-DISPERSIONS = 0.01, 3.0
-"""Range of a fitted dispersion: where intensities tell runs that exceed from those that do not, the likelihood has no
-largest value and the lower end stands for a step."""
+DISPERSIONS = 1e-3, 3.0
+"""Range of a fitted dispersion [-]."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +31,8 @@ class Fragility:
 
     median [g], dispersion [-]: NaN where no run or every run exceeds the level; n_runs, n_exceeding; replicates:
     (n, 2) medians and dispersions of the bootstrap samples that could be fitted; n_replicates: how many were drawn.
+    step: the two neighbouring intensities [g] where up to one no run exceeds the level and from the other on all do;
+    the dispersion is then 0 and the median lies anywhere between.  None where there are none.
     """
 
     measure: str
@@ -42,6 +43,7 @@ class Fragility:
     n_exceeding: int
     replicates: np.ndarray
     n_replicates: int
+    step: tuple[float, float] | None = None
 
     def probability(self, intensity):
         """P(measure > level) at intensities of any shape [g]."""
@@ -49,6 +51,8 @@ class Fragility:
 
     def bounds(self, intensity, confidence=CONFIDENCE):
         """Lower and upper bound of the probability, (2, n), at intensities (n,) [g]."""
+        if self.step:
+            return np.array([curve(intensity, end, 0.0) for end in self.step[::-1]])
         curves = curve(np.asarray(intensity)[None, :], *(column[:, None] for column in self.replicates.T))
         return np.percentile(curves, _percentiles(confidence), axis=0)
 
@@ -56,10 +60,11 @@ class Fragility:
         """The fit as a flat dictionary: a row of the table."""
         row = {"measure": self.measure, "level": self.level, "runs": self.n_runs, "exceeding": self.n_exceeding,
                "median_g": self.median, "dispersion": self.dispersion}
-        few = len(self.replicates) < 2
-        for name, column in zip(("median{}_g", "dispersion{}"), self.replicates.T):
-            low, high = (np.nan, np.nan) if few else np.percentile(column, _percentiles(confidence))
-            row |= {name.format("_low"): low, name.format("_high"): high}
+        low, high = np.percentile(self.replicates, _percentiles(confidence), axis=0) if len(self.replicates) > 1 \
+            else np.full((2, 2), np.nan)
+        if self.step:
+            low, high = ((end, np.nan) for end in self.step)
+        row |= {"median_low_g": low[0], "median_high_g": high[0], "dispersion_low": low[1], "dispersion_high": high[1]}
         return row | {"confidence": confidence, "replicates": self.n_replicates, "fitted": len(self.replicates)}
 
 
@@ -68,19 +73,23 @@ def _percentiles(confidence):
 
 
 def curve(intensity, median, dispersion):
-    """The lognormal fragility curve; broadcasts."""
-    return ndtr(np.log(np.asarray(intensity) / median) / dispersion)
+    """The lognormal fragility curve, with no dispersion a step; broadcasts."""
+    return ndtr(np.log(np.asarray(intensity) / median) / np.maximum(dispersion, 1e-12))
 
 
 def fit(intensity, exceeding, runs):
     """(median, dispersion) by maximum likelihood.
 
     intensity: (n,) [g]; exceeding, runs: (n,) how many of how many runs exceed the level there.
-    NaN where none or all do: the data then bound the median on one side only.
+    NaN where none or all do: the data then bound the median on one side only.  Where intensities tell runs that exceed
+    from those that do not, all medians between are as likely, and no dispersion is the likeliest: their geometric mean
+    and 0.
     """
     x, y, n = np.log(np.asarray(intensity, float)), np.asarray(exceeding, float), np.asarray(runs, float)
     if y.sum() in (0, n.sum()):
         return np.nan, np.nan
+    if ends := step_of(intensity, exceeding, runs):
+        return float(np.sqrt(ends[0] * ends[1])), 0.0
 
     def misfit(parameters):  # Baker (2015), equation (11), with the sign changed
         z = (x - parameters[0]) / np.exp(parameters[1])
@@ -94,6 +103,15 @@ def fit(intensity, exceeding, runs):
     best = minimize(misfit, (centre, np.log(0.5)), jac=True, method="L-BFGS-B",
                     bounds=((x.min() - 5, x.max() + 5), tuple(np.log(DISPERSIONS))))
     return float(np.exp(best.x[0])), float(np.exp(best.x[1]))
+
+
+def step_of(intensity, exceeding, runs):
+    """The neighbouring intensities between which none exceeding turns into all, None where some do in between."""
+    x, y, n = np.asarray(intensity, float), np.asarray(exceeding), np.asarray(runs)
+    none, all_ = x[(n > 0) & (y == 0)], x[(n > 0) & (y == n)]
+    if len(none) + len(all_) < np.count_nonzero(n) or not len(none) or not len(all_) or none.max() > all_.min():
+        return None
+    return float(none.max()), float(all_.min())
 
 
 def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, seed=1):
@@ -116,7 +134,7 @@ def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, se
         fits.append(fit(values, drawn_y, drawn_n))
     fits = np.array(fits).reshape(-1, 2)
     return Fragility(measure, level, *fit(values, y, n), len(runs), int(exceeds.sum()),
-                     fits[np.isfinite(fits).all(axis=1)], len(fits))
+                     fits[np.isfinite(fits).all(axis=1)], len(fits), step_of(values, y, n))
 
 
 def load_runs(folder):

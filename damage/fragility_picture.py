@@ -45,7 +45,8 @@ def _draw(ax, x, runs, one, style, intensity):
         ax.plot(x, one.probability(x), color=colour, ls=line)
         if len(one.replicates) > 1:
             ax.fill_between(x, *one.bounds(x), color=colour, alpha=0.2, lw=0)
-        told += f": median {one.median:.3f} g, dispersion {one.dispersion:.2f}"
+        told += (f": between {one.step[0]:.3g} and {one.step[1]:.3g} g" if one.step else
+                 f": median {one.median:.3f} g, dispersion {one.dispersion:.2f}")
     else:
         told += f": {one.n_exceeding} of {one.n_runs} runs"
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=told)

@@ -42,10 +42,17 @@ class TestFit:
         once, twice = fit(x, [3, 9, 18], n), fit(2 * x, [3, 9, 18], n)
         assert_allclose(twice, (2 * once[0], once[1]), rtol=1e-4)
 
-    def test_none_or_all_exceeding_has_no_fit_and_a_clean_step_is_steep(self):
+    def test_none_or_all_exceeding_has_no_fit(self):
         assert np.isnan(fit([0.1, 0.2], [0, 0], [5, 5])).all() and np.isnan(fit([0.1, 0.2], [5, 5], [5, 5])).all()
-        median, dispersion = fit([0.1, 0.2], [0, 5], [5, 5])
-        assert 0.1 < median < 0.2 and dispersion < 0.2
+
+    def test_a_step_bounds_the_median_by_its_ends_whatever_is_drawn(self):
+        assert_allclose(fit([0.1, 0.2, 0.4], [0, 5, 5], [5, 5, 5]), (0.02**0.5, 0))
+        runs = walls(6, seed=1)
+        runs["max_psi"] = np.where(runs["pga_g"] > 0.22, 3.0, 0.0)
+        found = fragility(runs, "max_psi", 2.0, replicates=20)
+        row = found.row()
+        assert_allclose([row["median_low_g"], row["median_high_g"], row["dispersion"]], [0.2, 0.25, 0])
+        assert_allclose(found.bounds([0.19, 0.21, 0.3]), [[0, 0, 1], [0, 1, 1]])
 
     def test_a_collapse_exceeds_every_level(self):
         runs = walls(10, seed=3)
