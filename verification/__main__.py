@@ -50,7 +50,11 @@ def describe(result):
     if result.error is None:
         return f"{result.solver:10s} not done: {result.note}"
     return (f"{result.solver:10s} {result.value:<13.6g} error {_error(result)}, allowed {_allowed(result)}: "
-            f"{'holds' if result.holds else 'FAILS'}")
+            f"{_verdict(result)}")
+
+
+def _verdict(result):
+    return "holds" if result.holds else "FAILS"
 
 
 def _error(result):
@@ -64,12 +68,12 @@ def _allowed(result):
 
 def markdown(results):
     """A table of results."""
-    lines = ["| problem | quantity | exact | solver | value | error | allowed |", "| --- " * 7 + "|"]
+    lines = ["| problem | quantity | exact | solver | value | error | allowed | verdict |", "| --- " * 8 + "|"]
     for result in results:
         problem = result.problem
         head = f"| {problem.name} | {problem.quantity} | {problem.exact:.6g} {problem.unit} | {result.solver} |"
-        lines.append(f"{head} not done: {result.note} | | |" if result.error is None else
-                     f"{head} {result.value:.6g} | {_error(result)} | {_allowed(result)} |")
+        lines.append(f"{head} not done: {result.note} | | | |" if result.error is None else
+                     f"{head} {result.value:.6g} | {_error(result)} | {_allowed(result)} | {_verdict(result)} |")
     return "\n".join(lines) + "\n"
 
 

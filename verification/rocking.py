@@ -1,4 +1,4 @@
-"""A slender block on its corners (Housner 1963, BSSA 53(2), 403-417).
+"""A slender block on its corners (Housner 1963, BSSA 53(2), 403-417, doi:10.1785/BSSA0530020403).
 
 With half width b and half height H of the block's middle above the ground, R^2 = b^2 + H^2, tan(alpha) = b/H and
 inertia I about a corner, the block lifts off when the base accelerates with g b/H, and falls back from a tilt
@@ -19,11 +19,13 @@ from scipy.integrate import quad
 from damage.parameters import Joint
 from damage.units import GRAVITY
 from verification.block import SLENDER, STICKY, foot, one_block, settle, solver_of
-from verification.problem import Problem
+from verification.problem import Problem, ask_yade
 
 SHARES = (0.2, 0.5, 0.8)
-_LIFTED = 1e-6  # [rad]; the joint's own compression turns a block that stands by 3e-8
-CENTRES = "its contacts hold for small rotations: their normals follow the line between the cells' centres"
+RAMP_S, LIFTED = 0.05, 1e-6  # [s], [rad]; the joint's own compression turns a block that stands by 3e-8
+MIDDLES = "its contact points lie under the middles of cells, not in corners; see the next problem"
+SMALL = ("its contacts hold for small rotations: tilted by t about a corner that touches, this block counts as "
+         "0.1 t² m deep in the ground")
 
 
 def problems():
@@ -36,10 +38,14 @@ def problems():
     rate = math.sqrt(bodies.mass[0] * GRAVITY * radius / (bodies.inertia[0] + bodies.mass[0] * radius**2))
     return [
         Problem("rocking, onset", "base acceleration that overturns, of g", "1", half_width / half_height,
-                "Housner (1963)", {"reference": 1e-3}, {"reference": onset, "yade": CENTRES}),
+                "Housner (1963)", {"reference": 1e-3}, {"reference": onset, "yade": MIDDLES}),
+        Problem("rocking, onset, interior", "base acceleration that overturns, of g", "1",
+                foot(_layout("interior")) / half_height, "Housner (1963), b to the outermost contact point",
+                {"reference": 1e-3, "yade": 1e-3},
+                {"reference": lambda: onset("interior"), "yade": lambda: ask_yade("onset")}),
         *(Problem(f"rocking from {share:g} alpha", "quarter period", "s", quarter_period(share, slenderness, rate),
                   f"Housner (1963), not linearised (linearised {housner(share, rate):.5f} s)", {"reference": 1e-3},
-                  {"reference": lambda share=share: fall_back(share * slenderness), "yade": CENTRES})
+                  {"reference": lambda share=share: fall_back(share * slenderness), "yade": SMALL})
           for share in SHARES)]
 
 
@@ -63,36 +69,36 @@ def quarter_period(share, slenderness, rate):
     return quad(integrand, 0, math.sqrt(start), epsabs=1e-12)[0] / rate
 
 
-def _layout(stiffness=1e13):
-    """A block on a stiff, dry joint with contact points in its corners that holds by friction."""
+def _layout(contacts="corners", stiffness=1e13):
+    """A block on a stiff, dry joint that holds by friction."""
     brick = type(SLENDER)(length=SLENDER.length, height=SLENDER.height, thickness=SLENDER.thickness,
                           young_modulus=1e16, shear_modulus=1e16)
     joint = Joint(normal_stiffness=stiffness, shear_stiffness=stiffness, tensile_strength=0.0, cohesion=0.0,
                   friction_angle=STICKY.friction_angle)
-    return one_block(brick, joint, contacts="corners", cells=1)
+    return one_block(brick, joint, contacts=contacts, cells=1)
 
 
-def onset():
-    """Largest steady base acceleration [g] that the block stands, by bisection."""
+def onset(contacts="corners", stand=None):
+    """Largest steady base acceleration [g] that the block stands, by bisection; stand: as `stands`."""
     low, high = 0.5, 2.0  # of b/H
-    layout = _layout()
+    layout, stand = _layout(contacts), stand or stands
     expected = foot(layout) / float(layout.bodies.z[0])
     while high - low > 1e-3:
         middle = (low + high) / 2
-        low, high = (middle, high) if _stands(layout, middle * expected) else (low, middle)
+        low, high = (middle, high) if stand(layout, middle * expected) else (low, middle)
     return (low + high) / 2 * expected
 
 
-def _stands(layout, acceleration_g):
+def stands(layout, acceleration_g):
     """Whether the block stands a base acceleration that grows slowly to this value and stays there."""
     wall = solver_of(layout, 0.5)
     settle(wall, GRAVITY, 0.005)
     wall.local_damping = 0.7
-    steps = round(0.05 / wall.time_step)
+    steps = round(RAMP_S / wall.time_step)
     ramp = np.minimum(np.arange(4 * steps) / steps, 1.0)
     wall.start(np.column_stack([-acceleration_g * GRAVITY * ramp, 0 * ramp]))
     wall.run(len(ramp))
-    return abs(wall.displacement[0, 2]) < _LIFTED
+    return abs(wall.displacement[0, 2]) < LIFTED
 
 
 def fall_back(tilt):

@@ -19,7 +19,7 @@ from damage.layout import lay_out
 from damage.modes import natural_modes
 from damage.summary import natural_period
 from damage.units import GRAVITY
-from verification import elastic, falling, sliding
+from verification import elastic, falling, rocking, sliding
 from verification.block import one_block
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import build
@@ -126,8 +126,27 @@ def stack():
     return natural_period(20 * O.dt * np.arange(len(track)), np.array(track))
 
 
-def cantilever():
-    layout = elastic.cantilever(1)
+def onset():
+    return rocking.onset("interior", stands)
+
+
+def stands(layout, acceleration_g):
+    """As rocking.stands, in YADE."""
+    case = Case(layout, 0.5)
+    case.newton.damping = 0.7
+    case.field(0.0, GRAVITY)
+    case.run(round(0.005 / O.dt))
+    steps, along = round(rocking.RAMP_S / O.dt), -acceleration_g * GRAVITY
+    case.run(steps, lambda k: case.field(along * k / steps, GRAVITY))
+    case.field(along, GRAVITY)
+    case.run(3 * steps)
+    return abs(case.place()[2]) < rocking.LIFTED
+
+
+def cantilever(finer):
+    layout = elastic.cantilever(int(finer))
+    if finer > 1:
+        return elastic.balance(layout, _mover(Case(layout, 0.6)))
     case, cap = Case(layout, 0.6), len(layout.bodies) - 1
     clump = O.bodies[case.model.clumps[cap]]
     clump.state.blockedDOFs = "xyXZ"
@@ -140,7 +159,27 @@ def cantilever():
     return case.scene.base_shear() / case.place(cap)[0]
 
 
-CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, stack, cantilever)}
+def _mover(case):
+    """The function that moves every body of a case and returns the contacts' forces on them, both (n_bodies, 3)."""
+    states, scene = case.scene.states, case.scene
+    for state in states:
+        state.blockedDOFs = "xyzXYZ"
+
+    def forces_after(move):
+        for state, (x, z, turn) in zip(states, move / O.dt):
+            state.vel, state.angVel = Vector3(x, 0, z), Vector3(0, -turn, 0)
+        case.run(1)
+        case.rest()
+        forces = []
+        # The cells pass the step's velocity on to their bonds in the next step.
+        case.run(1, lambda k: forces.extend(scene._resultant(members, state.pos[0])
+                                            for members, state in zip(scene.members, states)))
+        return np.array(forces)
+
+    return forces_after
+
+
+CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, onset, stack, cantilever)}
 
 
 def main():
