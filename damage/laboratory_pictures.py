@@ -34,23 +34,23 @@ def beside_test_picture(histories):
         raise InputError(f"runs of {len(tests)} specimens ({', '.join(tests)}); give runs of one")
     test = next(iter(tests.values()))
     figure, ((left, right),) = grid(1, 2, 2.9, PAGE_WIDTH, width_ratios=(1.25, 1))
+    cyclic = any(pushed_loading(history).cycles for history in histories)
     handles = [_draw_run(left, right, history, colour) for history, colour in zip(histories, RUN_COLOURS)]
-    handles += _draw_test(left, test) + _draw_limits(right)
+    handles += _draw_test(left, test, SIDES if cyclic else SIDES[:1]) + _draw_limits(right)
     left.axhline(0, color=MEDIUM, lw=0.4, zorder=0)
     left.axvline(0, color=MEDIUM, lw=0.4, zorder=0)
-    left.set(xlabel="drift ratio [%]", ylabel="base shear [kN]", xlim=_reach(histories, test))
+    left.set(xlabel="drift ratio [%]", ylabel="base shear [kN]", xlim=_reach(histories, test, cyclic))
     right.set(xlabel="largest drift ratio to either side [%]", ylabel="DI at that instant", ylim=(0, None))
     right.set_xlim(0, 1.05 * max(100 * history.series["drift_ratio"].abs().max() for history in histories))
-    letter(left, 0, "envelopes, and loops of cyclic runs")
+    letter(left, 0, "envelopes, and loops of cyclic runs" if cyclic else "pushed over")
     letter(right, 1, "damage index")
     add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}")
     return finish(figure, handles, columns=3)
 
 
-def _reach(histories, test):
+def _reach(histories, test, cyclic):
     """Limits [%] that hold what was simulated and the test's peaks; its long plateau may go on beyond."""
     reach = 115 * max(*test.drift_at_peak, *(history.series["drift_ratio"].abs().max() for history in histories))
-    cyclic = any(pushed_loading(history).cycles for history in histories)
     return (-reach if cyclic else -0.05 * reach), reach
 
 
@@ -77,8 +77,8 @@ def _draw_run(left, right, history, colour):
     return Line2D([], [], color=colour, lw=1.3, label=_label(history))
 
 
-def _draw_test(ax, test):
-    for sign, side in SIDES:
+def _draw_test(ax, test, sides):
+    for sign, side in sides:
         drift, force = test.bilinear_curve(side)
         ax.plot(100 * sign * drift, sign * force / 1e3, color=BLACK, lw=1.1, ls="--")
         ax.plot(100 * sign * test.drift_at_peak[side], sign * test.peak_force_n[side] / 1e3, color=BLACK, marker="*",
