@@ -16,7 +16,7 @@ LEAST_STEP_S = 2e-5
 BETA_S = 1e-6
 """Largest stiffness-proportional damping of a run that still counts where there is none without [s]; it damps the
 first mode by 1.6e-5."""
-MEASURES = ("collapsed_at_s", "lintel", "beta_s", "motion_period_s", "cycles", "amplitude_g", "scale",
+MEASURES = ("collapsed_at_s", "lintel", "beta_s", "rest_s", "motion_period_s", "cycles", "amplitude_g", "scale",
             "eigen_period_s", "input_energy_j", "damping_energy_j", "energy_error_fraction")
 """Columns that are looked up in every run; empty where an older table lacks one."""
 RECORDS = {"zeerijp": r"BGAR.*HGE", "huizinge": r"(?i:MID1|huizinge)"}
@@ -202,6 +202,8 @@ def _chosen(points, keys, complaint):
 
 
 def _least_damped(rows):
-    """Those without viscous damping, or else all of them."""
-    undamped = rows[rows["beta_s"].fillna(0) == 0] if "beta_s" in rows else rows
-    return undamped if len(undamped) else rows
+    """Of the runs of a point those without viscous damping, or else all; of these those with the longest rest."""
+    undamped = rows[rows["beta_s"].fillna(0) == 0]
+    rows = undamped if len(undamped) else rows
+    longest = rows["rest_s"].fillna(0).max()
+    return rows[rows["rest_s"].fillna(0) == longest]

@@ -221,6 +221,13 @@ def test_runs_of_another_model_are_left_out(papers_world, judged):
     assert judged(pd.concat([papers_world, *others]))["P4", "elastic", "displacement"].value == "0.020"
 
 
+def test_the_longest_rest_counts(papers_world, judged):
+    mask = where(papers_world, period=1.0, amplitude=0.1)
+    short = papers_world[mask].assign(run="short", rest_s=1.0, residual_DI=0.5)
+    papers_world["rest_s"] = 2.0
+    assert usual(judged(pd.concat([papers_world, short])), "P9f") == HOLDS
+
+
 def test_slip_criteria_and_lintels_are_judged_apart(papers_world, judged):
     papers_world.loc[where(papers_world, period=0.33, amplitude=0.025), "max_shear_limit_DI"] = 0.03
     findings = judged(papers_world)
