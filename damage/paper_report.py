@@ -53,9 +53,14 @@ def _variants(pairs):
 
     >>> _variants({("elastic", "displacement"), ("elastic", "shear-limit")})
     'elastic lintel'
+    >>> _variants({("elastic", "displacement"), ("none", "displacement")})
+    'slip by displacement'
     """
     if len(pairs) == len(_LINTELS) * len(_SLIPS):
         return "all variants"
+    for slip, name in _SLIPS.items():
+        if pairs == {(lintel, slip) for lintel in _LINTELS}:
+            return name
     words = []
     for lintel, name in _LINTELS.items():
         slips = [slip for slip in _SLIPS if (lintel, slip) in pairs]
