@@ -19,6 +19,8 @@ first mode by 1.6e-5."""
 MEASURES = ("collapsed_at_s", "lintel", "beta_s", "rest_s", "motion_period_s", "cycles", "amplitude_g", "scale",
             "eigen_period_s", "input_energy_j", "damping_energy_j", "energy_error_fraction")
 """Columns that are looked up in every run; empty where an older table lacks one."""
+OTHER_WALL = 1e-3
+"""Share by which the period of an intact wall differs where it is another wall of the same name, as a copy is."""
 RECORDS = {"zeerijp": r"BGAR.*HGE", "huizinge": r"(?i:MID1|huizinge)"}
 """How the names of the paper's two records are recognised."""
 
@@ -60,7 +62,7 @@ def _read(path):
 
 
 def comparable(runs):
-    """The runs with the parameters of SHAPE and the usual step."""
+    """The runs with the parameters of SHAPE, the usual step, and the usual period of the wall of that name."""
     kept = pd.Series(True, index=runs.index)
     for name, value in SHAPE.items():
         if name in runs:
@@ -69,7 +71,9 @@ def comparable(runs):
         kept &= ~(runs["time_step_s"] < LEAST_STEP_S)
     if "beta_s" in runs:
         kept &= ~(runs["beta_s"] > BETA_S)
-    return runs[kept]
+    runs = runs[kept]
+    usual = runs.groupby("wall")["eigen_period_s"].transform("median")
+    return runs[~((runs["eigen_period_s"] - usual).abs() > OTHER_WALL * usual)]
 
 
 @dataclass(frozen=True)

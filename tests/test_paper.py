@@ -217,7 +217,7 @@ def test_runs_of_another_model_are_left_out(papers_world, judged):
     mask = where(papers_world, period=0.33, amplitude=0.025)
     others = [papers_world[mask].assign(run=f"other-{name}", max_DI=0.5, **{name: value}) for name, value in (
         ("contacts", "corners"), ("top", "beam"), ("cells", 4), ("strength_cov", 0.3), ("beta_s", 1e-4),
-        ("time_step_s", 1.5e-5), ("shocks", 3), ("status", "failed"))]
+        ("time_step_s", 1.5e-5), ("shocks", 3), ("status", "failed"), ("eigen_period_s", 0.17))]
     assert judged(pd.concat([papers_world, *others]))["P4", "elastic", "displacement"].value == "0.020"
 
 
