@@ -36,11 +36,11 @@ PAIR = _row("ax az bx bz", a=np.uint32, b=np.uint32, start=np.uint32, stop=np.ui
             broken=np.uint32)
 # Offset from the pair's middle, along +x in bed and -z in head joints [m]; stiffnesses times area [N/m];
 # strengths left times area [N], zero once broken; shear displacement [m] and force [N] of the last step once
-# broken, zero before; area [m2].
-CONTACT = _row("offset kn ks ft cohesion shear0 tau0 area")
+# broken, zero before; opening [m] up to which an open contact needs no law, below zero until it is broken.
+CONTACT = _row("offset kn ks ft cohesion shear0 tau0 idle")
 # For readers: opening (also negative) and shear displacement [m], stresses [Pa], all of the last step of
-# a run; plastic slip [m]; flags; bits of first passings (1 opened, 2 slipped).
-JOINT = _row("opening shear sigma tau slip", broken=np.bool_, at_limit=np.bool_, passed=np.uint8)
+# a run; plastic slip [m]; area [m2]; flags; bits of first passings (1 opened, 2 slipped).
+JOINT = _row("opening shear sigma tau slip area", broken=np.bool_, at_limit=np.bool_, passed=np.uint8)
 # Displacement [m], cos - 1 and sin of the rotation, force [N], moment [N m], rotation [rad].
 PLACE = _row("x z cos1 sin fx fz moment turn")
 # Velocity half a step ago [m/s], [rad/s]; mass [kg], inertia [kg m2]; their inverses by which x, z and
@@ -137,6 +137,9 @@ def contact_forces(system, constants, step, dt, keep=True):
         for i in range(pair.start, pair.stop):
             contact = contacts[i]
             opening, sigma, tau = spring(contact, middle, shear, turn)
+            if 0.0 < opening <= contact.idle and contact.tau0 == 0.0:  # stays open: no force
+                contact.shear0 = shear
+                continue
             elastic &= (sigma <= contact.ft) & (abs(tau) < contact.cohesion - sigma * friction)
             normal += sigma
             along += tau
@@ -186,12 +189,12 @@ def joint_forces(system, constants, step, dt, pair, middle, shear, turn):
             pair.broken = 1
         sigma, tau = new.normal_stress, new.shear_stress
         if constants.beta > 0.0 and event == INTACT:
-            rate_sigma = constants.beta / dt * (sigma - joint.sigma * contact.area)
-            rate_tau = constants.beta / dt * (tau - joint.tau * contact.area)
+            rate_sigma = constants.beta / dt * (sigma - joint.sigma * joint.area)
+            rate_tau = constants.beta / dt * (tau - joint.tau * joint.area)
             system.energy[DAMPING] += rate_sigma * (opening - joint.opening) + rate_tau * (shear - joint.shear)
             sigma, tau = sigma + rate_sigma, tau + rate_tau
         joint.opening, joint.shear = opening, shear
-        joint.sigma, joint.tau = new.normal_stress / contact.area, new.shear_stress / contact.area
+        joint.sigma, joint.tau = new.normal_stress / joint.area, new.shear_stress / joint.area
         normal += sigma
         along += tau
         couple += sigma * contact.offset
@@ -286,7 +289,8 @@ def log_joint(system, constants, step, i, event, opening, sigma, trial, new):
     if event != INTACT or opens or slips:
         joint.passed = passed + opens + 2 * slips
         log_events(system.events, system.values, system.n_events, step, i, event, opens, slips,
-                   sigma / contact.area, trial / contact.area, max(opening, 0.0), new.slip)
+                   sigma / joint.area, trial / joint.area, max(opening, 0.0), new.slip)
+    contact.idle = np.inf if int(joint.passed) & 1 else constants.threshold
 
 
 @_exactly
