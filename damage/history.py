@@ -44,7 +44,7 @@ _EVENT_COLUMNS = {
 }
 SNAPSHOT_SAMPLES = 10
 """Samples between two snapshots of the bodies."""
-_CHUNK = 64  # samples buffered before they are written: whole compressed chunks, written once
+_CHUNK = 120  # samples buffered before they are written, with their snapshots: whole chunks, each written once
 
 
 class HistoryWriter:
@@ -183,10 +183,9 @@ def _write_tables(file, layout):
 
 
 def _create_growing(file, layout):
-    def growing(name, dtype, unit, shape=()):
-        chunk = (_CHUNK, *shape) if shape else (1024,)
+    def growing(name, dtype, unit, shape=(), rows=_CHUNK):
         dataset = file.create_dataset(name, shape=(0, *shape), maxshape=(None, *shape), dtype=dtype,
-                                      chunks=chunk, compression="gzip", compression_opts=4, shuffle=True)
+                                      chunks=(rows, *shape), compression="gzip", compression_opts=2, shuffle=True)
         dataset.attrs["unit"] = unit
         return dataset
 
@@ -198,10 +197,11 @@ def _create_growing(file, layout):
     growing("frames/slip_m", "f4", "m", joints)
     growing("frames/state", "u1", "bits: 1 broken, 2 has been at the shear limit", joints)
     for name, (dtype, unit) in _EVENT_COLUMNS.items():
-        growing(f"events/{name}", dtype, unit)
+        growing(f"events/{name}", dtype, unit, rows=1024)
     file["events/kind"].attrs["codes"] = ", ".join(EVENTS)
-    growing("snapshots/time_s", "f8", "s")
-    growing("snapshots/displacement", "f4", "m, m, rad", (len(layout.bodies), 3))
+    snapshots = _CHUNK // SNAPSHOT_SAMPLES
+    growing("snapshots/time_s", "f8", "s", rows=snapshots)
+    growing("snapshots/displacement", "f4", "m, m, rad", (len(layout.bodies), 3), snapshots)
 
 
 def _extend(dataset, rows):

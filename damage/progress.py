@@ -14,9 +14,9 @@ class Progress:
         self.shown, self.shown_any = time.monotonic(), False
         self.started = None  # when the first stage after the static one began
 
-    def show(self, simulated_s, stage, index):
-        """Show the state of the run, at most twice a second (every ten seconds in a log)."""
-        now = time.monotonic()
+    def show(self, simulated_s, simulation):
+        """Show the stage and the index of a simulation, at most twice a second (every ten seconds in a log)."""
+        now, stage = time.monotonic(), simulation.stage
         if stage != "static" and self.started is None:
             self.started = now
         if now - self.shown < (0.5 if self.live else 10.0):
@@ -25,7 +25,7 @@ class Progress:
         line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
         if stage != "static":
             line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {self.total_s:.2f} s  "
-                    f"DI = {index:.3f}  {self._left(now, simulated_s)} left")
+                    f"DI = {simulation.index:.3f}  {self._left(now, simulated_s)} left")
         self.stream.write(f"\r{line}\033[K" if self.live else f"{line}\n")
         self.stream.flush()
 

@@ -89,7 +89,7 @@ class ReferenceWall:
         step = self.step - self.first_step
         kernel.run_steps(self.system, self._constants(), self.base, self.gravity, step, n_steps, self.time_step)
         self.step += n_steps
-        if not np.isfinite(self.force).all():
+        if not np.isfinite(self.system.place["fx"].sum()):
             raise FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
                                      f"{self.time_step:.3g} s is too large for this wall")
 
@@ -142,8 +142,8 @@ class ReferenceWall:
 
     def base_force(self):
         """Horizontal and downward force of the wall on the ground [N]."""
-        force = self.force[-1]
-        return float(force[0]), float(-force[1])
+        ground = self.system.place[-1]
+        return float(ground["fx"]), float(-ground["fz"])
 
     def unbalanced_force(self):
         """Mean resultant on a body, weight included, over the mean contact force [-]."""
@@ -155,12 +155,8 @@ class ReferenceWall:
 
     def kinetic_energy(self, base_acceleration=(0.0, 0.0)):
         """At the instant of the places: velocities are carried half a step on [J]."""
-        motion = self.system.motion[:-1]
-        mass = _columns(motion, "mass", "mass", "inertia")
-        free = _columns(motion, "free_x", "free_z", "free_turn")
-        field = np.array([-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0])
-        speed = self.velocity + self.time_step / 2 * (self.force[:-1] * free + field * (free != 0))
-        return 0.5 * float(np.sum(mass * speed**2))
+        x, z = base_acceleration
+        return kernel.kinetic_energy(self.system, x, GRAVITY + z, self.time_step)
 
     def elastic_energy(self):
         """Of all contacts [J]."""

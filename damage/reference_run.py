@@ -22,7 +22,7 @@ class ReferenceRun:
         self.wall = ReferenceWall(layout, time_step)
         self.sample_steps = max(1, round(SAMPLE_S / time_step))
         self.schedule = schedule.stages(settings, time_step, self.sample_steps)
-        self.stage, self.index, self.samples, self.collapsed_at_s = "static", 0.0, 0, None
+        self.stage, self.samples, self.drift, self.collapsed_at_s = "static", 0, 0.0, None
         self._zero = None
         if settings.perturb_m > 0:
             offsets = np.random.default_rng(settings.seed).normal(0, settings.perturb_m, (len(layout.bodies), 2))
@@ -34,6 +34,11 @@ class ReferenceRun:
     def time(self):
         """Time since the start of the motion [s]."""
         return (self.wall.step - self.wall.first_step) * self.wall.time_step
+
+    @property
+    def index(self):
+        """The damage index of this instant, for the progress line."""
+        return index_now(self.layout, self.drift, self.wall.opening, self.wall.slip)
 
     def settle_under_gravity(self):
         """The static stage; True when the wall came to rest, False when interrupted."""
@@ -121,10 +126,11 @@ class ReferenceRun:
         wall = self.wall
         motion = wall.displacement - self._zero[0]
         top = float(motion[self.layout.drift_bodies, 0].mean())
+        self.drift = top / self.layout.drift_height
         base = wall.base[step] if (step := wall.step - wall.first_step) < len(wall.base) else np.zeros(2)
         row = {
             "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
-            "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
+            "top_displacement_m": top, "drift_ratio": self.drift,
             "base_shear_n": wall.base_force()[0], "top_force_n": wall.push_force(),
             "kinetic_energy_j": wall.kinetic_energy(base),
             "elastic_energy_j": wall.elastic_energy() - self._zero[1],
@@ -137,14 +143,9 @@ class ReferenceRun:
             self.writer.snapshot(self.time, motion)
         self.samples += 1
         self._log_events()
-        self._watch(motion, row["drift_ratio"])
+        if has_collapsed(self.layout, motion):
+            self.collapsed_at_s = self.time
 
     def _log_events(self, start_s=0.0):
         for step, joint, kind, (sigma, tau, opening, slip) in zip(*self.wall.drain_events()):
             self.writer.event(start_s + step * self.wall.time_step, joint, EVENT_KINDS[kind], sigma, tau, opening, slip)
-
-    def _watch(self, motion, drift):
-        """Note a collapse, and the index for the progress line."""
-        if has_collapsed(self.layout, motion):
-            self.collapsed_at_s = self.time
-        self.index = index_now(self.layout, drift, self.wall.opening, self.wall.slip)

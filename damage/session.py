@@ -93,7 +93,7 @@ def _simulate(solver, layout, settings, modes, time_step, writer, show):
     progress = Progress(layout.wall.name, _duration_s(layout, settings))
 
     def keep_going(simulation, time_s):
-        progress.show(time_s, simulation.stage, simulation.index)
+        progress.show(time_s, simulation)
         if show:
             show()
         return not interrupted.asked
