@@ -94,8 +94,10 @@ class ReferenceWall:
                                      f"{self.time_step:.3g} s is too large for this wall")
 
     def refresh(self):
-        """Forces and stresses at the present places, to be called where these were changed by hand."""
-        kernel.contact_forces(self.system, self._constants(), self.step - self.first_step, self.time_step, True)
+        """Forces and stresses, to be called where places or contacts were changed by hand."""
+        constants = self._constants()
+        _sum_springs(self.system.pairs, self.system.contacts, constants.friction)
+        kernel.contact_forces(self.system, constants, self.step - self.first_step, self.time_step, True)
 
     def start(self, base, gravity=None):
         """From this step on move the base by `base` (k, 2) [m/s2] under `gravity` (k,) [m/s2]."""
@@ -213,6 +215,23 @@ def _make_pairs(layout):
     pairs = _table(kernel.PAIR, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
                    bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.kind[start] == HEAD)
     return pairs, [np.repeat(values, stop - start) for values in middle]
+
+
+def _sum_springs(pairs, contacts, friction):
+    """Write into the pairs what their contacts do as long as none of them can break."""
+    start = pairs["start"]
+    kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
+    for name, values in (("kn", kn), ("ks", ks), ("first", kn * offset), ("second", kn * offset**2)):
+        pairs[name] = np.add.reduceat(values, start)
+    pairs["reach"] = np.maximum.reduceat(np.abs(offset), start)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = kn / ks * friction
+        pairs["tension"] = np.minimum.reduceat(contacts["ft"] / kn, start)
+        pairs["cohesion"] = np.minimum.reduceat(contacts["cohesion"] / ks, start)
+    pairs["ratio"] = ratio[start]
+    # The outermost opening decides for all only where they slide alike; elsewhere each is looked at.
+    alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
+    pairs["tension"][~np.logical_and.reduceat(alike, start)] = -np.inf
 
 
 def choose_time_step(settings, critical_s):

@@ -30,10 +30,12 @@ def _row(reals, **others):
     return np.dtype([(name, np.float64) for name in reals.split()] + list(others.items()), align=True)
 
 
-# Bodies a and b and the arms from their centres to the middle of their contacts [m]; contacts start to
-# stop - 1; head joint or not; whether one is broken.
-PAIR = _row("ax az bx bz", a=np.uint32, b=np.uint32, start=np.uint32, stop=np.uint32, head=np.uint32,
-            broken=np.uint32)
+# Bodies a and b and the arms from their centres to the middle of their contacts [m]; the springs of all contacts
+# together: kn, ks, sums of kn offset and kn offset^2 [N/m, N, N m]; where none can break: opening at the outermost
+# offset (reach) up to `tension`, slide plus ratio times that opening below `cohesion` [m]; contacts start to stop - 1;
+# head joint or not; whether one is broken.
+PAIR = _row("ax az bx bz kn ks first second reach tension cohesion ratio", a=np.uint32, b=np.uint32, start=np.uint32,
+            stop=np.uint32, head=np.uint32, broken=np.uint32)
 # Offset from the pair's middle, along +x in bed and -z in head joints [m]; stiffnesses times area [N/m];
 # strengths left times area [N], zero once broken; shear displacement [m] and force [N] of the last step once
 # broken, zero before; opening [m] up to which an open contact needs no law, below zero until it is broken.
@@ -132,22 +134,17 @@ def contact_forces(system, constants, step, dt, keep=True):
         middle, shear = nx * dx + nz * dz, tx * dx + tz * dz
         turn = (b.sin - a.sin) + (b.sin * a.cos1 - a.sin * b.cos1)
         # Normal force, shear force and couple of the pair's springs, or of the law.
-        normal = along = couple = 0.0
-        elastic = not by_law
-        for i in range(pair.start, pair.stop):
-            contact = contacts[i]
-            opening, sigma, tau = spring(contact, middle, shear, turn)
-            if 0.0 < opening <= contact.idle and contact.tau0 == 0.0:  # stays open: no force
-                contact.shear0 = shear
-                continue
-            elastic &= (sigma <= contact.ft) & (abs(tau) < contact.cohesion - sigma * friction)
-            normal += sigma
-            along += tau
-            couple += sigma * contact.offset
-        if not elastic:
-            normal, along, couple = joint_forces(system, constants, step, dt, pair, middle, shear, turn)
-        elif pair.broken:
-            remember(contacts, pair, shear)
+        widest = middle + pair.reach * abs(turn)
+        if (pair.broken == 0 and not by_law and widest <= pair.tension
+                and abs(shear) + pair.ratio * widest < pair.cohesion):
+            normal, along = pair.kn * middle + pair.first * turn, pair.ks * shear
+            couple = pair.first * middle + pair.second * turn
+        else:
+            normal, along, couple, elastic = springs(contacts, pair, middle, shear, turn, friction)
+            if by_law or not elastic:
+                normal, along, couple = joint_forces(system, constants, step, dt, pair, middle, shear, turn)
+            elif pair.broken:
+                remember(contacts, pair, shear)
         # Force on a, its opposite on b, halfway between the middle's two places.
         fx, fz, couple = nx * normal + tx * along, nz * normal + tz * along, couple * (c * c + s * s)
         a.fx += fx
@@ -156,6 +153,23 @@ def contact_forces(system, constants, step, dt, keep=True):
         b.fx -= fx
         b.fz -= fz
         b.moment -= (pair.bx + dbx - 0.5 * dx) * fz - (pair.bz + dbz - 0.5 * dz) * fx + couple
+
+
+@_compile
+def springs(contacts, pair, middle, shear, turn, friction):
+    """Normal force, shear force and couple of a pair's springs, and whether none is beyond its strength."""
+    normal, along, couple, elastic = 0.0, 0.0, 0.0, True
+    for i in range(pair.start, pair.stop):
+        contact = contacts[i]
+        opening, sigma, tau = spring(contact, middle, shear, turn)
+        if 0.0 < opening <= contact.idle and contact.tau0 == 0.0:  # stays open: no force
+            contact.shear0 = shear
+            continue
+        elastic &= (sigma <= contact.ft) & (abs(tau) < contact.cohesion - sigma * friction)
+        normal += sigma
+        along += tau
+        couple += sigma * contact.offset
+    return normal, along, couple, elastic
 
 
 @_exactly
@@ -217,39 +231,41 @@ def integrate(system, constants, field_x, field_z, ax, az, dt):
     """
     place, motion, local = system.place, system.motion, constants.local
     alpha = constants.alpha + system.relaxation[0]
+    damped = alpha > 0.0 or local > 0.0
     lost = momentum_x = momentum_z = pushed = 0.0
     for k in range(len(place) - 1):
         at, to = place[k], motion[k]
-        to.vx, momentum, loss = accelerate(to.vx, at.fx, to.mass, to.free_x, field_x, alpha, local, dt)
-        momentum_x += momentum
-        lost += loss
-        to.vz, momentum, loss = accelerate(to.vz, at.fz, to.mass, to.free_z, field_z, alpha, local, dt)
-        momentum_z += momentum
-        lost += loss
-        to.spin, momentum, loss = accelerate(to.spin, at.moment, to.inertia, to.free_turn, 0.0, alpha, local, dt)
-        lost += loss
-        if to.free_x == 0.0:  # what moves it works against its force
+        old_x, old_z, old_spin = to.vx, to.vz, to.spin
+        # A prescribed velocity stays.
+        rate_x = at.fx * to.free_x - field_x if to.free_x > 0.0 else 0.0
+        rate_z = at.fz * to.free_z - field_z if to.free_z > 0.0 else 0.0
+        rate_turn = at.moment * to.free_turn
+        if damped:
+            taken_x = resistance(old_x, rate_x, alpha, local) if to.free_x > 0.0 else 0.0
+            taken_z = resistance(old_z, rate_z, alpha, local) if to.free_z > 0.0 else 0.0
+            taken_turn = resistance(old_spin, rate_turn, alpha, local) if to.free_turn > 0.0 else 0.0
+            rate_x, rate_z, rate_turn = rate_x - taken_x, rate_z - taken_z, rate_turn - taken_turn
+            lost += (to.mass * (taken_x * (old_x + 0.5 * dt * rate_x) + taken_z * (old_z + 0.5 * dt * rate_z))
+                     + to.inertia * taken_turn * (old_spin + 0.5 * dt * rate_turn))
+        to.vx, to.vz, to.spin = old_x + dt * rate_x, old_z + dt * rate_z, old_spin + dt * rate_turn
+        if to.free_x > 0.0:
+            momentum_x += to.mass * (old_x + to.vx)
+        else:  # what moves it works against its force
             pushed -= at.fx * to.vx
+        momentum_z += to.mass * (old_z + to.vz)
         at.x += dt * to.vx
         at.z += dt * to.vz
         at.turn += dt * to.spin
         at.cos1, at.sin = rotation(at.turn)
-    system.energy[INPUT] += (pushed - ax * momentum_x - az * momentum_z) * dt
+    system.energy[INPUT] += (pushed - 0.5 * (ax * momentum_x + az * momentum_z)) * dt
     system.energy[DAMPING] += lost * dt
 
 
 @_compile
-def accelerate(old, force, mass, free, field, alpha, local, dt):
-    """Velocity after a step, momentum in its middle, power lost; a prescribed velocity stays."""
-    if free == 0.0:
-        return old, 0.0, 0.0
-    rate = force * free - field
-    taken = alpha * old
-    if local > 0.0:  # against the motion
-        taken += local * abs(rate) * (1.0 if old > 0.0 else (-1.0 if old < 0.0 else 0.0))
-    new = old + dt * (rate - taken)
-    momentum = 0.5 * (old + new) * mass
-    return new, momentum, taken * momentum
+def resistance(velocity, rate, alpha, local):
+    """Deceleration by damping proportional to mass and by local damping, which is against the motion."""
+    sign = 1.0 if velocity > 0.0 else (-1.0 if velocity < 0.0 else 0.0)
+    return alpha * velocity + local * abs(rate) * sign
 
 
 @_compile
