@@ -35,14 +35,19 @@ class Results:
     points: pd.DataFrame
     runs: pd.DataFrame
 
-    def of_study(self, name, chosen):
-        """The chosen points (a mask) of the studies called `name`, or of all where none has them.
+    def of_studies(self, names, chosen):
+        """The chosen points (a mask) of the studies called so, or of all where none has them.
 
-        A study is called by its folder: harmonic, harmonic_yade and yade/harmonic are all harmonic.
+        A study is called by its folder: harmonic, harmonic_yade and yade/harmonic are all harmonic.  What one
+        solver did for several of them counts once, for the name that stands first.
         """
         points = self.points[chosen]
-        called = points["folder"].map(lambda folder: folder.name.startswith(name)).astype(bool)
-        return points[called] if called.any() else points
+        rank = points["folder"].map(lambda folder: next(
+            (place for place, name in enumerate(names) if folder.name.startswith(name)), len(names)))
+        if (called := rank < len(names)).any():
+            points, rank = points[called], rank[called]
+        first = rank.sort_values(kind="stable").index
+        return points.drop(points.loc[first][points.loc[first].duplicated(["point", "solver"])].index)
 
     def ended(self):
         """These results with only the points whose runs came to their end, a collapse included."""

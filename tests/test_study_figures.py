@@ -270,8 +270,17 @@ class TestResults:
     def test_a_study_of_the_name_comes_before_others(self, tmp_path, results):
         points = results.points.assign(folder=results.points["point"].map(
             lambda name: tmp_path / ("harmonic_yade" if name == "h0.2-0.1" else "sensitivity")))
-        found = type(results)(points, results.runs).of_study("harmonic", points["motion_period_s"].notna())
+        found = type(results)(points, results.runs).of_studies(("harmonic",), points["motion_period_s"].notna())
         assert set(found["point"]) == {"h0.2-0.1"}
+
+    def test_what_a_solver_did_for_two_studies_counts_once(self, tmp_path, results):
+        points = results.points[results.points["motion_period_s"].notna()]
+        both = pd.concat([points.assign(folder=tmp_path / name) for name in ("crosscheck", "harmonic")],
+                         ignore_index=True)
+        both = both.drop(index=len(points))  # one that crosscheck alone has
+        found = type(results)(both, results.runs).of_studies(("harmonic", "crosscheck"), both["wall"].notna())
+        assert len(found) == len(points) and not found.duplicated(["point", "solver"]).any()
+        assert sorted(folder.name for folder in found["folder"]) == ["crosscheck"] + ["harmonic"] * (len(points) - 1)
 
     def test_members_and_first_history(self, results, harmonic):
         point = harmonic.reference.iloc[0]
