@@ -1,9 +1,11 @@
-"""Figures 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, and crack maps, from the
+"""Figures 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, crack maps and sequences, from the
 results of studies: which there are, what each needs, and the files that they go to.
 
 Harmonic motions come from the studies whose folder is called harmonic, records from those called ida, and what
 YADE repeated of either from those called crosscheck; where none is called so, from all that have such points.
 """
+
+import pandas as pd
 
 from damage.crack_maps import crack_maps
 from damage.errors import InputError
@@ -11,7 +13,8 @@ from damage.figure_parts import CRITERIA, record_label
 from damage.harmonic_figures import against_amplitude, drifts, evolution, motions
 from damage.ida_figures import against_drift, records, residual_against_pga
 from damage.pictures import save_figures
-from damage.study_results import Missing, variants
+from damage.sequence_figure import sequences
+from damage.study_results import REFERENCE, YADE, Missing, variants
 
 
 def make_figures(results, folder):
@@ -36,6 +39,7 @@ def _figures(results):
     """(name, function that draws it) of every figure."""
     yield from _harmonic(results)
     yield from _ida(results)
+    yield from _sequences(results)
 
 
 def _harmonic(results):
@@ -78,12 +82,25 @@ def _ida(results):
         yield f"cracks_ida_{part}", lambda variant=variant: crack_maps(results, variant, name_of)
 
 
+def _sequences(results):
+    points = results.points[_repeated(results.points)]
+    for solver, part in ((REFERENCE, "sequences"), (YADE, "sequences_yade")):
+        mine = points[points["solver"] == solver]
+        if len(mine):
+            yield part, lambda mine=mine: sequences(results, mine)
+
+
 def _having(results, study, *columns):
-    """The points of a study that have a value in all these columns."""
+    """The points of a study that have a value in all these columns and are one shock."""
     points = results.points
     if not set(columns) <= set(points):
         return points.iloc[:0]
-    return results.of_studies((study, "crosscheck"), points[list(columns)].notna().all(axis=1))
+    return results.of_studies((study, "crosscheck"), points[list(columns)].notna().all(axis=1) & ~_repeated(points))
+
+
+def _repeated(points):
+    """Which points are sequences of shocks."""
+    return points["shocks"] > 1 if "shocks" in points else pd.Series(False, points.index)
 
 
 def _slip_part(slip):

@@ -89,11 +89,14 @@ def index_table(history):
 
 
 def shocks_table(history):
-    """A row a shock: its factor on the motion, the largest index and drift in it, and those at its end.
+    """A row a shock: its factor on the motion, the largest index, by both slip criteria, and drift in it, and those
+    at its end.
 
     Residual values are those of the last sample of its settling stage, empty where it has none.
     """
     index, series = history.index(), history.series
+    latched = history.index(slip="shear-limit")[["DI_slip", "DI"]].add_suffix("_shear_limit")
+    index = index.join(latched)
     factors = history.parameters.get("sequence", [1.0])
     rows = []
     for shock, members in series.groupby("shock"):
@@ -102,8 +105,8 @@ def shocks_table(history):
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
         mine = index.loc[members.index]
-        row |= {f"max_{name}": mine[name].max() for name in COMPONENTS}
-        row |= {f"residual_{name}": mine[name].iloc[-1] if settled else None for name in COMPONENTS}
+        for name in (*COMPONENTS, *latched):
+            row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
         rows.append(row)
     return pd.DataFrame(rows)
 

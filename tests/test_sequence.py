@@ -1,6 +1,9 @@
 """The same wall shaken again and again: the schedule, the damage carried over, the tables."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -10,6 +13,7 @@ from damage.errors import InputError
 from damage.options import SETTLE_S, parse_run
 from damage.reference_session import run_reference
 from damage.schedule import base_acceleration, stages
+from damage.sequence_figure import sequences
 from damage.tables import shocks_table, write_run_tables
 
 DT = 2e-5
@@ -87,3 +91,15 @@ def test_a_sequence_has_a_table_of_its_shocks(runs, tmp_path):
     names = [path.name for path in write_run_tables(runs["twice"], tmp_path / "t")]
     assert "t_shocks.csv" in names
     assert "o_shocks.csv" not in [path.name for path in write_run_tables(runs["once"], tmp_path / "o")]
+
+
+def test_the_figure_shows_the_index_of_every_shock(runs):
+    points = pd.DataFrame([{"wall": "narrow", "solver": "reference", "members": 2, "motion_period_s": 0.15,
+                            "amplitude_g": 0.35, "record": np.nan, "shocks": 2}])
+    results = SimpleNamespace(histories=lambda point: [runs["twice"], runs["twice"]])
+    ax = sequences(results, points).axes[0]
+    assert ax.get_title(loc="left") == "(a) 0.15 s, 0.35 g, 2 times"
+    table = shocks_table(runs["twice"])
+    drawn = [bars[0].get_ydata() for bars in ax.containers]
+    for values, column in zip(drawn, ("max_DI", "residual_DI", "max_DI_shear_limit")):
+        assert_allclose(np.asarray(values, float), table[column].astype(float))
