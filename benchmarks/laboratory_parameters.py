@@ -17,7 +17,7 @@ sys.path.insert(0, str(REPOSITORY))
 
 from damage import brick_of_masonry, read_history
 from damage.hysteresis import mode_shares
-from damage.reference_session import SOLVER
+from damage.reference.session import SOLVER
 from damage.session import run_session
 from damage.summary import summarise
 from damage.wall_file import load_wall

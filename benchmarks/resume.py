@@ -20,8 +20,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.study import load_study
-from damage.study_tables import runs_there
+from damage.studies.definition import load_study
+from damage.studies.tables import runs_there
 
 
 def main():

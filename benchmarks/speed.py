@@ -19,7 +19,7 @@ sys.path.insert(0, str(ROOT))
 from damage.layout import lay_out
 from damage.loading import Harmonic
 from damage.modes import natural_modes
-from damage.reference import STEP_FACTOR, ReferenceWall
+from damage.reference.wall import STEP_FACTOR, ReferenceWall
 from damage.wall_file import load_wall
 
 PIECES, STEPS = 30, 2000

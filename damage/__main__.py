@@ -57,7 +57,7 @@ def _add_command(commands, name, function, help_):
 
 def _reference(arguments):
     """Run a wall file in the built-in solver: the words after `reference`."""
-    from damage.reference_session import run_reference
+    from damage.reference.session import run_reference
 
     return run_reference(arguments)
 
@@ -89,7 +89,7 @@ def _add_cycles(commands):
 
 
 def _cycles(parsed):
-    from damage.laboratory import describe, figures
+    from damage.laboratory.pushed import describe, figures
     from damage.reading import read_history
 
     found = figures(read_history(parsed.history))
@@ -103,7 +103,7 @@ def _add_laboratory(commands):
 
 
 def _laboratory(parsed):
-    from damage.laboratory_pictures import save
+    from damage.laboratory.pictures import save
     from damage.reading import read_history
 
     for path in save([read_history(path) for path in parsed.histories], parsed.out):
@@ -221,8 +221,8 @@ def _add_figures(commands):
 
 
 def _figures(parsed):
-    from damage.study_figures import make_figures
-    from damage.study_results import load_results
+    from damage.studies.figures import make_figures
+    from damage.studies.results import load_results
 
     made = 0
     try:
@@ -247,8 +247,8 @@ def _add_paper(commands):
 
 
 def _paper(parsed):
-    from damage.paper import judge
-    from damage.paper_report import as_json, describe, update_readme, write_markdown
+    from damage.paper.report import as_json, describe, update_readme, write_markdown
+    from damage.paper.verdict import judge
 
     findings = judge(parsed.results)
     if parsed.markdown:
@@ -278,7 +278,7 @@ def _add_cracks(commands):
 
 
 def _cracks(parsed):
-    from damage import crack_report
+    from damage.laboratory import crack_report
 
     if (parsed.source is None) == (parsed.dic is None):
         raise InputError("expected one of FILE and --dic FIELD.csv; give a history, a crack file or a field")
@@ -311,8 +311,8 @@ def _add_fragility(commands):
 
 
 def _fragility(parsed):
-    from damage.fragility import INTENSITIES, fit_all, fragility_table, load_runs
-    from damage.fragility_picture import fragility_picture
+    from damage.studies.fragility import INTENSITIES, fit_all, fragility_table, load_runs
+    from damage.studies.fragility_picture import fragility_picture
     from damage.tables import write_table
 
     if parsed.intensity not in INTENSITIES:
@@ -340,7 +340,7 @@ def _only_with(parsed, what, needs=(), without=()):
 
 
 def _crack_pictures(mapped, patterns, layout, threshold):
-    from damage.crack_picture import crack_picture
+    from damage.laboratory.crack_picture import crack_picture
 
     for pattern, cracks in zip(patterns, mapped):
         yield f"cracks_level_{pattern.level:g}", crack_picture(pattern, cracks, layout, threshold)

@@ -9,8 +9,11 @@ from conftest import REPOSITORY
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
-from damage.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
-from damage.crack_mapping import (
+from damage.cracks import cracks_at, psi
+from damage.errors import InputError
+from damage.index import combine
+from damage.laboratory.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
+from damage.laboratory.crack_mapping import (
     describe_level,
     half_brick_height,
     index_bounds,
@@ -19,9 +22,6 @@ from damage.crack_mapping import (
     least_index,
     map_cracks,
 )
-from damage.cracks import cracks_at, psi
-from damage.errors import InputError
-from damage.index import combine
 
 HEADER = "load_level,drift_pct,crack,point,x_m,z_m,opening_mm,slip_mm,width_mm,mode\n"
 WALL = '''

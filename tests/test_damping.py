@@ -10,8 +10,8 @@ from damage.layout import lay_out
 from damage.modes import natural_modes
 from damage.options import ADAPTIVE_DAMPING, LOCAL_DAMPING, parse_run, rayleigh_factors
 from damage.parameters import Joint, Wall
-from damage.reference import STEP_FACTOR, ReferenceWall
-from damage.reference_session import run_reference
+from damage.reference.session import run_reference
+from damage.reference.wall import STEP_FACTOR, ReferenceWall
 from damage.units import GRAVITY
 
 STRONG = Joint(tensile_strength=1e12, cohesion=1e12)

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from damage.__main__ import main
-from damage.crack_file import read_cracks
-from damage.crack_mapping import describe_level, map_cracks
 from damage.cracks import cracks_at
-from damage.dic import (
+from damage.errors import InputError
+from damage.laboratory.crack_file import read_cracks
+from damage.laboratory.crack_mapping import describe_level, map_cracks
+from damage.laboratory.dic import (
     Field,
     brick_motions,
     measure,
@@ -19,10 +20,9 @@ from damage.dic import (
     rigid_motion,
     turned,
 )
-from damage.errors import InputError
 from damage.layout import HEAD, lay_out
 from damage.reading import read_history
-from damage.reference_session import run_reference
+from damage.reference.session import run_reference
 from damage.wall_file import load_wall
 
 NOISE = 1e-5

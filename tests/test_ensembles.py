@@ -16,9 +16,9 @@ from small_history import make_history
 
 from damage.errors import InputError
 from damage.reading import read_history
-from damage.study import load_study
-from damage.study_grid import expand
-from damage.study_tables import points_of, read_study_table
+from damage.studies.definition import load_study
+from damage.studies.grid import expand
+from damage.studies.tables import points_of, read_study_table
 from damage.tables import summary_row
 
 SINE = 'options = { harmonic = [0.2, 0.05] }\n'

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from damage.layout import lay_out
 from damage.parameters import ModelOptions, Wall
-from damage.reference import ReferenceWall
+from damage.reference.wall import ReferenceWall
 from damage.units import GRAVITY
 from verification.limit_analysis import collapse_load
 from verification.lourenco import (

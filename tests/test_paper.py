@@ -9,9 +9,9 @@ from conftest import REPOSITORY
 
 from damage.__main__ import main
 from damage.index import COMPONENTS
-from damage.paper import DIFFERS, HOLDS, JUDGES, UNJUDGED, judge, statement_verdict
-from damage.paper_criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
-from damage.paper_report import BEGIN, END, STATEMENTS, merged
+from damage.paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
+from damage.paper.report import BEGIN, END, STATEMENTS, merged
+from damage.paper.verdict import DIFFERS, HOLDS, JUDGES, UNJUDGED, judge, statement_verdict
 
 EIGEN_S = {"solid": 0.06, "symmetric": 0.2, "asymmetric": 0.2}
 MAX_DI = {0.06: (0.003, 0.01, 0.02, 0.03, 0.04), 0.2: (0.03, 0.06, 0.30, 0.33, 0.36),

@@ -9,8 +9,8 @@ from damage.energy import energy_error
 from damage.layout import lay_out
 from damage.modes import natural_modes
 from damage.parameters import Joint, ModelOptions, Opening, Wall
-from damage.reference import ReferenceWall
-from damage.reference_session import run_reference
+from damage.reference.session import run_reference
+from damage.reference.wall import ReferenceWall
 from damage.summary import summarise
 
 SMALL = Wall(name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)])

@@ -11,9 +11,9 @@ import damage
 from damage.energy import energy_error
 from damage.errors import InputError
 from damage.options import SETTLE_S, parse_run
-from damage.reference_session import run_reference
+from damage.reference.session import run_reference
 from damage.schedule import base_acceleration, stages
-from damage.sequence_figure import sequences
+from damage.studies.sequence_figure import sequences
 from damage.tables import shocks_table, write_run_tables
 
 DT = 2e-5

@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from damage.errors import InputError
-from damage.study import StudyRun, load_study, option_words, run_name
+from damage.studies.definition import StudyRun, load_study, option_words, run_name
 from damage.tables import (
     describe_table,
     events_table,

@@ -8,17 +8,17 @@ from matplotlib.colors import to_rgba
 from numpy.testing import assert_allclose
 from small_history import make_history
 
-from damage import study_figures
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.figure_parts import NOTHING, describe_members, in_order, record_label, record_markers
-from damage.harmonic_figures import against_amplitude, drifts, evolution, motions
-from damage.ida_figures import against_drift, records, residual_against_pga
 from damage.intensity import response_spectrum
 from damage.loading import Recorded
 from damage.pictures import BLACK, BLUE, VERMILLION
 from damage.records import read_record, shipped_record_path
-from damage.study_results import Missing, load_results, variants
+from damage.studies import figures as study_figures
+from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
+from damage.studies.ida_figures import against_drift, records, residual_against_pga
+from damage.studies.results import Missing, load_results, variants
 from damage.tables import index_table, write_table
 from damage.units import GRAVITY
 
@@ -216,7 +216,7 @@ class TestRecords:
         other = tmp_path / "huizinge" / "MID1_N_synthetic_acc_m_s2.csv"
         other.parent.mkdir()
         other.write_text("0.0,1.0\n0.1,1.0\n")
-        monkeypatch.setattr("damage.ida_figures.shipped_record_path", lambda: other)
+        monkeypatch.setattr("damage.studies.ida_figures.shipped_record_path", lambda: other)
         with pytest.raises(Missing, match="MID1_N_synthetic_acc_m_s2.csv"):
             records(results, ida.points)
 

@@ -8,7 +8,7 @@ import numpy as np
 from damage.layout import lay_out
 from damage.modes import natural_modes
 from damage.parameters import Brick, Joint, ModelOptions, Wall
-from damage.reference import ReferenceWall
+from damage.reference.wall import ReferenceWall
 
 DRY = Joint(tensile_strength=0.0, cohesion=0.0)
 STICKY = replace(DRY, friction_angle=math.radians(80))

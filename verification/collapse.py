@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.modes import natural_modes
-from damage.reference import STEP_FACTOR, ReferenceWall
+from damage.reference.wall import STEP_FACTOR, ReferenceWall
 from damage.units import GRAVITY
 
 AT_REST = 1e-6

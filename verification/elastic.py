@@ -26,7 +26,7 @@ from scipy.sparse.linalg import splu
 from damage.layout import lay_out
 from damage.modes import natural_modes, stiffness_matrix
 from damage.parameters import Brick, Joint, ModelOptions, Wall
-from damage.reference import ReferenceWall
+from damage.reference.wall import ReferenceWall
 from damage.summary import natural_period
 from verification.problem import Problem, ask_yade
 

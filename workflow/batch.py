@@ -22,8 +22,8 @@ import pandas as pd
 from shared import MARK, ROOT, end_with_parent
 
 from damage.errors import InputError
-from damage.study import load_study
-from damage.study_tables import runs_there
+from damage.studies.definition import load_study
+from damage.studies.tables import runs_there
 from damage.tables import describe_table
 
 LOCK_PATIENCE_S = 10.0

@@ -21,9 +21,9 @@ from shared import tell
 
 from damage.errors import InputError
 from damage.reading import read_history
-from damage.reference_session import run_reference
+from damage.reference.session import run_reference
 from damage.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
-from damage.study_tables import write_row
+from damage.studies.tables import write_row
 from damage.tables import write_run_tables
 
 

@@ -14,7 +14,7 @@ A study is a TOML file:
 option without a value), or the list of words of a command line.  A run may have an `id` of its own;
 otherwise one is made of its wall and options.  Paths are looked for beside the study file, then in
 the repository; a list of paths means the first that is there.  A table [[grid]] has `vary`, too, and
-stands for many runs: `damage.study_grid`.
+stands for many runs: `damage.studies.grid`.
 
 Every run is a point of the study.  In the reference solver a point can be an ensemble:
 
@@ -34,7 +34,7 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.options import parse_run
-from damage.study_grid import expand
+from damage.studies.grid import expand
 
 PATH_OPTIONS = ("--record", "--vertical")
 RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--view", "--help", "-h")
@@ -46,7 +46,7 @@ PERTURB_M = 1e-9
 """Offsets of the bricks in an ensemble where the study says nothing else [m]: far below what a joint opens."""
 _ENTRY_KEYS = {"id", "wall", "options", "solvers", "members", "perturb", "samples"}
 
-REPOSITORY = Path(__file__).resolve().parents[1]
+REPOSITORY = Path(__file__).resolve().parents[2]
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 _LONGEST_ID = 120  # characters; file names end at 255 and tables add theirs
 

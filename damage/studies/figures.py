@@ -7,14 +7,14 @@ YADE repeated of either from those called crosscheck; where none is called so, f
 
 import pandas as pd
 
-from damage.crack_maps import crack_maps
 from damage.errors import InputError
 from damage.figure_parts import CRITERIA, record_label
-from damage.harmonic_figures import against_amplitude, drifts, evolution, motions
-from damage.ida_figures import against_drift, records, residual_against_pga
 from damage.pictures import save_figures
-from damage.sequence_figure import sequences
-from damage.study_results import REFERENCE, YADE, Missing, variants
+from damage.studies.crack_maps import crack_maps
+from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
+from damage.studies.ida_figures import against_drift, records, residual_against_pga
+from damage.studies.results import REFERENCE, YADE, Missing, variants
+from damage.studies.sequence_figure import sequences
 
 
 def make_figures(results, folder):

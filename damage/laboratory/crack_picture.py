@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 
-from damage.crack_mapping import joint_table
 from damage.index import THRESHOLD
+from damage.laboratory.crack_mapping import joint_table
 from damage.pictures import (
     BLACK,
     BLUE,

@@ -14,13 +14,13 @@ from math import isnan
 
 import numpy as np
 
-from damage.crack_file import CrackPattern, pattern_of
-from damage.crack_mapping import joint_table
 from damage.cracks import crack_table
-from damage.csv_table import CsvTable
 from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.kinematics import ContactKinematics
+from damage.laboratory.crack_file import CrackPattern, pattern_of
+from damage.laboratory.crack_mapping import joint_table
+from damage.laboratory.csv_table import CsvTable
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall_picture import tributary_ends
 

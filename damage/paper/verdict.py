@@ -1,6 +1,6 @@
 """The verdict on the paper: each of its claims held against the tables of studies.
 
-`damage.paper_criteria` says what is claimed and when it holds, `damage.paper_evidence` picks the runs, and here
+`damage.paper.criteria` says what is claimed and when it holds, `damage.paper.evidence` picks the runs, and here
 one small function a claim decides.  A claim `holds`, `differs`, or `cannot be judged`, for each solver, lintel and
 slip criterion on its own.
 """
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damage import paper_criteria as criteria
 from damage.errors import InputError
 from damage.index import SLIP_CRITERIA
 from damage.intensity import pga_g, response_spectrum
-from damage.paper_criteria import AMPLITUDES_G, CLAIMS, SCALES, Claim
-from damage.paper_evidence import Evidence, Fell, NotThere, comparable, gather, load_runs
+from damage.paper import criteria
+from damage.paper.criteria import AMPLITUDES_G, CLAIMS, SCALES, Claim
+from damage.paper.evidence import Evidence, Fell, NotThere, comparable, gather, load_runs
 from damage.records import read_record, shipped_record_path
 
 HOLDS, DIFFERS, UNJUDGED, IN_PART = "holds", "differs", "cannot be judged", "in part"

@@ -22,7 +22,7 @@ from damage.hysteresis import (
 from damage.measures import LIMITS
 from damage.summary import summarise
 
-TESTS = Path(__file__).with_name("data") / "eucentre" / "tests.csv"
+TESTS = Path(__file__).resolve().parents[1] / "data" / "eucentre" / "tests.csv"
 SPECIMENS = {"squat": "COMP1_3", "squat_tested": "COMP1_3", "comp2_1": "COMP2_1", "comp2_4": "COMP2_4"}
 """Name of a shipped wall -> the test that it models."""
 MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear"}

@@ -1,17 +1,17 @@
 """The built-in reference solver: a wall of rigid blocks, explicit in time, in the plane.
 
 The same layout, joint law, stages, loading and history file as the walls in YADE; the time step itself
-is `damage.reference_kernel`.
+is `damage.reference.kernel`.
 """
 
 import numpy as np
 
-from damage import reference_kernel as kernel
 from damage.errors import InputError
 from damage.history import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
 from damage.joint_law import SHEAR, TENSION, elastic_energy
 from damage.layout import GROUND, HEAD
+from damage.reference import kernel
 from damage.units import GRAVITY
 
 STEP_FACTOR = 0.643

@@ -5,13 +5,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from damage.crack_file import patterns_of, read_cracks, write_cracks
-from damage.crack_mapping import describe_level, largest, map_cracks
 from damage.cracks import cracks_at, psi, psi_summary
-from damage.dic import measure, patterns_of_fields, read_field
-from damage.dic import report as dic_report
 from damage.errors import InputError
 from damage.index import DRIFT_LIMIT, THRESHOLD
+from damage.laboratory.crack_file import patterns_of, read_cracks, write_cracks
+from damage.laboratory.crack_mapping import describe_level, largest, map_cracks
+from damage.laboratory.dic import measure, patterns_of_fields, read_field
+from damage.laboratory.dic import report as dic_report
 from damage.layout import lay_out
 from damage.reading import read_history
 from damage.units import MILLIMETRE

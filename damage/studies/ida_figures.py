@@ -37,12 +37,12 @@ from damage.intensity import pga_g, response_spectrum
 from damage.loading import Recorded
 from damage.pictures import BLACK, BLUE, MEDIUM, VERMILLION, styled
 from damage.records import read_record, shipped_record_path
-from damage.study_results import Missing
+from damage.studies.results import Missing
 from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = np.geomspace(0.02, 2.0, 120)
 WALL_PERIOD_S = 0.2  # of the walls with an opening, marked in the spectra
-RECORDS_FOLDER = Path(__file__).resolve().parents[1] / "records"
+RECORDS_FOLDER = Path(__file__).resolve().parents[2] / "records"
 """Where users put records that do not ship."""
 TREND_POINTS = 4
 """Fewest points through which a parabola is laid."""

@@ -1,6 +1,6 @@
 """The tables of a whole study, of whichever runs are there: one row a run, one row a point.
 
-    python3 -m damage.study_tables STUDY.toml DIR [-j N]
+    python3 -m damage.studies.tables STUDY.toml DIR [-j N]
 
 writes below DIR/tables: summary.csv, a row for each run; points.csv, a row for each point and solver, with the
 median over its members under a measure's NAME and their range under NAME_min and NAME_max; study.h5, both of them
@@ -21,7 +21,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.reading import read_history
-from damage.study import load_study
+from damage.studies.definition import load_study
 from damage.tables import summary_row, write_table
 
 COUNTED = ("run", "seed", "status", "collapsed_at_s")
@@ -149,7 +149,7 @@ def write_study_tables(study, folder, jobs=1):
 
 def main(arguments=None):
     """Run the command; returns the exit status: 0 done, 2 bad input."""
-    parser = argparse.ArgumentParser(prog="python3 -m damage.study_tables", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(prog="python3 -m damage.studies.tables", description=__doc__.splitlines()[0])
     parser.add_argument("study", type=Path, metavar="STUDY.toml")
     parser.add_argument("folder", type=Path, metavar="DIR")
     parser.add_argument("--solver", default="both")

@@ -4,7 +4,7 @@ import numpy as np
 
 from damage.figure_parts import add_heading, finish, grid, letter
 from damage.pictures import draw_wall, joint_handles, styled
-from damage.study_results import Missing
+from damage.studies.results import Missing
 from damage.wall_picture import wall_shape
 
 MOST_ROWS = 5

@@ -6,7 +6,7 @@ from matplotlib.lines import Line2D
 from damage.errors import InputError
 from damage.figure_parts import PAGE_WIDTH, add_heading, finish, grid, letter
 from damage.hysteresis import cycles_table, envelope, pushed_loading
-from damage.laboratory import test_of
+from damage.laboratory.pushed import test_of
 from damage.pictures import (
     BLACK,
     BLUE,

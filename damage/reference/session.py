@@ -4,8 +4,8 @@ import sys
 
 import numba
 
-from damage.reference import choose_time_step
-from damage.reference_run import ReferenceRun
+from damage.reference.run import ReferenceRun
+from damage.reference.wall import choose_time_step
 from damage.session import EXIT_INPUT, Solver, run_session
 from damage.wall_file import load_wall
 

@@ -28,7 +28,7 @@ from damage.figure_parts import (
 from damage.loading import Harmonic
 from damage.measures import drift_cycles
 from damage.pictures import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, styled
-from damage.study_results import REFERENCE, Missing
+from damage.studies.results import REFERENCE, Missing
 from damage.units import GRAVITY
 
 EVOLUTION = ((0.33, 0.025), (0.33, 0.1), (0.2, 0.025), (0.2, 0.1))

@@ -5,7 +5,7 @@ from itertools import groupby
 from pathlib import Path
 
 from damage.errors import InputError
-from damage.paper import IN_PART, SOLVERS, UNJUDGED, statement_verdict
+from damage.paper.verdict import IN_PART, SOLVERS, UNJUDGED, statement_verdict
 
 STATEMENTS = {
     "P1": "natural period of the solid wall 0.06 s",
@@ -151,7 +151,7 @@ _HEAD = """# The paper's statements, judged
 Written by `python3 -m damage paper RESULTS_DIR --markdown docs/paper-verdict.md` from the tables of studies; do not
 edit by hand. Paper: Sarhosis, Dais, Smyrou, Bal, Drougkas (2021), *Engineering Structures* 243, 112529,
 doi:10.1016/j.engstruct.2021.112529. Each of its statements is split into claims that a number decides. The criteria
-stand in `damage/paper_criteria.py`, each with its reason, and were fixed before the studies were run. A wall that fell
+stand in `damage/paper/criteria.py`, each with its reason, and were fixed before the studies were run. A wall that fell
 differs from the paper's, which stood. Where the results differ, `docs/underdetermined.md` says what in the model the
 paper leaves open and how much it matters. The Huizinge motion is a synthetic stand-in for the record.
 

@@ -1,0 +1,1 @@
+"""The source paper, doi:10.1016/j.engstruct.2021.112529: its claims, the runs that bear on them, the verdict."""
