@@ -57,7 +57,8 @@ def _reach(histories, test, cyclic):
 def _label(history):
     loading = pushed_loading(history)
     kind = "cyclic" if loading.cycles else "pushover"
-    return f"{history.wall}, {history.solver}, {kind} {1e3 * loading.speed_m_s:g} mm/s"
+    solver = {"yade": "YADE"}.get(history.solver, history.solver)
+    return f"{history.wall}, {solver}, {kind} {1e3 * loading.speed_m_s:g} mm/s"
 
 
 def _draw_run(left, right, history, colour):
