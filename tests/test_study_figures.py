@@ -16,6 +16,7 @@ from damage.loading import Recorded
 from damage.pictures import BLACK, BLUE, VERMILLION
 from damage.records import read_record, shipped_record_path
 from damage.studies import figures as study_figures
+from damage.studies.choices_figure import choices
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
 from damage.studies.ida_figures import against_drift, records, residual_against_pga
 from damage.studies.results import Missing, load_results, variants
@@ -309,6 +310,28 @@ class TestResults:
         (tmp_path / "tables" / "points.csv").write_text("")
         with pytest.raises(InputError, match="cannot be read as a table"):
             load_results(tmp_path)
+
+
+class TestChoices:
+    def test_medians_ranges_and_falls_stand_beside_the_default(self):
+        rows = [point_row("d", "reference", 1.0, motion_period_s=0.2, amplitude_g=0.1, cycles=3, top="piers"),
+                point_row("five", "reference", 2.0, motion_period_s=0.2, amplitude_g=0.1, cycles=5, top="piers"),
+                point_row("beam", "reference", 3.0, motion_period_s=0.2, amplitude_g=0.1, cycles=3, top="beam"),
+                point_row("alone", "reference", 3.0, motion_period_s=1.0, amplitude_g=0.1, cycles=2, top="piers")]
+        points = pd.DataFrame(rows).assign(beta_s=0.0, collapsed=[0, 0, 2, 0])
+        ax, *others = choices(points).axes
+        assert [label.get_text() for label in ax.get_yticklabels()] == ["default", "5 cycles", "top mass: beam"]
+        drawn, _, (ranges,) = ax.containers[0]
+        assert_allclose(drawn.get_xdata(), points["max_DI"][:2])
+        assert_allclose([segment[:, 0] for segment in ranges.get_segments()],
+                        points[["max_DI_min", "max_DI_max"]][:2])
+        crossed, = (line for line in ax.lines if line.get_marker() == "x")
+        assert_allclose(crossed.get_ydata(), [2])
+        assert not any(other.has_data() for other in others)  # one second has no default to be held against
+
+    def test_without_a_default_there_is_no_figure(self):
+        with pytest.raises(Missing, match="default point"):
+            choices(pd.DataFrame([point_row("p", "reference", 1.0, motion_period_s=1.0, amplitude_g=0.1, cycles=2)]))
 
 
 class TestCommand:

@@ -1,5 +1,5 @@
-"""Figures 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, crack maps and sequences, from the
-results of studies: which there are, what each needs, and the files that they go to.
+"""Figures 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, crack maps, sequences and
+modelling choices, from the results of studies: which there are, what each needs, and the files that they go to.
 
 Harmonic motions come from the studies whose folder is called harmonic, records from those called ida, and what
 YADE repeated of either from those called crosscheck; where none is called so, from all that have such points.
@@ -10,6 +10,7 @@ import pandas as pd
 from damage.errors import InputError
 from damage.figure_parts import CRITERIA, record_label
 from damage.pictures import save_figures
+from damage.studies.choices_figure import choices
 from damage.studies.crack_maps import crack_maps
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
 from damage.studies.ida_figures import against_drift, records, residual_against_pga
@@ -40,6 +41,9 @@ def _figures(results):
     yield from _harmonic(results)
     yield from _ida(results)
     yield from _sequences(results)
+    varied = results.points["folder"].map(lambda folder: folder.name.startswith("sensitivity")).astype(bool)
+    if varied.any():
+        yield "sensitivity", lambda: choices(results.points[varied])
 
 
 def _harmonic(results):

@@ -1,0 +1,85 @@
+"""How much each modelling choice moves the damage index: the points of a study that vary them one at a time."""
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from damage.figure_parts import SLIP_LABELS, add_heading, describe_members, finish, grid, letter, record_label
+from damage.pictures import BLACK, BLUE, LIGHT, VERMILLION, styled
+from damage.studies.results import REFERENCE, Missing
+
+DEFAULTS = {"cycles": 3, "contacts": "interior", "cells": 2, "top": "piers", "lintel": "elastic", "beta_s": 0.0}
+"""Columns that are varied, and what stands in them where they are not."""
+_WORDS = {"cycles": "{:g} cycles", "contacts": "contacts at {}", "cells": "{:g} contacts a half brick",
+          "top": "top mass: {}", "lintel": "lintel: {}", "beta_s": "β = {:g} s"}
+_STYLES = {"max_DI": (BLACK, "D", SLIP_LABELS["displacement"]),
+           "max_shear_limit_DI": (BLUE, "o", SLIP_LABELS["shear-limit"])}
+
+
+@styled
+def choices(points):
+    """Maximum DI of the reference solver's points, a panel a motion, a line a choice: medians and ranges.
+
+    A panel needs its default point and another; grey lines carry the default's values through the panel.
+    """
+    points = points[points["solver"] == REFERENCE]
+    motions = [(name, rows) for name, rows in points.groupby(points.apply(_motion, axis=1), sort=False)
+               if len(rows) > 1 and "default" in set(map(choice, rows.to_dict("records")))]
+    if not motions:
+        raise Missing("no motion with a default point and another choice")
+    most = max(len(rows) for _, rows in motions)
+    figure, axes = grid(-(-len(motions) // 2), 2, 0.7 + 0.13 * most)
+    fell = False
+    for number, (ax, (name, rows)) in enumerate(zip(axes.flat, motions)):
+        letter(ax, number, name)
+        fell |= _draw(ax, rows)
+    for ax in axes.flat[len(motions):]:
+        ax.set_axis_off()
+    add_heading(figure, f"Maximum damage index by modelling choice: {' and '.join(points['wall'].unique())} wall",
+                f"reference solver, {describe_members(points)}; default: {_default_words()}")
+    handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=label)
+               for colour, marker, label in _STYLES.values()]
+    if fell:
+        handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5, label="fell"))
+    return finish(figure, handles, columns=3)
+
+
+def choice(point):
+    """What a point does otherwise than the default, in words.
+
+    >>> choice({"cycles": 5, "top": "piers"})
+    '5 cycles'
+    """
+    differs = [_WORDS[name].format(point[name]) for name, usual in DEFAULTS.items()
+               if name in point and point[name] == point[name] and point[name] not in (usual, None, "")]
+    return ", ".join(differs) or "default"
+
+
+def _draw(ax, rows):
+    """Points of one motion from top to bottom, the default first; returns whether a wall fell."""
+    labels = rows.apply(lambda point: choice(point.to_dict()), axis=1)
+    rows = rows.assign(choice=labels).sort_values("choice", key=lambda names: names != "default", kind="stable")
+    fell = (rows["collapsed"] > 0).to_numpy()
+    place = np.arange(len(rows))
+    for shift, (column, (colour, marker, _)) in zip((-0.15, 0.15), _STYLES.items()):
+        value, low, high = (rows[name].to_numpy(float) for name in (column, f"{column}_min", f"{column}_max"))
+        stands = ~fell
+        if stands[0]:
+            ax.axvline(value[0], color=LIGHT, lw=1.0, zorder=0)
+        ax.errorbar(value[stands], place[stands] + shift, xerr=[(value - low)[stands], (high - value)[stands]], ls="",
+                    color=colour, marker=marker, ms=3.2, elinewidth=0.8, capsize=1.6)
+    ax.plot(np.zeros(fell.sum()), place[fell], ls="", marker="x", color=VERMILLION, ms=5)
+    ax.set_yticks(place, labels=rows["choice"])
+    ax.set_ylim(len(rows) - 0.5, -0.5)
+    ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))
+    ax.set_xlabel("maximum DI [-]")
+    return bool(fell.any())
+
+
+def _motion(point):
+    if isinstance(point.get("record"), str):
+        return f"{record_label(point['record'])} × {point['scale']:g}"
+    return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g"
+
+
+def _default_words():
+    return ", ".join(_WORDS[name].format(value) for name, value in DEFAULTS.items() if name not in ("cells", "beta_s"))
