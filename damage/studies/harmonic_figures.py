@@ -108,12 +108,13 @@ def _draw_evolution(ax, results, point):
         ax.plot(table["time_s"], table["DI_shear_limit"], color=BLACK, lw=0.6, ls="--")
 
 
-def _draw_band(ax, results, point, value):
+def _draw_band(ax, results, point, value, until_s=np.inf):
     """Range over the members of a point of a value over time, where two histories or more are there."""
     histories = results.histories(point)
     if len(histories) < 2:
         return
     time_s = histories[0].series["time_s"].to_numpy()
+    time_s = time_s[time_s <= until_s]
     values = np.array([np.interp(time_s, history.series["time_s"], value(history), right=np.nan)
                        for history in histories])
     ax.fill_between(time_s, np.nanmin(values, axis=0), np.nanmax(values, axis=0), color="0.8", lw=0, zorder=1)
@@ -187,7 +188,7 @@ def _draw_drift(ax, results, point):
     if len(ax.lines) > len(marked):
         ax.plot(time_s, drift_pct, color=BLACK, lw=0.6, zorder=5)
         return marked
-    _draw_band(ax, results, point, lambda each: 100 * each.series["drift_ratio"])
+    _draw_band(ax, results, point, lambda each: 100 * each.series["drift_ratio"], time_s.iloc[-1])
     ax.plot(time_s, drift_pct, color=SKY, lw=1.5, zorder=3)
     driven, _ = drift_cycles(history)
     if len(driven) == 0:
