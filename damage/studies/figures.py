@@ -1,8 +1,9 @@
 """Figures 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, crack maps, sequences and
 modelling choices, from the results of studies: which there are, what each needs, and the files that they go to.
 
-Harmonic motions come from the studies whose folder is called harmonic, records from those called ida, and what
-YADE repeated of either from those called crosscheck; where none is called so, from all that have such points.
+Harmonic motions come from the studies whose folder is called harmonic, records from those called ida, what YADE
+repeated of either from crosscheck, walls without a lintel from nolintel; where none is called so, from all that have
+such points.
 """
 
 import pandas as pd
@@ -99,7 +100,7 @@ def _having(results, study, *columns):
     points = results.points
     if not set(columns) <= set(points):
         return points.iloc[:0]
-    return results.of_studies((study, "crosscheck"), points[list(columns)].notna().all(axis=1) & ~_repeated(points))
+    return results.of_studies((study, "crosscheck", "nolintel"), points[list(columns)].notna().all(axis=1) & ~_repeated(points))
 
 
 def _repeated(points):
