@@ -100,7 +100,8 @@ def _having(results, study, *columns):
     points = results.points
     if not set(columns) <= set(points):
         return points.iloc[:0]
-    return results.of_studies((study, "crosscheck", "nolintel"), points[list(columns)].notna().all(axis=1) & ~_repeated(points))
+    chosen = points[list(columns)].notna().all(axis=1) & ~_repeated(points)
+    return results.of_studies((study, "crosscheck", "nolintel"), chosen)
 
 
 def _repeated(points):
