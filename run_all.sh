@@ -15,8 +15,9 @@ usage() {
     cat <<END
 usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
 
-STUDY is one of: $(shipped | paste -sd' ')
-or the path of a study file of your own (.toml; copy studies/quick.toml).
+STUDY is one of: $(shipped | paste -sd' '),
+the path of a study file of your own (.toml; copy studies/quick.toml), or all: every one that ships, each into
+DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days).
 
   -j N           simulations at a time (default: one for each core, here $(nproc))
   --out DIR      where everything goes (default: results/STUDY in the repository)
@@ -78,7 +79,12 @@ case $solver in
     yade | reference | both) ;;
     *) fail "--solver $solver: expected yade, reference or both; mend it" ;;
 esac
+program=batch.py
 case $study in
+    all)
+        program=all_studies.py
+        file=$root/studies
+        ;;
     *.toml)
         [ -f "$study" ] || fail "$study: no such study file; mend the path"
         file=$study
@@ -86,10 +92,10 @@ case $study in
     *)
         file=$root/studies/$study.toml
         [[ $study != */* && -f $file ]] ||
-            fail "no study $study is shipped: expected $(shipped | paste -sd' ') or a study file (.toml)"
+            fail "no study $study is shipped: expected $(shipped | paste -sd' '), all or a study file (.toml)"
         ;;
 esac
 
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" run
-exec "$PYTHON" "$root/workflow/batch.py" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm
+exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm

@@ -135,6 +135,12 @@ class Reference:
                                 stderr=subprocess.DEVNULL,
                                 env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
 
+    def run_all(self, *words):
+        """All studies of the folder, by the program that ./run_all.sh all starts."""
+        return subprocess.run([sys.executable, REPOSITORY / "workflow/all_studies.py", self.folder, "-j2", "--out",
+                               self.out, *words], timeout=300, capture_output=True, text=True, cwd=REPOSITORY,
+                              env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
+
     def members(self):
         return sorted(path for path in (self.out / "runs").glob("*_s?.h5"))
 
@@ -247,3 +253,16 @@ class TestBatch:
         log = reference.out / "logs" / "bad_reference.log"
         assert f"failed: bad_reference; see {log} (error: --dt 0.1 s is above" in done.stderr
         assert list(pd.read_csv(reference.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
+
+    def test_all_studies_one_after_the_other_then_figures_and_verdict(self, reference):
+        points = {"good": POINTS % "0.01" + 'solvers = ["reference"]\n', "other": POINTS % "0.01" + 'solvers = ["yade"]\n',
+                  "bad": '[[runs]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, 0.5], dt = 0.1, rest = 0 }\n'}
+        for name, text in points.items():
+            (reference.folder / f"{name}.toml").write_text(f'name = "{name}"\npictures = "none"\n{text}')
+        done = reference.run_all("--solver", "reference")
+        assert done.returncode == 1, done.stderr
+        assert "study bad: FAILED, status 1" in done.stderr and "study good" not in done.stderr
+        assert "passed over" in done.stdout and "expected --solver yade" in done.stdout
+        assert (reference.out / "good/tables/points.csv").is_file() and not (reference.out / "other").exists()
+        assert (reference.out / "figures/fig06_motions.png").is_file()
+        assert "P1" in done.stdout

@@ -1,0 +1,71 @@
+"""Every study of a folder, one after the other, then the figures and the verdict; `run_all.sh all` starts this.
+
+    all_studies.py STUDIES [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
+
+Each goes into DIR/NAME.  One that fails stops no other; one that has no run for the solver is passed over.
+Exit status: the worst of the studies' (`batch.py`), 130 at once when interrupted.
+"""
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+from shared import ROOT
+
+from damage.errors import InputError
+from damage.studies.definition import load_study
+
+INTERRUPTED = 130
+
+
+def main():
+    """Run all studies; returns the exit status."""
+    parser = argparse.ArgumentParser(prog="all_studies.py", description=__doc__.splitlines()[0])
+    parser.add_argument("studies", type=Path)
+    parser.add_argument("-j", dest="jobs", default="1")
+    parser.add_argument("--out", type=Path, default=ROOT / "results")
+    parser.add_argument("--solver", default="yade")
+    parser.add_argument("--slurm", action="store_true")
+    asked = parser.parse_args()
+    ended = {}
+    for path in sorted(asked.studies.glob("*.toml")):
+        try:
+            name = load_study(path, asked.solver).name
+        except InputError as error:
+            print(f"passed over: {error}", flush=True)
+            continue
+        words = ["-j", asked.jobs, "--out", asked.out / name, "--solver", asked.solver]
+        ended[name] = run(ROOT / "workflow/batch.py", path, *words, *(["--slurm"] if asked.slurm else []))
+        if ended[name] == INTERRUPTED:
+            return INTERRUPTED
+    return conclude(asked.out, ended)
+
+
+def conclude(out, ended):
+    """Draw the figures and print the verdict of what is there, and name the studies that failed."""
+    print("figures and verdict", flush=True)
+    run("-m", "damage", "figures", out, "--out", out / "figures")
+    run("-m", "damage", "paper", out)
+    for name, status in ended.items():
+        if status != 0:
+            print(f"study {name}: FAILED, status {status}; its runs' logs are in {out / name / 'logs'}", file=sys.stderr)
+    if not ended:
+        print("error: no study has a run for this solver; choose another", file=sys.stderr)
+        return 2
+    return max(ended.values())
+
+
+def run(*words):
+    """Exit status of a Python program of this repository; an interrupt is its own to answer."""
+    with subprocess.Popen([sys.executable, *map(str, words)]) as program:
+        while True:
+            try:
+                status = program.wait()
+            except KeyboardInterrupt:
+                continue
+            return INTERRUPTED if status < 0 else status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
