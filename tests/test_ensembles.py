@@ -255,7 +255,8 @@ class TestBatch:
         assert list(pd.read_csv(reference.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
 
     def test_all_studies_one_after_the_other_then_figures_and_verdict(self, reference):
-        points = {"good": POINTS % "0.01" + 'solvers = ["reference"]\n', "other": POINTS % "0.01" + 'solvers = ["yade"]\n',
+        points = {"good": POINTS % "0.01" + 'solvers = ["reference"]\n',
+                  "other": POINTS % "0.01" + 'solvers = ["yade"]\n',
                   "bad": '[[runs]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, 0.5], dt = 0.1, rest = 0 }\n'}
         for name, text in points.items():
             (reference.folder / f"{name}.toml").write_text(f'name = "{name}"\npictures = "none"\n{text}')

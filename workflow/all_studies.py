@@ -49,7 +49,7 @@ def conclude(out, ended):
     run("-m", "damage", "paper", out)
     for name, status in ended.items():
         if status != 0:
-            print(f"study {name}: FAILED, status {status}; its runs' logs are in {out / name / 'logs'}", file=sys.stderr)
+            print(f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}", file=sys.stderr)
     if not ended:
         print("error: no study has a run for this solver; choose another", file=sys.stderr)
         return 2
