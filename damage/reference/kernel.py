@@ -11,7 +11,8 @@ is exact, and the geometry is worked out once a pair, not once a contact.
 
 The joint law is homogeneous in the area: given stiffnesses and strengths times area, it returns forces
 and energies.  Between two of its decisions a contact is a linear spring, which changes no state; so
-only springs beyond what is left of their strength are shown to the law.
+only springs beyond what is left of their strength are shown to the law.  And a pair that is whole and
+whose outermost opening leaves all its springs within their strength is one spring and a couple.
 """
 
 from typing import NamedTuple
