@@ -133,15 +133,15 @@ def _with_first(table, *columns):
     return table[[*columns, *(name for name in table if name not in columns)]]
 
 
-def write_run_tables(history, stem):
-    """Write the tables of a run to STEM_index.csv and so on; returns their paths."""
+def write_run_tables(history, stem, names=("index", "events", "joints", "cycles", "shocks")):
+    """Write the named tables of a run to STEM_index.csv and so on, shocks of sequences alone; returns their paths."""
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
-    tables = {"index": index_table(history), "events": events_table(history), "joints": joints_table(history),
-              "cycles": cycles_table(history)}
-    if history.series["shock"].iloc[-1] > 1:
-        tables["shocks"] = shocks_table(history)
-    return [write_table(table, Path(f"{stem}_{name}.csv")) for name, table in tables.items()]
+    make = {"index": index_table, "events": events_table, "joints": joints_table, "cycles": cycles_table,
+            "shocks": shocks_table}
+    if history.series["shock"].iloc[-1] == 1:
+        names = [name for name in names if name != "shocks"]
+    return [write_table(make[name](history), Path(f"{stem}_{name}.csv")) for name in names]
 
 
 def write_table(table, path):

@@ -218,6 +218,7 @@ class TestBatch:
         assert list(stored["run"]) == list(summary["run"]) and list(stored.columns) == list(summary.columns)
         assert_allclose(stored["max_DI"], summary["max_DI"], rtol=1e-8)
         assert len(list(tables.glob("*_s1_index.csv"))) == len(list(tables.glob("*_index.csv"))) == 3
+        assert len(list(tables.glob("*_cycles.csv"))) == 7  # the verdict takes medians of them
 
     def test_killed_while_a_history_grows_it_goes_on_and_ends_in_the_same_tables(self, reference, whole):
         study = write_study(reference.folder, POINTS % "0.5, 0.4, 0.01")
@@ -237,7 +238,7 @@ class TestBatch:
         after = reference.checksums()
         assert len(after) == 7 and before == {name: after[name] for name in before}
         assert all(path.stat().st_mtime_ns == time_ns for path, time_ns in times.items())
-        assert len(whole.tables()) == 14 and reference.tables() == whole.tables()
+        assert len(whole.tables()) == 18 and reference.tables() == whole.tables()
 
         more = write_study(reference.folder, (POINTS % "0.5").replace("members = 3", "members = 4"))
         assert reference.run(more).returncode == 0

@@ -7,7 +7,7 @@ Member k is the reference solver's run with the words of --varied and k behind i
 grows in runs/POINT_sk.part.h5 and gets its name when it is whole.  A member that is there is not done again, unless
 runs/.inputs/POINT tells of other inputs than DIGEST.  With --adaptive the first is the only one where it breaks no
 joint: the wall was linear, and offsets of a nanometre change nothing.  Last comes runs/POINT.members, their names;
-before it their rows for the summary and the first one's tables.
+before it their rows for the summary, the first one's tables and the others' cycles and shocks.
 
 Exit status: 0 all members whole, 130 interrupted, otherwise that of the last member that failed.
 """
@@ -26,6 +26,8 @@ from damage.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from damage.studies.tables import write_row
 from damage.tables import write_run_tables
 
+ALL_TABLES, OTHERS_TABLES = ("index", "events", "joints", "cycles", "shocks"), ("cycles", "shocks")
+
 
 def main():
     """Run one ensemble; returns the exit status."""
@@ -40,8 +42,7 @@ def main():
         if history is None:
             status = ended
             continue
-        if number == 1:
-            write_run_tables(history, asked.tables / name)
+        write_run_tables(history, asked.tables / name, ALL_TABLES if number == 1 else OTHERS_TABLES)
         write_row(history, asked.tables / "rows" / f"{name}.json", asked.name)
         names.append(name)
         if asked.adaptive and not (history.broken.any() or history.at_limit.any()):

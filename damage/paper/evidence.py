@@ -106,10 +106,7 @@ class Point:
         return None if len(values) < 2 else (float(values.min()), float(values.max()))
 
     def cycles(self, name):
-        """A column of the cycle tables by driven cycle, (n_cycles,): the median over the members that have one.
-
-        Studies keep the tables of an ensemble's first member only.
-        """
+        """A column of the cycle tables by driven cycle, (n_cycles,): the median over the members."""
         self.stood()
         tables = [pd.read_csv(path) for path in self.rows["cycles_file"] if Path(path).is_file()]
         if not tables:
