@@ -247,6 +247,11 @@ class TestIda:
         assert_allclose(median, rows["residual_DI_slip"])
         assert_allclose(high, rows["residual_DI_slip_max"])
 
+    def test_the_axis_holds_the_strongest_record(self, ida):
+        further = ida.reference.assign(pga_g=ida.reference["pga_g"] * (1 + (ida.reference["record"] == "BGAR_HGE")))
+        ax = panel(residual_against_pga(type(ida)(ida.wall, {}, further, ida.yade)), "BGAR")
+        assert ax.get_xlim()[0] == 0 and ax.get_xlim()[1] > further["pga_g"].max()
+
     def test_the_trend_line_is_the_parabola_of_all_records(self, ida):
         ax = panel(against_drift(ida), "maximum")
         trend, = (line for line in ax.lines if to_rgba(line.get_color()) == to_rgba(BLUE))

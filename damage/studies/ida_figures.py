@@ -119,7 +119,8 @@ def residual_against_pga(variant, slip="displacement"):
         letter(ax, number, record_label(name))
         reference, yade = (points[points["record"] == name] for points in (variant.reference, variant.yade))
         collapsed |= draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
-        ax.set(ylabel="residual damage index [-]", xlim=(0, None))
+        ax.set_ylabel("residual damage index [-]")
+    axes[0, 0].set_xlim(left=0)  # of all panels, once all is drawn
     from_zero(axes[0, 0], NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
     add_heading(figure, f"Residual damage index against PGA: {variant.title}", SLIP_LABELS[slip],
