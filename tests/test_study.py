@@ -51,7 +51,7 @@ class TestLoading:
 
     @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
     def test_shipped_studies_are_named_like_their_files(self, path):
-        study = load_study(path, "reference")
+        study = load_study(path, "both")
         assert study.name == path.stem and study.title
         assert all(not Path(run.wall).is_absolute() for run in study.runs)
 
