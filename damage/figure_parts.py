@@ -183,6 +183,13 @@ def record_label(name):
     return f"{EVENTS[station][0]}, {station} {_DIRECTIONS[component.group(1)]}{synthetic}"
 
 
+def motion_label(point):
+    """The motion of a point (a row of points.csv) in words, as "0.2 s, 0.1 g" or "Zeerijp, BGAR east × 2"."""
+    if isinstance(point.get("record"), str):
+        return f"{record_label(point['record'])} × {point['scale']:g}"
+    return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g"
+
+
 def station_of(name):
     """The known station that a record's name holds, or None."""
     return next((station for station in EVENTS if station in name), None)

@@ -133,7 +133,10 @@ def _with_first(table, *columns):
     return table[[*columns, *(name for name in table if name not in columns)]]
 
 
-def write_run_tables(history, stem, names=("index", "events", "joints", "cycles", "shocks")):
+RUN_TABLES = ("index", "events", "joints", "cycles", "shocks")
+
+
+def write_run_tables(history, stem, names=RUN_TABLES):
     """Write the named tables of a run to STEM_index.csv and so on, shocks of sequences alone; returns their paths."""
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")

@@ -2,7 +2,6 @@
 
 import hashlib
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -14,6 +13,7 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from small_history import make_history
 
+from benchmarks.resume import kill_tree
 from damage.errors import InputError
 from damage.reading import read_history
 from damage.studies.definition import load_study
@@ -164,22 +164,6 @@ def whole(tmp_path_factory):
     reference = Reference(tmp_path_factory.mktemp("whole"))
     reference.done = reference.run(write_study(reference.folder, POINTS % "0.5, 0.4, 0.01"))
     return reference
-
-
-def kill_tree(pid):
-    """SIGKILL a process and all below it, the topmost first."""
-    rows = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True).stdout.split("\n")
-    children = {}
-    for child, parent in (map(int, row.split()) for row in rows if row):
-        children.setdefault(parent, []).append(child)
-    ending = [pid]
-    for one in ending:
-        ending += children.get(one, [])
-    for one in ending:
-        try:
-            os.kill(one, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
 
 
 def test_members_of_other_inputs_are_removed_and_no_others(tmp_path, monkeypatch):

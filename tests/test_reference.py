@@ -9,6 +9,7 @@ from damage.energy import energy_error
 from damage.layout import lay_out
 from damage.modes import natural_modes
 from damage.parameters import Joint, ModelOptions, Opening, Wall
+from damage.reference import kernel
 from damage.reference.session import run_reference
 from damage.reference.wall import ReferenceWall
 from damage.summary import summarise
@@ -248,3 +249,22 @@ def test_a_step_above_the_stable_one_is_refused(capsys, tmp_path):
     status = run_reference(["walls/symmetric.py", "--dt", "4.6e-5", "--out", str(tmp_path / "a.h5")])
     assert status == 2 and "stable" in capsys.readouterr().err
     assert not (tmp_path / "a.h5").exists()
+
+
+def test_a_whole_pair_as_one_spring_is_its_contacts_one_by_one():
+    """From far below the strengths to beyond: the same forces, and the same joints break."""
+    broke = set()
+    for strain in (0.1, 0.5, 1.0, 2.0):
+        shortcut, by_contact = (small_solver(cells=4) for _ in range(2))
+        motion = np.random.default_rng(3).normal(0, strain * 2e-6, (len(shortcut.layout.bodies), 3)) * [1, 1, 10]
+        for solver, keep in ((shortcut, False), (by_contact, True)):
+            for name, column in zip(("x", "z", "turn"), motion.T):
+                solver.system.place[name][:-1] = column
+            solver.system.place["cos1"][:-1] = np.cos(motion[:, 2]) - 1
+            solver.system.place["sin"][:-1] = np.sin(motion[:, 2])
+            kernel.contact_forces(solver.system, solver._constants(), 0, solver.time_step, keep)
+        scale = np.abs(by_contact.force).max(axis=0)
+        assert_allclose(shortcut.force / scale, by_contact.force / scale, rtol=0, atol=1e-9)
+        assert np.array_equal(shortcut.system.joints["broken"], by_contact.system.joints["broken"])
+        broke.add(bool(by_contact.system.joints["broken"].any()))
+    assert broke == {False, True}

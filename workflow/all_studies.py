@@ -3,7 +3,7 @@
     all_studies.py STUDIES [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
 
 Each goes into DIR/NAME.  One that fails stops no other; one that has no run for the solver is passed over.
-Exit status: the worst of the studies' (`batch.py`), 130 at once when interrupted.
+Exit status: the worst of the studies' (`batch.py`), the figures' and the verdict's; 130 at once when interrupted.
 """
 
 import argparse
@@ -44,16 +44,16 @@ def main():
 
 def conclude(out, ended):
     """Draw the figures and print the verdict of what is there, and name the studies that failed."""
-    print("figures and verdict", flush=True)
-    run("-m", "damage", "figures", out, "--out", out / "figures")
-    run("-m", "damage", "paper", out)
-    for name, status in ended.items():
-        if status != 0:
-            print(f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}", file=sys.stderr)
     if not ended:
         print("error: no study has a run for this solver; choose another", file=sys.stderr)
         return 2
-    return max(ended.values())
+    print("figures and verdict", flush=True)
+    drawn = run("-m", "damage", "figures", out, "--out", out / "figures")
+    judged = run("-m", "damage", "paper", out)
+    for name, status in ended.items():
+        if status != 0:
+            print(f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}", file=sys.stderr)
+    return max(drawn, judged, *ended.values())
 
 
 def run(*words):

@@ -24,9 +24,7 @@ from damage.reading import read_history
 from damage.reference.session import run_reference
 from damage.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from damage.studies.tables import write_row
-from damage.tables import write_run_tables
-
-ALL_TABLES, OTHERS_TABLES = ("index", "events", "joints", "cycles", "shocks"), ("cycles", "shocks")
+from damage.tables import RUN_TABLES, write_run_tables
 
 
 def main():
@@ -42,7 +40,7 @@ def main():
         if history is None:
             status = ended
             continue
-        write_run_tables(history, asked.tables / name, ALL_TABLES if number == 1 else OTHERS_TABLES)
+        write_run_tables(history, asked.tables / name, RUN_TABLES if number == 1 else ("cycles", "shocks"))
         write_row(history, asked.tables / "rows" / f"{name}.json", asked.name)
         names.append(name)
         if asked.adaptive and not (history.broken.any() or history.at_limit.any()):

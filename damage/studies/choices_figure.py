@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.figure_parts import SLIP_LABELS, add_heading, describe_members, finish, grid, letter, record_label
+from damage.figure_parts import SLIP_LABELS, add_heading, describe_members, finish, grid, letter, motion_label
 from damage.pictures import BLACK, BLUE, LIGHT, VERMILLION, styled
 from damage.studies.results import REFERENCE, Missing
 
@@ -22,7 +22,7 @@ def choices(points):
     A panel needs its default point and another; grey lines carry the default's values through the panel.
     """
     points = points[points["solver"] == REFERENCE]
-    motions = [(name, rows) for name, rows in points.groupby(points.apply(_motion, axis=1), sort=False)
+    motions = [(name, rows) for name, rows in points.groupby(points.apply(motion_label, axis=1), sort=False)
                if len(rows) > 1 and "default" in set(map(choice, rows.to_dict("records")))]
     if not motions:
         raise Missing("no motion with a default point and another choice")
@@ -73,12 +73,6 @@ def _draw(ax, rows):
     ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))
     ax.set_xlabel("maximum DI [-]")
     return bool(fell.any())
-
-
-def _motion(point):
-    if isinstance(point.get("record"), str):
-        return f"{record_label(point['record'])} × {point['scale']:g}"
-    return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g"
 
 
 def _default_words():

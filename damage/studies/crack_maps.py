@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.figure_parts import add_heading, finish, grid, letter
+from damage.figure_parts import add_heading, finish, grid, letter, motion_label
 from damage.pictures import draw_wall, joint_handles, styled
 from damage.studies.results import Missing
 from damage.wall_picture import wall_shape
@@ -12,11 +12,10 @@ MOST_ROWS = 5
 
 
 @styled
-def crack_maps(results, variant, name_of):
+def crack_maps(results, variant):
     """Walls of the strongest motions of each kind at maximum DI and at the end, in true scale.
 
-    name_of: function of a point that names its motion; of points with one solver only, the reference
-    solver's are drawn.
+    Of points by both solvers the reference solver's are drawn.
     """
     points = variant.reference if len(variant.reference) else variant.yade
     points = points[np.isfinite(points["max_DI"].astype(float))].sort_values("max_DI", ascending=False)
@@ -24,7 +23,7 @@ def crack_maps(results, variant, name_of):
     if len(points) == 0:
         raise Missing("no point with a damage index")
     solver = "reference solver" if len(variant.reference) else "YADE"
-    histories = [(name_of(point), results.history(point)) for _, point in points.iterrows()]
+    histories = [(motion_label(point), results.history(point)) for _, point in points.iterrows()]
     figure, axes = grid(len(histories), 2, 2.35)
     shapes = []
     for number, (row, (name, history)) in enumerate(zip(axes, histories)):

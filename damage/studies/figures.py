@@ -9,7 +9,7 @@ such points.
 import pandas as pd
 
 from damage.errors import InputError
-from damage.figure_parts import CRITERIA, record_label
+from damage.figure_parts import CRITERIA
 from damage.pictures import save_figures
 from damage.studies.choices_figure import choices
 from damage.studies.crack_maps import crack_maps
@@ -55,16 +55,13 @@ def _harmonic(results):
         return
     yield "fig06_motions", lambda: motions(points)
     for variant in variants(points):
-        def name_of(point):
-            return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g"
-
         part = variant.file_part
         yield f"fig07_evolution_{part}", lambda variant=variant: evolution(results, variant)
         for slip in CRITERIA:
             yield (f"fig08_amplitude_{part}{_slip_part(slip)}",
                    lambda variant=variant, slip=slip: against_amplitude(results, variant, slip))
         yield f"fig09_drift_{part}", lambda variant=variant: drifts(results, variant)
-        yield f"cracks_harmonic_{part}", lambda variant=variant: crack_maps(results, variant, name_of)
+        yield f"cracks_harmonic_{part}", lambda variant=variant: crack_maps(results, variant)
 
 
 def _ida(results):
@@ -75,16 +72,13 @@ def _ida(results):
         return
     yield "fig10_records", lambda: records(results, points)
     for variant in variants(points):
-        def name_of(point):
-            return f"{record_label(point['record'])} × {point['scale']:g}"
-
         part = variant.file_part
         for slip in CRITERIA:
             yield (f"fig11_residual_{part}{_slip_part(slip)}",
                    lambda variant=variant, slip=slip: residual_against_pga(variant, slip))
             yield (f"fig12_drift_{part}{_slip_part(slip)}",
                    lambda variant=variant, slip=slip: against_drift(variant, slip))
-        yield f"cracks_ida_{part}", lambda variant=variant: crack_maps(results, variant, name_of)
+        yield f"cracks_ida_{part}", lambda variant=variant: crack_maps(results, variant)
 
 
 def _sequences(results):

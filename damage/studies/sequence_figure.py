@@ -12,7 +12,7 @@ from damage.figure_parts import (
     from_zero,
     grid,
     letter,
-    record_label,
+    motion_label,
 )
 from damage.pictures import BLACK, BLUE, GREEN, MEDIUM, styled
 from damage.studies.results import REFERENCE
@@ -65,6 +65,4 @@ def _name(point, tables):
     """The motion and its factors, said once where they are all the same."""
     factors = list(tables.groupby("shock")["factor"].first())
     told = f"{len(factors)} times" if len(set(factors)) == 1 else "times " + ", ".join(f"{f:g}" for f in factors)
-    if isinstance(point.get("record"), str):
-        return f"{record_label(point['record'])} × {point['scale']:g}, {told}"
-    return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g, {told}"
+    return f"{motion_label(point)}, {told}"
