@@ -160,8 +160,8 @@ def _add_record(commands):
 
 
 def _record(parsed):
+    from damage.formats import read_record
     from damage.intensity import summary
-    from damage.records import read_record
 
     measures = summary(read_record(parsed.record))
     if parsed.json:

@@ -5,6 +5,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from damage.compare import compare_drift, compare_joints, joint_states
+from damage.geometry import tributary_ends
 from damage.pictures import (
     BLACK,
     BLUE,
@@ -17,7 +18,6 @@ from damage.pictures import (
     new_figure,
     styled,
 )
-from damage.wall_picture import tributary_ends
 
 JOINTS = {  # agreement of a joint: label, colour, line width [pt]
     "intact": ("intact in both", "0.85", 0.25), "same": ("broke in both, same state", BLACK, 1.4),

@@ -17,9 +17,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from damage.errors import InputError
+from damage.geometry import tributary_ends
 from damage.index import THRESHOLD, check_positive
 from damage.units import MILLIMETRE
-from damage.wall_picture import tributary_ends
 
 JOINING_GAP = 10 * MILLIMETRE
 """Cracked lengths closer than this are one crack [m] (Korswagen)."""

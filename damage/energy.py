@@ -24,3 +24,18 @@ def energy_error(series):
         return None
     scale = max(np.abs(moving["input_energy_j"]).max(), moving["kinetic_energy_j"].iloc[0])
     return float(np.abs(imbalance(moving)).max() / scale) if scale > 0 else None
+
+
+def energy_measures(history):
+    """Energies of a whole History [J]: input, and what friction, fracture and damping took.
+
+    dissipated_energy_j is friction and fracture together; damping_energy_j leaves the settling stages
+    out, whose damping is no part of the model.
+    """
+    series = history.series
+    friction, fracture, given = (float(series[name].iloc[-1]) for name in (
+        "friction_energy_j", "fracture_energy_j", "input_energy_j"))
+    in_motion = (series["stage"] != "settling").to_numpy()
+    damping = float(np.diff(series["damping_energy_j"], prepend=0.0)[in_motion].sum())
+    return {"input_energy_j": given, "friction_energy_j": friction, "fracture_energy_j": fracture,
+            "dissipated_energy_j": friction + fracture, "damping_energy_j": damping}

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import integrate, signal
 
 from damage.errors import InputError
-from damage.records import Record, band_passed
+from damage.record import Record, band_passed
 from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = (0.06, 0.08, 0.1, 0.15, 0.2, 0.25, 0.33, 0.5, 1.0)

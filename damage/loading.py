@@ -14,7 +14,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.intensity import pga_g, response_spectrum
-from damage.records import (
+from damage.record import (
     Record,
     band_passed,
     baseline_corrected,

@@ -5,8 +5,8 @@ import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
+from damage.geometry import body_corners
 from damage.pictures import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
-from damage.wall_picture import body_corners
 
 VISIBLE_SHARE = 0.08  # of the wall's height: how far the largest displacement of a mode reaches
 

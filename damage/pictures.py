@@ -21,8 +21,9 @@ from matplotlib.patches import Patch
 from damage.energy import DISSIPATED, STORED, energy_error, imbalance
 from damage.errors import InputError
 from damage.index import THRESHOLD
+from damage.moments import STATES, choose_sample
 from damage.units import GRAVITY, MILLIMETRE
-from damage.wall_picture import STATES, choose_sample, legend_widths_mm, line_width, wall_shape
+from damage.wall_picture import legend_widths_mm, line_width, wall_shape
 
 # --- style ---------------------------------------------------------------------------------------
 

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history import AT_LIMIT, BROKEN, EVENTS, SCHEMA, SCHEMA_VERSION, STAGES, STATUS
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.layout import KINDS
+from damage.schema import AT_LIMIT, BROKEN, EVENTS, SCHEMA, SCHEMA_VERSION, STAGES, STATUS
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 import sys
 
-from damage.options import AT_REST
 from damage.reading import read_history
+from damage.settings import AT_REST
 from damage.summary import summarise
 
 

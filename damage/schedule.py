@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damage.options import SETTLE_S
+from damage.settings import SETTLE_S
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,12 @@
 import numpy as np
 
 from damage.cracks import psi_summary
-from damage.energy import energy_error
+from damage.cycles import cycle_measures
+from damage.energy import energy_error, energy_measures
 from damage.errors import InputError
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
-from damage.measures import classes, cycle_measures, energy_measures
+from damage.limits import classes
+from damage.vibration import period_of
 
 
 def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
@@ -78,40 +80,3 @@ def _largest(index):
 
 def _last(index, history):
     return {name: float(index[name].iloc[-1]) for name in COMPONENTS} if history.complete else None
-
-
-def period_of(history):
-    """Natural period [s] of a free-vibration run, None for any other."""
-    if history.parameters["loading"]["kind"] != "free_vibration":
-        return None
-    moving = history.series[history.series["stage"] != "settling"]
-    return natural_period(moving["time_s"].to_numpy(), moving["drift_ratio"].to_numpy())
-
-
-def natural_period(time_s, displacement):
-    """Period [s] of the strongest vibration: the frequency of the largest projection on a sinusoid.
-
-    time_s, displacement: (n_times,).  None for less than three cycles.
-    The estimate is found by least squares on a fine grid around the highest peak of the Fourier
-    spectrum; it is exact for a single undamped sinusoid.
-    """
-    from scipy.optimize import minimize_scalar
-
-    if len(time_s) < 16:
-        return None
-    step = (time_s[-1] - time_s[0]) / (len(time_s) - 1)
-    centred = displacement - displacement.mean()
-    spectrum = np.abs(np.fft.rfft(centred))
-    peak = int(np.argmax(spectrum[1:]) + 1)
-    if peak < 3:
-        return None
-    width = 1 / (step * len(time_s))
-
-    def misfit(frequency):
-        phase = 2 * np.pi * frequency * time_s
-        basis = np.column_stack([np.cos(phase), np.sin(phase), np.ones_like(phase)])
-        return np.sum((basis @ np.linalg.lstsq(basis, displacement, rcond=None)[0] - displacement) ** 2)
-
-    best = minimize_scalar(misfit, bounds=((peak - 1) * width, (peak + 1) * width), method="bounded",
-                           options={"xatol": 1e-6 * width})
-    return float(1 / best.x)

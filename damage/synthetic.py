@@ -20,7 +20,7 @@ from scipy.optimize import least_squares
 from scipy.signal import fftconvolve
 
 from damage.intensity import oscillator_response
-from damage.records import Record
+from damage.record import Record
 from damage.units import GRAVITY
 
 

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage.cycles import cycles_table
 from damage.errors import InputError
 from damage.index import COMPONENTS
-from damage.measures import cycles_table
 from damage.reading import read_history
 from damage.summary import summarise
 from damage.units import GRAVITY

@@ -16,8 +16,8 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(REPOSITORY))
 
 from damage.errors import InputError
+from damage.formats import read_record, write_csv
 from damage.intensity import response_spectrum, summary
-from damage.records import read_record, write_csv
 from damage.synthetic import HUIZINGE, SEED, synthetic_record
 
 DATA = REPOSITORY / "damage" / "data"

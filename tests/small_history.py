@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from damage.history import AT_LIMIT, BROKEN, HistoryWriter
+from damage.history import HistoryWriter
 from damage.layout import lay_out
 from damage.loading import TopDisplacement
 from damage.parameters import Wall
 from damage.reading import read_history
+from damage.schema import AT_LIMIT, BROKEN
 from damage.units import GRAVITY
 
 STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5

@@ -8,10 +8,11 @@ import damage
 from damage.errors import InputError
 from damage.layout import lay_out
 from damage.modes import natural_modes
-from damage.options import ADAPTIVE_DAMPING, LOCAL_DAMPING, parse_run, rayleigh_factors
+from damage.options import parse_run
 from damage.parameters import Joint, Wall
 from damage.reference.session import run_reference
 from damage.reference.wall import STEP_FACTOR, ReferenceWall
+from damage.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, rayleigh_factors
 from damage.units import GRAVITY
 
 STRONG = Joint(tensile_strength=1e12, cohesion=1e12)

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 from scipy import signal
 
 from damage.errors import InputError
+from damage.formats import read_record, shipped_record_path
 from damage.intensity import (
     POINTS_PER_PERIOD,
     SPECTRUM_PERIODS_S,
@@ -18,7 +19,7 @@ from damage.intensity import (
     significant_duration_s,
     summary,
 )
-from damage.records import Record, read_record, scaled, shipped_record_path, windowed
+from damage.record import Record, scaled, windowed
 from damage.units import GRAVITY
 
 # a peak between two of the instants at which it is looked for

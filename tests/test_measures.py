@@ -4,17 +4,12 @@ import numpy as np
 import pytest
 from small_history import LOADINGS, make_history, small_layout
 
-from damage.measures import (
-    CYCLE_COLUMNS,
-    LIMITS,
-    classes,
-    cycle_measures,
-    cycles_table,
-    energy_measures,
-    upward_crossings,
-)
+from damage.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table
+from damage.energy import energy_measures
+from damage.limits import LIMITS, classes
 from damage.summary import summarise
 from damage.tables import summary_row
+from damage.vibration import upward_crossings
 
 STEP_S = 0.002
 MOTION, REST, SETTLING = 300, 700, 250  # samples: 0.6 s of motion, 1.4 s of rest, 0.5 s of settling

@@ -14,7 +14,9 @@ from small_history import make_history, small_layout
 
 from damage import pictures
 from damage.errors import InputError
+from damage.geometry import body_corners, joint_segments, tributary_ends
 from damage.layout import lay_out
+from damage.moments import STATES
 from damage.parameters import ModelOptions, Wall
 from damage.pictures import (
     PICTURES,
@@ -26,15 +28,7 @@ from damage.pictures import (
     wall_picture,
 )
 from damage.units import MILLIMETRE
-from damage.wall_picture import (
-    STATES,
-    body_corners,
-    joint_segments,
-    line_width,
-    round_125,
-    tributary_ends,
-    wall_shape,
-)
+from damage.wall_picture import line_width, round_125, wall_shape
 
 SINGLE = 1e-6  # relative: frames and snapshots are stored in single precision
 ROUND_OFF = 1e-12  # a few operations in double precision

@@ -10,9 +10,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 import damage
 from damage.energy import energy_error
 from damage.errors import InputError
-from damage.options import SETTLE_S, parse_run
+from damage.options import parse_run
 from damage.reference.session import run_reference
 from damage.schedule import base_acceleration, stages
+from damage.settings import SETTLE_S
 from damage.studies.sequence_figure import sequences
 from damage.tables import shocks_table, write_run_tables
 

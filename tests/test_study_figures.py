@@ -11,10 +11,10 @@ from small_history import make_history
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.figure_parts import NOTHING, describe_members, in_order, record_label, record_markers
+from damage.formats import read_record, shipped_record_path
 from damage.intensity import response_spectrum
 from damage.loading import Recorded
 from damage.pictures import BLACK, BLUE, VERMILLION
-from damage.records import read_record, shipped_record_path
 from damage.studies import figures as study_figures
 from damage.studies.choices_figure import choices
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions

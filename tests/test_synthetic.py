@@ -9,8 +9,9 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
 from damage import synthetic
+from damage.formats import QUIET_S, read_record, shipped_record_path, write_csv
 from damage.intensity import pgv_cm_s, response_spectrum, summary
-from damage.records import QUIET_S, Record, read_record, scaled, shipped_record_path, windowed, write_csv
+from damage.record import Record, scaled, windowed
 from damage.synthetic import HUIZINGE, SEED, Target, synthetic_record
 from damage.units import GRAVITY
 

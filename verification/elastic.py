@@ -27,7 +27,7 @@ from damage.layout import lay_out
 from damage.modes import natural_modes, stiffness_matrix
 from damage.parameters import Brick, Joint, ModelOptions, Wall
 from damage.reference.wall import ReferenceWall
-from damage.summary import natural_period
+from damage.vibration import natural_period
 from verification.problem import Problem, ask_yade
 
 UNBREAKABLE = Joint(tensile_strength=1e15, cohesion=1e15)

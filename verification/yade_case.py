@@ -17,8 +17,8 @@ from yade import O, PyRunner, Vector3
 
 from damage.layout import lay_out
 from damage.modes import natural_modes
-from damage.summary import natural_period
 from damage.units import GRAVITY
+from damage.vibration import natural_period
 from verification import elastic, falling, rocking, sliding
 from verification.block import one_block
 from yade_scripts.leaving import run_and_leave

@@ -151,7 +151,7 @@ def _follow(run, lines, log):
 
 def _not_whole(part):
     """Why the history is not a complete one, None where it is."""
-    from damage.errors import InputError  # late: this process must be ready for signals at once
+    from damage.errors import InputError
     from damage.reading import read_history
 
     try:

@@ -7,9 +7,10 @@ belong to the same instant.
 import numpy as np
 from yade import O
 
-from damage.history import AT_LIMIT, BROKEN, SNAPSHOT_SAMPLES
+from damage.history import SNAPSHOT_SAMPLES
 from damage.index import THRESHOLD
 from damage.kinematics import ContactKinematics
+from damage.schema import AT_LIMIT, BROKEN
 from damage.units import GRAVITY
 from damage.watch import has_collapsed, index_now
 from yade_scripts.joint_tracker import JointTracker

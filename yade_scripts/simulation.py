@@ -8,7 +8,7 @@ from yade import O, PyRunner, Vector3, utils
 from damage import schedule
 from damage.errors import InputError
 from damage.loading import TopDisplacement
-from damage.options import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
+from damage.settings import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
 from damage.units import GRAVITY
 from yade_scripts.model import build
 from yade_scripts.pushed_top import PushedTop

@@ -20,10 +20,10 @@ import numpy as np
 import pandas as pd
 
 from damage.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
+from damage.geometry import tributary_ends
 from damage.index import DRIFT_LIMIT, THRESHOLD, check_positive, combine, drift_component
 from damage.layout import KINDS
 from damage.units import MILLIMETRE
-from damage.wall_picture import tributary_ends
 
 PIECE = 0.5 * MILLIMETRE
 COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 
+from damage.geometry import tributary_ends
 from damage.index import THRESHOLD
 from damage.laboratory.crack_mapping import joint_table
 from damage.pictures import (
@@ -20,7 +21,7 @@ from damage.pictures import (
     styled,
 )
 from damage.units import MILLIMETRE
-from damage.wall_picture import line_width, tributary_ends
+from damage.wall_picture import line_width
 
 STATES = {  # what a mapped joint has done: label, colour
     "fine": ("below {limit}", "0.5"), "slipped": ("slipped", BLUE), "opened": ("opened", ORANGE),

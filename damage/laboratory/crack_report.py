@@ -13,10 +13,10 @@ from damage.laboratory.crack_mapping import describe_level, largest, map_cracks
 from damage.laboratory.dic import measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
 from damage.layout import lay_out
+from damage.moments import choose_sample
 from damage.reading import read_history
 from damage.units import MILLIMETRE
 from damage.wall_file import load_wall
-from damage.wall_picture import choose_sample
 
 SAME_FIGURES = 5e-5
 """Bounds closer than this are printed as one number."""

@@ -16,13 +16,13 @@ import numpy as np
 
 from damage.cracks import crack_table
 from damage.errors import InputError
+from damage.geometry import tributary_ends
 from damage.index import THRESHOLD
 from damage.kinematics import ContactKinematics
 from damage.laboratory.crack_file import CrackPattern, pattern_of
 from damage.laboratory.crack_mapping import joint_table
 from damage.laboratory.csv_table import CsvTable
 from damage.units import GRAVITY, MILLIMETRE
-from damage.wall_picture import tributary_ends
 
 REQUIRED = ("x_m", "z_m", "ux_m", "uz_m")
 OPTIONAL = ("load_level", "drift_pct")

@@ -19,7 +19,7 @@ from damage.hysteresis import (
     mode_shares,
     pushed_loading,
 )
-from damage.measures import LIMITS
+from damage.limits import LIMITS
 from damage.summary import summarise
 
 TESTS = Path(__file__).resolve().parents[1] / "data" / "eucentre" / "tests.csv"

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from damage.cycles import drift_cycles
 from damage.figure_parts import (
     COMPONENTS,
     CRITERIA,
@@ -26,7 +27,6 @@ from damage.figure_parts import (
     solver_handles,
 )
 from damage.loading import Harmonic
-from damage.measures import drift_cycles
 from damage.pictures import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, styled
 from damage.studies.results import REFERENCE, Missing
 from damage.units import GRAVITY

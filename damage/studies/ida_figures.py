@@ -33,10 +33,10 @@ from damage.figure_parts import (
     record_markers,
     solver_handles,
 )
+from damage.formats import read_record, shipped_record_path
 from damage.intensity import pga_g, response_spectrum
 from damage.loading import Recorded
 from damage.pictures import BLACK, BLUE, MEDIUM, VERMILLION, styled
-from damage.records import read_record, shipped_record_path
 from damage.studies.results import Missing
 from damage.units import GRAVITY
 

@@ -4,16 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
-from damage.figure_parts import (
-    NOTHING,
-    add_heading,
-    describe_members,
-    finish,
-    from_zero,
-    grid,
-    letter,
-    motion_label,
-)
+from damage.figure_parts import NOTHING, add_heading, describe_members, finish, from_zero, grid, letter, motion_label
 from damage.pictures import BLACK, BLUE, GREEN, MEDIUM, styled
 from damage.studies.results import REFERENCE
 from damage.tables import shocks_table

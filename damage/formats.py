@@ -1,8 +1,4 @@
-"""Ground-motion records: reading them (CSV, PEER AT2, miniSEED) and preparing them.
-
-A `Record` is one component of acceleration at a constant time step. Every function that prepares
-one returns a new `Record` and leaves the old one as it was.
-"""
+"""Ground-motion files: reading them (CSV, PEER AT2, miniSEED) and writing CSV."""
 
 import hashlib
 import io
@@ -10,14 +6,13 @@ import math
 import os
 import re
 import warnings
-from dataclasses import dataclass, replace
-from datetime import UTC, datetime, timedelta
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from scipy import signal
 
 from damage.errors import InputError
+from damage.record import Record, _shown, _utc
 from damage.units import GRAVITY
 
 CSV_UNITS_M_S2 = {"acc_m_s2": 1.0, "acc_g": GRAVITY}
@@ -44,56 +39,6 @@ _AT2_COUNT_AND_STEP = (
     re.compile(rf"^\s*(\d+)[\s,]+{_NUMBER}[\s,]+NPTS\s*,\s*DT", re.IGNORECASE),
 )
 _AT2_NOT_ACCELERATION_IN_G = re.compile(r"VELOCITY|DISPLACEMENT|UNITS OF (?!G\b)", re.IGNORECASE)
-
-
-@dataclass(frozen=True, eq=False)
-class Record:
-    """One component of ground acceleration, the first sample at time 0.
-
-    name: short name, such as "NL.BGAR..HGE".
-    time_step_s: constant time step [s].
-    acceleration_m_s2: (n_samples,) float64, read-only [m/s2].
-    start_utc: time of the first sample in ISO 8601, UTC, or "".
-    source: path of the file as it was given, or "".
-    sha256: checksum of that file's bytes when it was read, or "".
-    """
-
-    name: str
-    time_step_s: float
-    acceleration_m_s2: np.ndarray
-    start_utc: str = ""
-    source: str = ""
-    sha256: str = ""
-
-    def __post_init__(self):
-        where = self.source or self.name or "record"
-        if not (math.isfinite(self.time_step_s) and self.time_step_s > 0):
-            raise InputError(f"{where}: time step {self.time_step_s!r} s; expected above 0")
-        acceleration = np.array(self.acceleration_m_s2, dtype=np.float64)
-        if acceleration.ndim != 1 or acceleration.size < 2:
-            raise InputError(
-                f"{where}: acceleration of shape {acceleration.shape};"
-                " expected one column of at least 2 samples"
-            )
-        finite = np.isfinite(acceleration)
-        if not finite.all():
-            raise InputError(
-                f"{where}: sample {np.argmin(finite)} is {acceleration[np.argmin(finite)]};"
-                " expected finite numbers, fill or cut the gap"
-            )
-        acceleration.setflags(write=False)
-        object.__setattr__(self, "acceleration_m_s2", acceleration)
-        object.__setattr__(self, "start_utc", _utc(self.start_utc, 0.0, where))
-
-    @property
-    def duration_s(self) -> float:
-        """Time from the first to the last sample [s]."""
-        return (self.acceleration_m_s2.size - 1) * self.time_step_s
-
-    @property
-    def time_s(self) -> np.ndarray:
-        """Times of the samples, (n_samples,) [s]."""
-        return np.arange(self.acceleration_m_s2.size) * self.time_step_s
 
 
 def shipped_record_path(name: str = "BGAR_HGE") -> Path:
@@ -141,110 +86,6 @@ def write_csv(record: Record, path, comments=()) -> Path:
     finally:
         unfinished.unlink(missing_ok=True)
     return Path(path)
-
-
-def scaled(record: Record, factor: float) -> Record:
-    """The record times a factor; a negative one turns its direction."""
-    if not math.isfinite(factor):
-        raise InputError(f"scale factor {factor!r}; expected a finite number such as 1.5")
-    return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
-
-
-def windowed(record: Record, t0_s: float, t1_s: float) -> Record:
-    """The samples nearest to t0 up to those nearest to t1, both included; time restarts at 0."""
-    # half a step of room: an end that rounds to the last sample is inside
-    if not 0 <= t0_s < t1_s <= record.duration_s + 0.5 * record.time_step_s:
-        raise InputError(
-            f"window {t0_s!r} to {t1_s!r} s; expected 0 <= start < end"
-            f" within the {record.duration_s:g} s of {record.name}"
-        )
-    first, last = (round(t / record.time_step_s) for t in (t0_s, t1_s))
-    last = min(last, record.acceleration_m_s2.size - 1)
-    if first >= last:
-        raise InputError(
-            f"window {t0_s!r} to {t1_s!r} s holds one sample of {record.name};"
-            f" expected more than its time step of {record.time_step_s:g} s"
-        )
-    start_utc = _utc(record.start_utc, first * record.time_step_s, record.name)
-    cut = record.acceleration_m_s2[first : last + 1]
-    return replace(record, acceleration_m_s2=cut, start_utc=start_utc)
-
-
-def aligned_with(record: Record, reference: Record) -> Record:
-    """The part of a record that covers the same time as another one, by their start_utc."""
-    early_s = start_difference_s(reference, record)
-    spare_s = record.duration_s - reference.duration_s
-    half_step_s = 0.5 * record.time_step_s
-    if not -half_step_s < early_s < spare_s + half_step_s:
-        raise InputError(
-            f"{record.name} starts {early_s:g} s before {reference.name} and is {spare_s:g} s"
-            f" longer; expected it to cover the other, cut {reference.name} with windowed() first"
-        )
-    early_s = max(early_s, 0.0)
-    return windowed(record, early_s, early_s + reference.duration_s)
-
-
-def start_difference_s(record: Record, other: Record) -> float:
-    """Start of a record minus the start of another one [s]."""
-    for one in (record, other):
-        if not one.start_utc:
-            raise InputError(f"{one.name} has no start time; expected start_utc in ISO 8601")
-    return (_datetime(record.start_utc) - _datetime(other.start_utc)).total_seconds()
-
-
-def baseline_corrected(record: Record, order: int = 1) -> Record:
-    """The record minus its least-squares polynomial of the given order (0: minus the mean)."""
-    if order not in range(min(10, record.acceleration_m_s2.size)):
-        raise InputError(
-            f"baseline order {order!r} for {record.acceleration_m_s2.size} samples;"
-            " expected a whole number from 0 to 9 and below the number of samples"
-        )
-    fit = np.polynomial.Polynomial.fit(record.time_s, record.acceleration_m_s2, int(order))
-    return replace(record, acceleration_m_s2=record.acceleration_m_s2 - fit(record.time_s))
-
-
-def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -> Record:
-    """Zero-phase Butterworth band-pass between two corners [Hz].
-
-    `order` counts both passes: the filter runs forward and backward with half of it each, so
-    an edge falls with 6 dB times `order` an octave and the amplitude at a corner is 1/2.
-    """
-    rate_hz = 1.0 / record.time_step_s
-    if not 0 < low_hz < high_hz < 0.5 * rate_hz:
-        raise InputError(
-            f"band {low_hz!r} to {high_hz!r} Hz; expected 0 < low < high < {0.5 * rate_hz:g} Hz,"
-            f" half the sampling rate of {record.name}"
-        )
-    if order not in range(2, 21, 2):
-        raise InputError(f"filter order {order!r}; expected 2, 4, ... 20: two passes share it")
-    sos = signal.butter(int(order) // 2, (low_hz, high_hz), "bandpass", fs=rate_hz, output="sos")
-    try:
-        filtered = signal.sosfiltfilt(sos, record.acceleration_m_s2)
-    except ValueError as error:
-        raise InputError(
-            f"{record.name}: {record.acceleration_m_s2.size} samples are too few for a filter of"
-            f" order {order}; expected a longer record"
-        ) from error
-    return replace(record, acceleration_m_s2=filtered)
-
-
-def steps_per_sample(record: Record, max_step_s: float) -> int:
-    """Smallest whole number n with time_step / n <= max_step.
-
-    With the step time_step / n every sample falls on a step: linear interpolation loses no peak.
-    """
-    return whole_steps(record.time_step_s, max_step_s)
-
-
-def whole_steps(interval_s: float, max_step_s: float) -> int:
-    """Smallest number of equal steps, none above max_step [s], that fill an interval [s]."""
-    if not (math.isfinite(max_step_s) and max_step_s > 0):
-        raise InputError(f"largest time step {max_step_s!r} s; expected a positive number")
-    # the quotient may be rounded up or down, so the definition has the last word
-    steps = max(1, math.ceil(interval_s / max_step_s) - 1)
-    while interval_s / steps > max_step_s:
-        steps += 1
-    return steps
 
 
 def _read_csv(path, lines: list[str]) -> Record:
@@ -444,27 +285,3 @@ def _numbers(path, number: int, line: str, separator: str | None = None) -> list
 
 def _bad_line(path, number: int, line: str, problem: str, expected: str) -> InputError:
     return InputError(f"{path}: line {number}: {_shown(line)} {problem}; expected {expected}")
-
-
-def _shown(found) -> str:
-    """A piece of input or a foreign message, fit for one line."""
-    text = str(found)
-    return repr(text if len(text) <= 60 else text[:57] + "...")
-
-
-def _datetime(start_utc: str) -> datetime:
-    moment = datetime.fromisoformat(start_utc)
-    return moment.astimezone(UTC) if moment.tzinfo else moment.replace(tzinfo=UTC)
-
-
-def _utc(start_utc: str, later_s: float, where) -> str:
-    """An ISO 8601 time, moved by some seconds, with microseconds and a Z; "" stays ""."""
-    if not start_utc:
-        return ""
-    try:
-        moment = _datetime(start_utc) + timedelta(seconds=later_s)
-    except ValueError:
-        raise InputError(
-            f"{where}: start time {_shown(start_utc)}; expected such as 2018-01-08T14:00:37Z"
-        ) from None
-    return moment.strftime("%Y-%m-%dT%H:%M:%S.%fZ")

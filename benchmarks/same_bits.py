@@ -1,0 +1,105 @@
+"""Did a change leave every value of the histories as it was?  A fixed set of runs, compared bit for bit.
+
+    python3 benchmarks/same_bits.py run OLD             # in the old tree; --yade for those in YADE (hours: 0.1)
+    python3 benchmarks/same_bits.py run NEW             # in the new tree, on the same machine
+    python3 benchmarks/same_bits.py compare OLD NEW     # exit status 1 where a dataset differs
+    python3 benchmarks/same_bits.py compare A.h5 B.h5 --tolerance 1e-12
+
+What the second lacks is a difference; what it has more is told and is none (the schema only adds).
+--tolerance: share of a dataset's largest value up to which floating-point values may differ; events still have to
+come in the same order.
+"""
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+BGAR = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
+SYMMETRIC, SMALL = "walls/symmetric.py", "benchmarks/small_wall.py"
+RUNS = {
+    "harmonic": [SYMMETRIC, "--harmonic", "0.2", "0.05", "--rest", "0.5"],
+    "record": [SYMMETRIC, "--record", BGAR, "--window", "17", "23", "--rest", "1"],
+    "pushover": [SYMMETRIC, "--pushover", "0.05"],
+    "cyclic": [SYMMETRIC, "--cyclic", "0.02"],
+    "sequence": [SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.3", "--sequence", "1,0.6"],
+}
+IN_YADE = ("harmonic", "pushover", "sequence")
+
+
+def run(folder, yade):
+    """Simulate the set into `folder`: by the reference solver, or what is named in IN_YADE by YADE on one thread."""
+    solver = ["yade", "-n", "-j1"] if yade else [sys.executable, "-m", "damage", "reference"]
+    for name in IN_YADE if yade else RUNS:
+        out = folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5"
+        subprocess.run([*solver, *RUNS[name], "--out", out, "--no-pictures", "--overwrite"], cwd=ROOT, check=True)
+
+
+def datasets(path):
+    """{name: values} of all datasets of an HDF5 file."""
+    found = {}
+    with h5py.File(path, "r") as file:
+        file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def differences(old, new, tolerance=0.0):
+    """What differs between two histories, a line a dataset: a list of str."""
+    old, new = datasets(old), datasets(new)
+    told = [f"{name}: gone" for name in sorted(old.keys() - new.keys())]
+    for name in sorted(old.keys() & new.keys()):
+        a, b = np.asarray(old[name]), np.asarray(new[name])
+        if a.shape != b.shape or a.dtype != b.dtype:
+            told.append(f"{name}: {a.dtype}{a.shape} became {b.dtype}{b.shape}")
+        elif not np.array_equal(a, b, equal_nan=a.dtype.kind == "f"):
+            size = float(np.nanmax(np.abs(a))) if a.dtype.kind == "f" else 0.0
+            gap = float(np.nanmax(np.abs(a.astype(float) - b.astype(float))))
+            same_gaps = a.dtype.kind != "f" or np.array_equal(np.isnan(a), np.isnan(b))
+            if not (same_gaps and gap <= tolerance * size):
+                told.append(f"{name}: differs by up to {gap:.3g}, largest value {size:.3g}")
+    return told
+
+
+def compare(old, new, tolerance):
+    """Compare two histories or two folders of them; the exit status."""
+    pairs = [(old, new)] if old.is_file() else [(path, new / path.name) for path in sorted(old.glob("*.h5"))]
+    if not pairs:
+        sys.exit(f"error: {old} holds no history (.h5); expected a folder that `run` filled")
+    different = False
+    for first, second in pairs:
+        if not second.is_file():
+            print(f"{second.name}: missing beside {first}")
+            different = True
+            continue
+        told = differences(first, second, tolerance)
+        more = sorted(datasets(second).keys() - datasets(first).keys())
+        print(f"{second.name}: " + ("equal" if not told else f"{len(told)} datasets differ")
+              + (f"; new: {', '.join(more)}" if more else ""), *told, sep="\n  ")
+        different |= bool(told)
+    return int(different)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    running = commands.add_parser("run")
+    running.add_argument("folder", type=Path)
+    running.add_argument("--yade", action="store_true")
+    comparing = commands.add_parser("compare")
+    comparing.add_argument("old", type=Path)
+    comparing.add_argument("new", type=Path)
+    comparing.add_argument("--tolerance", type=float, default=0.0)
+    parsed = parser.parse_args()
+    if parsed.command == "run":
+        parsed.folder.mkdir(parents=True, exist_ok=True)
+        run(parsed.folder, parsed.yade)
+        return 0
+    return compare(parsed.old, parsed.new, parsed.tolerance)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

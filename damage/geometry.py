@@ -1,0 +1,61 @@
+"""Where bodies and joints of a history are when the bodies move; its tables `joints` and `bodies` in, points out."""
+
+import numpy as np
+
+_CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+_TINY = 1e-6  # [m]
+
+
+def displaced(bodies, motion, body, points, magnify=1.0):
+    """Where points fixed to bodies go when the bodies' motion is magnified.
+
+    motion: (n_bodies, 3) displacement of the centres [m] and rotation x towards z [rad];
+    body: (n,) index of the body of each row of points, GROUND rests; points: (n, k, 2) [m].
+    Returns (n, k, 2) [m].
+    """
+    # GROUND is -1, which takes the last row: one more body, at rest.
+    motion = np.vstack([motion, np.zeros(3)])[body] * magnify
+    centre = np.vstack([bodies[["x_m", "z_m"]].to_numpy(), np.zeros(2)])[body][:, None]
+    turn = motion[:, 2, None]
+    cos, sin = np.cos(turn), np.sin(turn)
+    x, z = np.moveaxis(points - centre, 2, 0)
+    return centre + motion[:, None, :2] + np.stack([cos * x - sin * z, sin * x + cos * z], axis=2)
+
+
+def body_corners(bodies, motion, magnify=1.0):
+    """Corners of every body after its magnified motion, (n_bodies, 4, 2) [m]."""
+    centre = bodies[["x_m", "z_m"]].to_numpy()[:, None]
+    size = bodies[["length_m", "height_m"]].to_numpy()[:, None]
+    return displaced(bodies, motion, np.arange(len(bodies)), centre + size * _CORNERS, magnify)
+
+
+def joint_segments(joints, bodies, motion, magnify=1.0):
+    """Both ends of every joint's tributary length after the magnified motion, (n_joints, 2, 2) [m]."""
+    ends = tributary_ends(joints)
+    first, second = (displaced(bodies, motion, joints[name].to_numpy(), ends, magnify)
+                     for name in ("first_body", "second_body"))
+    return (first + second) / 2
+
+
+def tributary_ends(joints):
+    """Ends of the tributary lengths before any motion, (n_joints, 2, 2) [m]: bed joints along x,
+    head joints along z, around the contact point, or inwards from it where it is a corner."""
+    point, length = joints[["x_m", "z_m"]].to_numpy(), joints["length_m"].to_numpy()
+    is_head = (joints["kind"] == "head").to_numpy()
+    along = np.where(is_head[:, None], (0.0, 1.0), (1.0, 0.0))
+    middle = point + along * (_inwards(joints, point, length) * length / 2)[:, None]
+    return middle[:, None] + np.array([-0.5, 0.5])[:, None] * (along * length[:, None])[:, None]
+
+
+def _inwards(joints, point, length):
+    """0 for a point in the middle of its length; 1 and -1 for the two ends of a pair of facing cells.
+
+    Two such corners are as far apart as their lengths add up to; neighbours in the middle of their
+    lengths are half as far apart.
+    """
+    same_bodies = np.all(np.diff(joints[["first_body", "second_body"]].to_numpy(), axis=0) == 0, axis=1)
+    apart = np.sum(np.abs(np.diff(point, axis=0)), axis=1)
+    starts = np.flatnonzero(same_bodies & (np.abs(apart - length[:-1] - length[1:]) < _TINY))
+    side = np.zeros(len(length))
+    side[starts], side[starts + 1] = 1.0, -1.0
+    return side

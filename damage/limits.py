@@ -1,0 +1,59 @@
+"""Classes of a drift ratio and of Psi by published limits."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Published limits of a measure, rising, and the names of the classes they part.
+
+    name: of the column; measure: which figure is classified, "drift" (maximum drift ratio [-]) or "psi"
+    (maximum Psi [-]); bounds: (n,); classes: (n + 1,) names, a value equal to a bound is of the upper
+    class; source: where the limits come from.
+    """
+
+    name: str
+    measure: str
+    bounds: tuple[float, ...]
+    classes: tuple[str, ...]
+    source: str
+
+    def classify(self, value):
+        """The name of the class of `value`; None of None.
+
+        >>> LIMITS[2].classify(0.0009)
+        'minor'
+        """
+        return None if value is None else self.classes[int(np.searchsorted(self.bounds, value, side="right"))]
+
+
+_KORSWAGEN = ("P. A. Korswagen, dissertation on light damage of masonry, TU Delft: in-plane tests of {} walls, "
+              "light damage from {} to {} % drift")
+_LIGHT = ("none", "light", "beyond light")
+LIMITS = (
+    Limits("drift_class_korswagen_clay", "drift", (0.00058, 0.0048), _LIGHT,
+           _KORSWAGEN.format("clay brick", 0.058, 0.48)),
+    Limits("drift_class_korswagen_calcium_silicate", "drift", (0.00050, 0.0029), _LIGHT,
+           _KORSWAGEN.format("calcium silicate", 0.050, 0.29)),
+    Limits("drift_class_graziotti", "drift", (0.0007, 0.0012), ("none", "minor", "beyond minor"),
+           "Graziotti et al., shake-table tests of a terraced house's end unit, as cited by Sarhosis et al. "
+           "(2021), section 1: 0.07 % no damage, 0.12 % minor structural damage"),
+    Limits("drift_class_en_1998_1", "drift", (0.005, 0.0075, 0.01),
+           ("up to 0.5 %", "up to 0.75 %", "up to 1 %", "over 1 %"),
+           "EN 1998-1, 4.4.3.2, as cited by Sarhosis et al. (2021), section 2: storey drift under the frequent "
+           "earthquake with brittle, ductile, no non-structural elements attached"),
+    Limits("drift_class_asce_7_16", "drift", (1 / 600, 1 / 400), ("up to 1/600", "up to 1/400", "over 1/400"),
+           "ASCE 7-16, as cited by Sarhosis et al. (2021), section 2: usual allowable drift"),
+    Limits("psi_class", "psi", (1.0, 2.0, 3.5, 8.0),
+           ("not visible", "visible", "light", "beyond light", "near collapse"),
+           "P. A. Korswagen, dissertation on light damage of masonry, TU Delft: Psi = 1 just visible (0.1 mm), 2 "
+           "about 1 mm, 3.5 about 5 mm and the end of light damage, 8 near collapse"),
+)
+
+
+def classes(max_drift_ratio, max_psi):
+    """Names of the classes of a maximum drift ratio [-] and a maximum Psi [-] by every one of LIMITS."""
+    values = {"drift": max_drift_ratio, "psi": max_psi}
+    return {limits.name: limits.classify(values[limits.measure]) for limits in LIMITS}

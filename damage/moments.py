@@ -1,0 +1,50 @@
+"""Moments of a history: a sample by its name, the snapshot beside it, the state of every joint then."""
+
+import numpy as np
+
+from damage.errors import InputError
+from damage.index import THRESHOLD
+
+STATES = ("intact", "broken", "slipped", "opened", "both")
+"""States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
+"both" is opened and slipped."""
+NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
+
+
+def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
+    """Index of a sample ("max", "end" or a number, negative ones from the end) and DI at it."""
+    n_times = len(history.series)
+    if n_times == 0:
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
+    damage = history.index(threshold=threshold, slip=slip)["DI"].to_numpy()
+    if sample == "max":
+        # A run that failed may end in NaN: that is no maximum.
+        sample = int(np.argmax(np.nan_to_num(damage, nan=-1.0)))
+    elif sample == "end":
+        sample = n_times - 1
+    elif isinstance(sample, str) or not -n_times <= sample < n_times:
+        raise InputError(f"sample {sample!r}: expected 'max', 'end' or a whole number from 0 to "
+                         f"{n_times - 1}; choose one of them")
+    sample = int(sample) % n_times
+    return sample, float(damage[sample])
+
+
+def nearest_snapshot(history, time_s):
+    """Index of the snapshot nearest to a time, None where none is near."""
+    times = history.snapshot_time_s
+    if len(times) == 0:
+        return None
+    nearest = int(np.argmin(np.abs(times - time_s)))
+    # Slow tests take their snapshots further apart than the shaking of a wall does.
+    near = max(NEAR_S, float(np.median(np.diff(times)))) if len(times) > 1 else NEAR_S
+    is_usable = abs(times[nearest] - time_s) <= near and np.all(np.isfinite(history.displacement[nearest]))
+    return nearest if is_usable else None
+
+
+def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
+    """Index into STATES of every joint at a sample, (n_joints,), by the criteria of the index."""
+    opened = history.opening_m[sample] > threshold
+    slipped = history.at_limit[sample] if slip == "shear-limit" else np.abs(history.slip_m[sample]) > threshold
+    conditions = [opened & slipped, opened, slipped, history.broken[sample]]
+    codes = [STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
+    return np.select(conditions, codes, default=STATES.index("intact"))
