@@ -14,8 +14,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.compare import compare
-from damage.reading import read_history
+from damage.history.reading import read_history
+from damage.measure.compare import compare
 
 RECORD = ["--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "--window", "17", "23", "--rest", "1"]
 MOTIONS = {

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.index import SLIP_CRITERIA
-from damage.options import OneLineParser
-from damage.parameters import CONTACT_OPTIONS, TOP_OPTIONS
+from damage.run.options import OneLineParser
 from damage.units import MILLIMETRE
+from damage.wall.parameters import CONTACT_OPTIONS, TOP_OPTIONS
 
 
 def main(arguments=None):
@@ -73,9 +73,9 @@ def _add_index(commands):
 
 
 def _index(parsed):
-    from damage.reading import read_history
-    from damage.report import describe
-    from damage.summary import summarise
+    from damage.history.reading import read_history
+    from damage.measure.summary import summarise
+    from damage.run.report import describe
 
     summary = summarise(read_history(parsed.history), parsed.threshold_mm * MILLIMETRE,
                         parsed.drift_limit_pct / 100, parsed.slip)
@@ -89,8 +89,8 @@ def _add_cycles(commands):
 
 
 def _cycles(parsed):
+    from damage.history.reading import read_history
     from damage.laboratory.pushed import describe, figures
-    from damage.reading import read_history
 
     found = figures(read_history(parsed.history))
     print(json.dumps(found, indent=2) if parsed.json else describe(found))
@@ -103,8 +103,8 @@ def _add_laboratory(commands):
 
 
 def _laboratory(parsed):
+    from damage.history.reading import read_history
     from damage.laboratory.pictures import save
-    from damage.reading import read_history
 
     for path in save([read_history(path) for path in parsed.histories], parsed.out):
         print(path)
@@ -121,16 +121,16 @@ def _add_modes(commands):
 
 
 def _modes(parsed):
-    from damage.layout import lay_out
-    from damage.modes import natural_modes
-    from damage.parameters import ModelOptions
-    from damage.wall_file import load_wall
+    from damage.wall.layout import lay_out
+    from damage.wall.modes import natural_modes
+    from damage.wall.parameters import ModelOptions
+    from damage.wall.wall_file import load_wall
 
     options = ModelOptions(top=parsed.top, cells=parsed.cells, contacts=parsed.contacts)
     layout = lay_out(load_wall(parsed.wall), options)
     modes = natural_modes(layout)
     if parsed.out:
-        from damage.modes_picture import modes_picture
+        from damage.draw.modes_picture import modes_picture
 
         _save([("modes", modes_picture(layout, modes))], parsed.out)
     periods = [float(period) for period in modes.period_s]
@@ -144,7 +144,7 @@ def _modes(parsed):
 
 def _save(figures, folder):
     """Write figures, pairs (name, Figure), and tell their paths on stderr: stdout may be JSON."""
-    from damage.pictures import save_figures
+    from damage.draw.pictures import save_figures
 
     try:
         for path in save_figures(figures, folder):
@@ -160,8 +160,8 @@ def _add_record(commands):
 
 
 def _record(parsed):
-    from damage.formats import read_record
-    from damage.intensity import summary
+    from damage.motion.formats import read_record
+    from damage.motion.intensity import summary
 
     measures = summary(read_record(parsed.record))
     if parsed.json:
@@ -181,8 +181,8 @@ def _add_plot(commands):
 
 
 def _plot(parsed):
-    from damage.pictures import save_all
-    from damage.reading import read_history
+    from damage.draw.pictures import save_all
+    from damage.history.reading import read_history
 
     try:
         for path in save_all(read_history(parsed.history), parsed.out):
@@ -200,13 +200,13 @@ def _add_compare(commands):
 
 
 def _compare(parsed):
-    from damage.compare import compare, describe
-    from damage.reading import read_history
+    from damage.history.reading import read_history
+    from damage.measure.compare import compare, describe
 
     first, others = read_history(parsed.first), [read_history(path) for path in parsed.others]
     result = compare(first, others)
     if parsed.out:
-        from damage.compare_picture import compare_picture
+        from damage.draw.compare_picture import compare_picture
 
         _save([("compare", compare_picture(first, others[0]))], parsed.out)
     print(json.dumps(result, indent=2) if parsed.json else describe(result))
@@ -311,9 +311,9 @@ def _add_fragility(commands):
 
 
 def _fragility(parsed):
+    from damage.measure.tables import write_table
     from damage.studies.fragility import INTENSITIES, fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_picture
-    from damage.tables import write_table
 
     if parsed.intensity not in INTENSITIES:
         raise InputError(f"--intensity {parsed.intensity}: expected {' or '.join(INTENSITIES)}; mend it")

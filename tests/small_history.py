@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from damage.history import HistoryWriter
-from damage.layout import lay_out
-from damage.loading import TopDisplacement
-from damage.parameters import Wall
-from damage.reading import read_history
-from damage.schema import AT_LIMIT, BROKEN
+from damage.history.history import HistoryWriter
+from damage.history.reading import read_history
+from damage.history.schema import AT_LIMIT, BROKEN
+from damage.motion.loading import TopDisplacement
 from damage.units import GRAVITY
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Wall
 
 STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
 CYCLIC = TopDisplacement((0.2,), cycles=3, speed_m_s=0.02)

@@ -1,70 +1,108 @@
-"""Import directions as ARCHITECTURE.md gives them, read from the source."""
+"""Import directions as ARCHITECTURE.md gives them, read from the source: folder order is import order."""
 
 import ast
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 
 import pytest
 from conftest import REPOSITORY
 
-# Layers of the modules in `damage` itself, lowest first: one imports from its own layer or from lower ones.
-LAYERS = [
-    {"errors", "units"},
-    {"parameters", "joint_law", "records"},
-    {"layout", "loading", "intensity", "index"},
-    {"synthetic", "modes", "kinematics", "wall_file", "options", "energy", "progress", "watch"},
-    {"history", "schedule"},
-    {"reading"},
-    {"summary", "pictures", "wall_picture", "tables", "cracks", "measures", "hysteresis"},
-    {"report", "compare", "modes_picture", "figure_parts"},
-    {"compare_picture"},
-    {"session"},
+# Rooms in the order of import: a room may import from those before it, not from one in its own line or after.
+ROOMS = [
+    ("damage.errors", "damage.units", "damage.files"),
+    ("damage.index", "damage.wall", "damage.motion"),
+    ("damage.history",),
+    ("damage.measure",),
+    ("damage.draw",),
+    ("damage.run",),
+    ("damage.reference", "damage.laboratory", "damage.studies", "damage.paper"),
+    ("damage",),  # its __init__ and __main__
+    ("yade_scripts",),
+    ("walls",),
+    ("verification", "workflow", "scripts"),
+    ("benchmarks",),
+    ("tests",),
 ]
-# Folders of `damage`: each stands on the modules above alone, and none on another.
-FOLDERS = {"reference", "laboratory", "studies", "paper"}
+GROUND = ROOMS[0]  # small modules: they may import one another
+RANK = {room: rank for rank, line in enumerate(ROOMS) for room in line}
 
 
-def imported_modules(path):
-    """Top-level names and dotted names that a file imports, anywhere in it."""
-    names = set()
+def room_of(module):
+    """The longest room that a dotted module lies in, or None."""
+    parts = module.split(".")
+    rooms = (".".join(parts[:n]) for n in range(len(parts), 0, -1))
+    return next((room for room in rooms if room in RANK), None)
+
+
+def read_modules():
+    """{dotted module: dotted modules of this repository that it imports, anywhere in it}."""
+    paths = {path.relative_to(REPOSITORY) for top in {room.partition(".")[0] for room in RANK}
+             for path in (REPOSITORY / top).rglob("*.py")}
+    names = {".".join(path.with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
+    # Scripts of one folder import each other by their bare names.
+    bare = {name.rpartition(".")[2]: name for name in names if name.startswith(("tests.", "workflow."))}
+    return {name: set(_imports(REPOSITORY / path, names, bare)) for name, path in names.items()}
+
+
+def _imports(path, known, bare):
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
+            found = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: relative import"
-            names.add(node.module)
-    return names
-
-
-def layer_of(module):
-    found = [number for number, layer in enumerate(LAYERS) if module in layer]
-    assert found, f"damage/{module}.py stands in no layer: give it a place in LAYERS"
-    return found[0]
-
-
-DAMAGE = sorted(path for path in (REPOSITORY / "damage").rglob("*.py") if path.stem not in ("__main__", "__init__"))
-
-
-@pytest.mark.parametrize("path", DAMAGE, ids=lambda path: f"{path.parent.name}.{path.stem}")
-def test_damage_stands_alone_and_imports_downwards(path):
-    folder = path.parent.name
-    assert folder == "damage" or folder in FOLDERS, f"{path} is in no known folder"
-    for name in imported_modules(path):
-        top, _, module = name.partition(".")
-        assert top not in ("yade", "yade_scripts", "walls", "tests"), f"{path.name} imports {name}"
-        if top != "damage" or not module:
+            assert node.level == 0, f"{path}: relative import; give the whole name"
+            inner = [f"{node.module}.{alias.name}" for alias in node.names]
+            found = [name if name in known else node.module for name in inner]
+        else:
             continue
-        if (other := module.partition(".")[0]) in FOLDERS:
-            assert other == folder, f"{path.name} imports {name}, from another folder"
-        elif folder == "damage":
-            assert layer_of(module) <= layer_of(path.stem), f"{path.name} imports {name} from above"
+        for name in found:
+            if (name := bare.get(name, name)) in known:
+                yield name
 
 
-@pytest.mark.parametrize("path", sorted((REPOSITORY / "walls").glob("*.py")), ids=lambda path: path.stem)
-def test_walls_import_only_the_package_and_the_runner(path):
-    allowed = {"sys", "pathlib", "math", "damage", "yade_scripts.run"}
-    assert imported_modules(path) <= allowed
-    assert len(path.read_text().splitlines()) < 50
+def faults(modules):
+    """What breaks the order of ROOMS, or goes in a circle: a list of str."""
+    told = [f"{name} stands in no room: give its folder a place in ROOMS" for name in modules if not room_of(name)]
+    for name, imported in sorted(modules.items()):
+        here = room_of(name)
+        for other in sorted(imported):
+            there = room_of(other)
+            if here != there and RANK[there] >= RANK[here] and not (here in GROUND and there in GROUND):
+                told.append(f"{name} imports {other}, which comes after it")
+    try:
+        TopologicalSorter(modules).prepare()
+    except CycleError as error:
+        told.append("a circle: " + " -> ".join(error.args[1]))
+    return told
+
+
+MODULES = read_modules()
+
+
+def test_imports_follow_the_order_of_rooms_and_no_circle():
+    assert faults(MODULES) == []
+
+
+@pytest.mark.parametrize("room", [room for room in RANK if room != "tests"])
+def test_an_upward_import_is_found_in_every_room(room):
+    """In one module of each room an import from the room after it is seeded."""
+    module = next(name for name in sorted(MODULES) if room_of(name) == room)
+    above = next(name for name in sorted(MODULES) if room_of(name) == ROOMS[RANK[room] + 1][0])
+    told = faults({**MODULES, module: MODULES[module] | {above}})
+    assert any(line.startswith(f"{module} imports {above}") for line in told)
+
+
+def test_a_circle_within_a_room_is_found():
+    here, there = "damage.wall.layout", "damage.wall.parameters"
+    assert there in MODULES[here]
+    assert any("circle" in line for line in faults({**MODULES, there: MODULES[there] | {here}}))
+
+
+def test_every_folder_with_python_has_its_room():
+    done = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.py"], cwd=REPOSITORY,
+                          capture_output=True, text=True, check=True)
+    folders = {line.split("/")[0] for line in done.stdout.split() if "/" in line}
+    assert folders == {room.partition(".")[0] for room in RANK}
 
 
 def test_damage_imports_without_yade():
@@ -75,3 +113,11 @@ def test_damage_imports_without_yade():
             "    module.name == 'damage.__main__' or importlib.import_module(module.name)\n")
     done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("path", sorted((REPOSITORY / "walls").glob("*.py")), ids=lambda path: path.stem)
+def test_walls_are_thin(path):
+    tree = ast.parse(path.read_text())
+    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert imported <= {"pathlib", "damage", "yade_scripts.run"}
+    assert len(path.read_text().splitlines()) < 50

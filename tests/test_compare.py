@@ -8,8 +8,8 @@ import pytest
 from pytest import approx
 from small_history import make_history
 
-from damage.compare import TOLERANCES, cohens_kappa, compare, compare_drift, cycle_length, describe
 from damage.errors import InputError
+from damage.measure.compare import TOLERANCES, cohens_kappa, compare, compare_drift, cycle_length, describe
 
 N = 1200
 TIME = 1e-3 * np.arange(N)

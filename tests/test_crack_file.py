@@ -9,7 +9,6 @@ from conftest import REPOSITORY
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
-from damage.cracks import cracks_at, psi
 from damage.errors import InputError
 from damage.index import combine
 from damage.laboratory.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
@@ -22,6 +21,7 @@ from damage.laboratory.crack_mapping import (
     least_index,
     map_cracks,
 )
+from damage.measure.cracks import cracks_at, psi
 
 HEADER = "load_level,drift_pct,crack,point,x_m,z_m,opening_mm,slip_mm,width_mm,mode\n"
 WALL = '''

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from small_history import make_history, small_layout
 
-from damage.cracks import (
+from damage.errors import InputError
+from damage.measure.cracks import (
     JOINING_GAP,
     by_crack,
     close_pairs,
@@ -17,9 +18,8 @@ from damage.cracks import (
     psi_summary,
     psi_value,
 )
-from damage.errors import InputError
-from damage.layout import HEAD
 from damage.units import MILLIMETRE
+from damage.wall.layout import HEAD
 
 
 def along_x(start, length, z=0.0):

@@ -6,14 +6,14 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.errors import InputError
-from damage.layout import lay_out
-from damage.modes import natural_modes
-from damage.options import parse_run
-from damage.parameters import Joint, Wall
 from damage.reference.session import run_reference
 from damage.reference.wall import STEP_FACTOR, ReferenceWall
-from damage.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, rayleigh_factors
+from damage.run.options import parse_run
+from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, rayleigh_factors
 from damage.units import GRAVITY
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Joint, Wall
 
 STRONG = Joint(tensile_strength=1e12, cohesion=1e12)
 
@@ -93,7 +93,7 @@ def test_adaptive_damping_finds_the_static_solution_sooner_than_local():
 
 def test_push_force_and_base_shear_are_one_under_adaptive_damping(tmp_path):
     wall = tmp_path / "stub.py"
-    wall.write_text("from damage.parameters import Wall\n\n\ndef wall():\n    return Wall('stub', 0.9, 0.6)\n")
+    wall.write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('stub', 0.9, 0.6)\n")
     out = tmp_path / "push.h5"
     assert run_reference([str(wall), "--pushover", "0.05", "--speed", "0.002", "--no-pictures", "--out", str(out)]) == 0
     series = damage.read_history(out).series

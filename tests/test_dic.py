@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from damage.__main__ import main
-from damage.cracks import cracks_at
 from damage.errors import InputError
+from damage.history.reading import read_history
 from damage.laboratory.crack_file import read_cracks
 from damage.laboratory.crack_mapping import describe_level, map_cracks
 from damage.laboratory.dic import (
@@ -20,10 +20,10 @@ from damage.laboratory.dic import (
     rigid_motion,
     turned,
 )
-from damage.layout import HEAD, lay_out
-from damage.reading import read_history
+from damage.measure.cracks import cracks_at
 from damage.reference.session import run_reference
-from damage.wall_file import load_wall
+from damage.wall.layout import HEAD, lay_out
+from damage.wall.wall_file import load_wall
 
 NOISE = 1e-5
 """Of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""

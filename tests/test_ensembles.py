@@ -15,11 +15,11 @@ from small_history import make_history
 
 from benchmarks.resume import kill_tree
 from damage.errors import InputError
-from damage.reading import read_history
+from damage.history.reading import read_history
+from damage.measure.tables import summary_row
 from damage.studies.definition import load_study
 from damage.studies.grid import expand
 from damage.studies.tables import points_of, read_study_table
-from damage.tables import summary_row
 
 SINE = 'options = { harmonic = [0.2, 0.05] }\n'
 WALL = 'wall = "walls/symmetric.py"\n'

@@ -7,8 +7,8 @@ from numpy.testing import assert_allclose
 
 from damage.__main__ import main
 from damage.errors import InputError
+from damage.measure.tables import write_table
 from damage.studies.fragility import LEVELS, curve, fit, fragility, load_runs
-from damage.tables import write_table
 
 MEDIAN_G, DISPERSION = 0.2, 0.4
 

@@ -15,10 +15,10 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.errors import InputError
-from damage.history import HistoryWriter
-from damage.layout import lay_out
-from damage.parameters import Wall
-from damage.schema import AT_LIMIT, BROKEN, SERIES
+from damage.history.history import HistoryWriter
+from damage.history.schema import AT_LIMIT, BROKEN, SERIES
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Wall
 
 LAYOUT = lay_out(Wall("small", 0.45, 0.15))
 PARAMETERS = {"loading": {"kind": "harmonic", "name": "test"}, "wall": LAYOUT.wall.describe()}

@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 from scipy import signal
 
 from damage.errors import InputError
-from damage.formats import read_record, shipped_record_path
-from damage.intensity import (
+from damage.motion.formats import read_record, shipped_record_path
+from damage.motion.intensity import (
     POINTS_PER_PERIOD,
     SPECTRUM_PERIODS_S,
     arias_m_s,
@@ -19,7 +19,7 @@ from damage.intensity import (
     significant_duration_s,
     summary,
 )
-from damage.record import Record, scaled, windowed
+from damage.motion.record import Record, scaled, windowed
 from damage.units import GRAVITY
 
 # a peak between two of the instants at which it is looked for

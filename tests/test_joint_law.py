@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from damage.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, elastic_energy
+from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, elastic_energy
 
 KN, KS, FT, C, MU = 6.557e10, 2.687e10, 0.21e6, 0.24e6, math.tan(math.radians(32))
 LAW = LawParameters(KN, KS, FT, C, MU)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance
-from damage.layout import lay_out
-from damage.parameters import Wall
+from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Wall
 from yade_scripts.joint_tracker import JointTracker
 
 KINDS = {TENSION: "tension", SHEAR: "shear"}

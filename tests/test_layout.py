@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
-from damage.layout import BED, CAP, GROUND, HEAD, lay_out
-from damage.parameters import Brick, ModelOptions, Opening, Wall
+from damage.wall.layout import BED, CAP, GROUND, HEAD, lay_out
+from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
 
 BRICK = 0.225
 

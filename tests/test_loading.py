@@ -10,9 +10,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
-from damage.formats import read_record, shipped_record_path
-from damage.loading import EASE_S, FreeVibration, Harmonic, Recorded, TopDisplacement
-from damage.record import Record, aligned_with, band_passed, baseline_corrected, windowed
+from damage.motion.formats import read_record, shipped_record_path
+from damage.motion.loading import EASE_S, FreeVibration, Harmonic, Recorded, TopDisplacement
+from damage.motion.record import Record, aligned_with, band_passed, baseline_corrected, windowed
 from damage.units import GRAVITY
 
 STEP_LIMITS_S = (1.63e-5, 3e-5, 1.3e-3, 0.05)

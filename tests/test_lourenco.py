@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.layout import lay_out
-from damage.parameters import ModelOptions, Wall
 from damage.reference.wall import ReferenceWall
 from damage.units import GRAVITY
+from damage.wall.layout import lay_out
+from damage.wall.parameters import ModelOptions, Wall
 from verification.limit_analysis import collapse_load
 from verification.lourenco import (
     CRUSHING,
@@ -27,7 +27,6 @@ from verification.lourenco import (
     table,
     toe_length,
 )
-from verification.push_picture import picture
 from verification.split_stones import split_stones
 
 
@@ -92,7 +91,7 @@ def test_table_and_picture():
     curve = Push(steps, 1e6 * steps, 1e8 * steps)
     pushes = {name: (curve, curve) for name in LOADS_N}
     assert "| measured, two walls [kN] | 21.5 and 22.7 | 72.2 and 68.6 |" in table(pushes)
-    picture(pushes).canvas.draw()
+    draw(pushes).canvas.draw()
 
 
 @pytest.mark.long

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from small_history import LOADINGS, make_history, small_layout
 
-from damage.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table
-from damage.energy import energy_measures
-from damage.limits import LIMITS, classes
-from damage.summary import summarise
-from damage.tables import summary_row
-from damage.vibration import upward_crossings
+from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table
+from damage.measure.energy import energy_measures
+from damage.measure.limits import LIMITS, classes
+from damage.measure.summary import summarise
+from damage.measure.tables import summary_row
+from damage.measure.vibration import upward_crossings
 
 STEP_S = 0.002
 MOTION, REST, SETTLING = 300, 700, 250  # samples: 0.6 s of motion, 1.4 s of rest, 0.5 s of settling

@@ -6,9 +6,9 @@ import numpy as np
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
-from damage.compare_picture import JOINTS, compare_picture, joint_agreement
-from damage.modes import natural_modes
-from damage.modes_picture import modes_picture
+from damage.draw.compare_picture import JOINTS, compare_picture, joint_agreement
+from damage.draw.modes_picture import modes_picture
+from damage.wall.modes import natural_modes
 
 
 def test_agreement_of_joints(tmp_path):

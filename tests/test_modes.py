@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.kinematics import ContactKinematics
-from damage.layout import lay_out
-from damage.modes import contact_normals, kinematic_matrix, mass_vector, natural_modes, stiffness_matrix
-from damage.parameters import ModelOptions, Wall
+from damage.wall.kinematics import ContactKinematics
+from damage.wall.layout import lay_out
+from damage.wall.modes import contact_normals, kinematic_matrix, mass_vector, natural_modes, stiffness_matrix
+from damage.wall.parameters import ModelOptions, Wall
 
 BANDS = {"solid": (0.058, 0.066), "symmetric": (0.185, 0.205), "asymmetric": (0.160, 0.180)}
 """First periods [s] that agree with the paper's 0.06 and about 0.2 s."""

@@ -12,13 +12,8 @@ from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
-from damage import pictures
-from damage.errors import InputError
-from damage.geometry import body_corners, joint_segments, tributary_ends
-from damage.layout import lay_out
-from damage.moments import STATES
-from damage.parameters import ModelOptions, Wall
-from damage.pictures import (
+from damage.draw import pictures
+from damage.draw.pictures import (
     PICTURES,
     drift_picture,
     energy_picture,
@@ -27,8 +22,13 @@ from damage.pictures import (
     save_all,
     wall_picture,
 )
+from damage.draw.wall_picture import line_width, round_125, wall_shape
+from damage.errors import InputError
+from damage.history.moments import STATES
 from damage.units import MILLIMETRE
-from damage.wall_picture import line_width, round_125, wall_shape
+from damage.wall.geometry import body_corners, joint_segments, tributary_ends
+from damage.wall.layout import lay_out
+from damage.wall.parameters import ModelOptions, Wall
 
 SINGLE = 1e-6  # relative: frames and snapshots are stored in single precision
 ROUND_OFF = 1e-12  # a few operations in double precision
@@ -393,5 +393,5 @@ class TestFiles:
             assert dict(matplotlib.rcParams) == before
         assert line(figure.axes[1], "DI, shear").get_linewidth() == 0.6
         assert figure.axes[0].yaxis.label.get_size() == 7
-        words = ("import sys, damage.pictures; sys.exit('matplotlib.pyplot' in sys.modules)")
+        words = ("import sys, damage.draw.pictures; sys.exit('matplotlib.pyplot' in sys.modules)")
         assert subprocess.run([sys.executable, "-c", words], timeout=120).returncode == 0

@@ -12,8 +12,16 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
-from damage.formats import read_record, shipped_record_path
-from damage.record import Record, aligned_with, band_passed, baseline_corrected, scaled, steps_per_sample, windowed
+from damage.motion.formats import read_record, shipped_record_path
+from damage.motion.record import (
+    Record,
+    aligned_with,
+    band_passed,
+    baseline_corrected,
+    scaled,
+    steps_per_sample,
+    windowed,
+)
 from damage.units import GRAVITY
 
 ROUND_OFF = 1e-12  # relative: a few operations in double precision on numbers of one size

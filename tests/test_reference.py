@@ -5,14 +5,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 import damage
-from damage.energy import energy_error
-from damage.layout import lay_out
-from damage.modes import natural_modes
-from damage.parameters import Joint, ModelOptions, Opening, Wall
+from damage.measure.energy import energy_error
+from damage.measure.summary import summarise
 from damage.reference import kernel
 from damage.reference.session import run_reference
 from damage.reference.wall import ReferenceWall
-from damage.summary import summarise
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
 
 SMALL = Wall(name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)])
 WEAK = Joint()

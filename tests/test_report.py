@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from damage.report import static_warnings
+from damage.run.report import static_warnings
 
 
 @pytest.mark.parametrize(("broken", "unbalanced", "words"), [

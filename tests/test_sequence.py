@@ -8,14 +8,14 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import damage
-from damage.energy import energy_error
 from damage.errors import InputError
-from damage.options import parse_run
+from damage.measure.energy import energy_error
+from damage.measure.tables import shocks_table, write_run_tables
 from damage.reference.session import run_reference
-from damage.schedule import base_acceleration, stages
-from damage.settings import SETTLE_S
+from damage.run.options import parse_run
+from damage.run.schedule import base_acceleration, stages
+from damage.run.settings import SETTLE_S
 from damage.studies.sequence_figure import sequences
-from damage.tables import shocks_table, write_run_tables
 
 DT = 2e-5
 
@@ -62,7 +62,7 @@ def runs(tmp_path_factory):
     """{name: History}: a narrow wall shaken once, and twice."""
     folder = tmp_path_factory.mktemp("sequence")
     wall = folder / "narrow.py"
-    wall.write_text("from damage.parameters import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n")
+    wall.write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n")
     for name, words in (("once", []), ("twice", ["--sequence", "1,1"])):
         assert run_reference([str(wall), "--harmonic", "0.15", "0.35", "--rest", "0.2", *words, "--no-pictures",
                               "--out", str(folder / f"{name}.h5")]) == 0

@@ -17,8 +17,16 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from damage.errors import InputError
+from damage.measure.tables import (
+    describe_table,
+    events_table,
+    index_table,
+    joints_table,
+    main,
+    summary_row,
+    summary_table,
+)
 from damage.studies.definition import StudyRun, load_study, option_words, run_name
-from damage.tables import describe_table, events_table, index_table, joints_table, main, summary_row, summary_table
 
 HARMONIC = 'options = { harmonic = [0.2, 0.05] }\n'
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))

@@ -9,18 +9,18 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from damage.__main__ import main
+from damage.draw.figure_parts import NOTHING, describe_members, in_order, record_label, record_markers
+from damage.draw.pictures import BLACK, BLUE, VERMILLION
 from damage.errors import InputError
-from damage.figure_parts import NOTHING, describe_members, in_order, record_label, record_markers
-from damage.formats import read_record, shipped_record_path
-from damage.intensity import response_spectrum
-from damage.loading import Recorded
-from damage.pictures import BLACK, BLUE, VERMILLION
+from damage.measure.tables import index_table, write_table
+from damage.motion.formats import read_record, shipped_record_path
+from damage.motion.intensity import response_spectrum
+from damage.motion.loading import Recorded
 from damage.studies import figures as study_figures
 from damage.studies.choices_figure import choices
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
 from damage.studies.ida_figures import against_drift, records, residual_against_pga
 from damage.studies.results import Missing, load_results, variants
-from damage.tables import index_table, write_table
 from damage.units import GRAVITY
 
 AMPLITUDES_G = (0.025, 0.05, 0.1)

@@ -8,11 +8,11 @@ import pytest
 from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
-from damage import synthetic
-from damage.formats import QUIET_S, read_record, shipped_record_path, write_csv
-from damage.intensity import pgv_cm_s, response_spectrum, summary
-from damage.record import Record, scaled, windowed
-from damage.synthetic import HUIZINGE, SEED, Target, synthetic_record
+from damage.motion import synthetic
+from damage.motion.formats import QUIET_S, read_record, shipped_record_path, write_csv
+from damage.motion.intensity import pgv_cm_s, response_spectrum, summary
+from damage.motion.record import Record, scaled, windowed
+from damage.motion.synthetic import HUIZINGE, SEED, Target, synthetic_record
 from damage.units import GRAVITY
 
 SCRIPT = REPOSITORY / "scripts" / "make_records.py"

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from damage.loading import Harmonic
+from damage.motion.loading import Harmonic
 from verification import rocking, sliding
 from verification.__main__ import all_problems, main
 from verification.problem import Problem

@@ -8,9 +8,9 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.integrate import trapezoid
 
-from damage.joint_law import ContactState, LawParameters, advance
-from damage.layout import BED, lay_out
-from damage.parameters import Wall
+from damage.wall.joint_law import ContactState, LawParameters, advance
+from damage.wall.layout import BED, lay_out
+from damage.wall.parameters import Wall
 
 pytestmark = pytest.mark.yade
 

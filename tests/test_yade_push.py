@@ -6,7 +6,7 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
 import damage
-from damage.summary import summarise
+from damage.measure.summary import summarise
 
 pytestmark = pytest.mark.yade
 

@@ -12,11 +12,11 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
 import damage
-from damage.energy import energy_error
-from damage.layout import lay_out
-from damage.modes import natural_modes
-from damage.summary import summarise
-from damage.wall_file import load_wall
+from damage.measure.energy import energy_error
+from damage.measure.summary import summarise
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.wall_file import load_wall
 
 pytestmark = pytest.mark.yade
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from damage.layout import lay_out
-from damage.modes import natural_modes
-from damage.parameters import Brick, Joint, ModelOptions, Wall
 from damage.reference.wall import ReferenceWall
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
 
 DRY = Joint(tensile_strength=0.0, cohesion=0.0)
 STICKY = replace(DRY, friction_angle=math.radians(80))

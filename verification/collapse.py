@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damage.modes import natural_modes
 from damage.reference.wall import STEP_FACTOR, ReferenceWall
 from damage.units import GRAVITY
+from damage.wall.modes import natural_modes
 
 AT_REST = 1e-6
 """Largest displacement within `WINDOW_S` of a wall at rest, in heights of a course."""

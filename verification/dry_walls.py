@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.layout import HEAD, lay_out
-from damage.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.layout import HEAD, lay_out
+from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
 from verification.collapse import Bracket, collapse_multiplier
 from verification.limit_analysis import Collapse, collapse_load
 

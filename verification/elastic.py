@@ -23,11 +23,11 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
-from damage.layout import lay_out
-from damage.modes import natural_modes, stiffness_matrix
-from damage.parameters import Brick, Joint, ModelOptions, Wall
+from damage.measure.vibration import natural_period
 from damage.reference.wall import ReferenceWall
-from damage.vibration import natural_period
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes, stiffness_matrix
+from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
 from verification.problem import Problem, ask_yade
 
 UNBREAKABLE = Joint(tensile_strength=1e15, cohesion=1e15)

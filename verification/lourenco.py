@@ -19,11 +19,12 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from damage.layout import HEAD, lay_out
-from damage.parameters import Brick, Joint, ModelOptions, Wall
 from damage.units import GRAVITY
+from damage.wall.layout import HEAD, lay_out
+from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
 from verification.collapse import settled_wall
 from verification.limit_analysis import collapse_load, top_load
+from verification.push_picture import picture
 from verification.split_stones import split_stones
 
 DATA = Path(__file__).with_name("data") / "lourenco2005"
@@ -207,6 +208,12 @@ def _ratio(force, name):
     return f"{100 * (force / measured_peak(name) - 1):+.1f} %"
 
 
+def draw(pushes):
+    """Figure of {name: (Push of rigid stones, Push of stones that split)} beside tests and limit analysis."""
+    return picture({f"{name}: {LOADS_N[name] / 1e3:g} kN on top": (measured(name), bound(lay(name)), *both)
+                    for name, both in pushes.items()}, SPLITTING)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m verification.lourenco", description=__doc__.split("\n")[0])
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table there")
@@ -223,9 +230,7 @@ def main(arguments=None):
     if parsed.markdown:
         parsed.markdown.write_text(table(pushes) + "\n")
     if parsed.picture:
-        from verification.push_picture import picture
-
-        picture(pushes).savefig(parsed.picture)
+        draw(pushes).savefig(parsed.picture)
     return 0
 
 

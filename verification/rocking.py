@@ -16,8 +16,8 @@ import math
 import numpy as np
 from scipy.integrate import quad
 
-from damage.parameters import Joint
 from damage.units import GRAVITY
+from damage.wall.parameters import Joint
 from verification.block import SLENDER, STICKY, foot, one_block, settle, solver_of
 from verification.problem import Problem, ask_yade
 

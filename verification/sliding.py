@@ -20,7 +20,7 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
-from damage.loading import Harmonic
+from damage.motion.loading import Harmonic
 from damage.units import GRAVITY
 from verification.block import DRY, one_block, settle, solver_of
 from verification.problem import Problem, ask_yade

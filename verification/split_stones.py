@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from damage.layout import GROUND, HEAD, Bodies
+from damage.wall.layout import GROUND, HEAD, Bodies
 
 _TINY = 1e-6  # [m]
 

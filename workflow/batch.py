@@ -22,9 +22,9 @@ import pandas as pd
 from shared import MARK, ROOT, end_with_parent
 
 from damage.errors import InputError
+from damage.measure.tables import describe_table
 from damage.studies.definition import load_study
 from damage.studies.tables import runs_there
-from damage.tables import describe_table
 
 LOCK_PATIENCE_S = 10.0
 """How long to wait for a folder that a killed batch's last processes may still hold [s]."""

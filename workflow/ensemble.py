@@ -20,11 +20,11 @@ from pathlib import Path
 from shared import tell
 
 from damage.errors import InputError
-from damage.reading import read_history
+from damage.history.reading import read_history
+from damage.measure.tables import RUN_TABLES, write_run_tables
 from damage.reference.session import run_reference
-from damage.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from damage.studies.tables import write_row
-from damage.tables import RUN_TABLES, write_run_tables
 
 
 def main():

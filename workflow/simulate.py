@@ -152,7 +152,7 @@ def _follow(run, lines, log):
 def _not_whole(part):
     """Why the history is not a complete one, None where it is."""
     from damage.errors import InputError
-    from damage.reading import read_history
+    from damage.history.reading import read_history
 
     try:
         status = read_history(part).status

@@ -25,7 +25,7 @@ from yade import (
     utils,
 )
 
-from damage.layout import GROUND, HEAD
+from damage.wall.layout import GROUND, HEAD
 
 _UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
 _BOX_FACTOR = 0.97  # a slightly smaller box keeps touching cells out of the narrow phase

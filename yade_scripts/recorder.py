@@ -7,12 +7,12 @@ belong to the same instant.
 import numpy as np
 from yade import O
 
-from damage.history import SNAPSHOT_SAMPLES
+from damage.history.history import SNAPSHOT_SAMPLES
+from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
-from damage.kinematics import ContactKinematics
-from damage.schema import AT_LIMIT, BROKEN
+from damage.run.watch import has_collapsed, index_now
 from damage.units import GRAVITY
-from damage.watch import has_collapsed, index_now
+from damage.wall.kinematics import ContactKinematics
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.scene import SceneReader
 

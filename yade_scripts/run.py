@@ -5,7 +5,7 @@ import sys
 import yade
 
 from damage.errors import InputError
-from damage.session import Solver, run_session
+from damage.run.session import Solver, run_session
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.simulation import Simulation, choose_time_step
 from yade_scripts.view import open_view

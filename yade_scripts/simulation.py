@@ -5,10 +5,10 @@ import builtins
 import numpy as np
 from yade import O, PyRunner, Vector3, utils
 
-from damage import schedule
 from damage.errors import InputError
-from damage.loading import TopDisplacement
-from damage.settings import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
+from damage.motion.loading import TopDisplacement
+from damage.run import schedule
+from damage.run.settings import AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
 from damage.units import GRAVITY
 from yade_scripts.model import build
 from yade_scripts.pushed_top import PushedTop

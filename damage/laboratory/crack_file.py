@@ -11,10 +11,10 @@ from math import isnan, nan
 import numpy as np
 import pandas as pd
 
-from damage.cracks import cracks_at
 from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.laboratory.csv_table import CsvTable, whole_file
+from damage.measure.cracks import cracks_at
 from damage.units import MILLIMETRE
 
 COLUMNS = ("load_level", "drift_pct", "crack", "point", "x_m", "z_m", "opening_mm", "slip_mm", "width_mm", "mode")

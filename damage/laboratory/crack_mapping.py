@@ -19,11 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from damage.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
-from damage.geometry import tributary_ends
 from damage.index import DRIFT_LIMIT, THRESHOLD, check_positive, combine, drift_component
-from damage.layout import KINDS
+from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
 from damage.units import MILLIMETRE
+from damage.wall.geometry import tributary_ends
+from damage.wall.layout import KINDS
 
 PIECE = 0.5 * MILLIMETRE
 COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")

@@ -4,10 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 
-from damage.geometry import tributary_ends
-from damage.index import THRESHOLD
-from damage.laboratory.crack_mapping import joint_table
-from damage.pictures import (
+from damage.draw.pictures import (
     BLACK,
     BLUE,
     BRICK_COLOUR,
@@ -20,8 +17,11 @@ from damage.pictures import (
     new_figure,
     styled,
 )
+from damage.draw.wall_picture import line_width
+from damage.index import THRESHOLD
+from damage.laboratory.crack_mapping import joint_table
 from damage.units import MILLIMETRE
-from damage.wall_picture import line_width
+from damage.wall.geometry import tributary_ends
 
 STATES = {  # what a mapped joint has done: label, colour
     "fine": ("below {limit}", "0.5"), "slipped": ("slipped", BLUE), "opened": ("opened", ORANGE),

@@ -14,15 +14,15 @@ from math import isnan
 
 import numpy as np
 
-from damage.cracks import crack_table
 from damage.errors import InputError
-from damage.geometry import tributary_ends
 from damage.index import THRESHOLD
-from damage.kinematics import ContactKinematics
 from damage.laboratory.crack_file import CrackPattern, pattern_of
 from damage.laboratory.crack_mapping import joint_table
 from damage.laboratory.csv_table import CsvTable
+from damage.measure.cracks import crack_table
 from damage.units import GRAVITY, MILLIMETRE
+from damage.wall.geometry import tributary_ends
+from damage.wall.kinematics import ContactKinematics
 
 REQUIRED = ("x_m", "z_m", "ux_m", "uz_m")
 OPTIONAL = ("load_level", "drift_pct")

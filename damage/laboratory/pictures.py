@@ -3,11 +3,8 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.errors import InputError
-from damage.figure_parts import PAGE_WIDTH, add_heading, finish, grid, letter
-from damage.hysteresis import cycles_table, envelope, pushed_loading
-from damage.laboratory.pushed import test_of
-from damage.pictures import (
+from damage.draw.figure_parts import PAGE_WIDTH, add_heading, finish, grid, letter
+from damage.draw.pictures import (
     BLACK,
     BLUE,
     DRIFT_LIMITS_PCT,
@@ -20,6 +17,9 @@ from damage.pictures import (
     save_figures,
     styled,
 )
+from damage.errors import InputError
+from damage.laboratory.pushed import test_of
+from damage.measure.hysteresis import cycles_table, envelope, pushed_loading
 
 RUN_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
 SIDES = ((1, 0), (-1, 1))  # direction of loading, its place in a test's pairs

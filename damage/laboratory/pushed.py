@@ -4,13 +4,13 @@ EUCENTRE's in-plane cyclic tests (Graziotti et al. 2016), `damage/data/eucentre`
 """
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.hysteresis import (
+from damage.files import DATA
+from damage.measure.hysteresis import (
     bilinear,
     cycles_table,
     drift_at_first_crack,
@@ -19,10 +19,10 @@ from damage.hysteresis import (
     mode_shares,
     pushed_loading,
 )
-from damage.limits import LIMITS
-from damage.summary import summarise
+from damage.measure.limits import LIMITS
+from damage.measure.summary import summarise
 
-TESTS = Path(__file__).resolve().parents[1] / "data" / "eucentre" / "tests.csv"
+TESTS = DATA / "eucentre" / "tests.csv"
 SPECIMENS = {"squat": "COMP1_3", "squat_tested": "COMP1_3", "comp2_1": "COMP2_1", "comp2_4": "COMP2_4"}
 """Name of a shipped wall -> the test that it models."""
 MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear"}

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.formats import read_record, shipped_record_path
 from damage.index import SLIP_CRITERIA
-from damage.intensity import pga_g, response_spectrum
+from damage.motion.formats import read_record, shipped_record_path
+from damage.motion.intensity import pga_g, response_spectrum
 from damage.paper import criteria
 from damage.paper.criteria import AMPLITUDES_G, CLAIMS, SCALES, Claim
 from damage.paper.evidence import Evidence, Fell, NotThere, comparable, gather, load_runs

@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from damage import joint_law
-from damage.joint_law import INTACT, ContactState, LawParameters
+from damage.wall import joint_law
+from damage.wall.joint_law import INTACT, ContactState, LawParameters
 
 OPENED, SLIPPED = 3, 4  # event kinds beside joint_law's TENSION and SHEAR
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)  # entries of `energy` [J]

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from damage import schedule
-from damage.history import SNAPSHOT_SAMPLES
-from damage.loading import TopDisplacement
+from damage.history.history import SNAPSHOT_SAMPLES
+from damage.motion.loading import TopDisplacement
 from damage.reference.wall import EVENT_KINDS, ReferenceWall
-from damage.settings import ADAPTIVE_DAMPING, AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
+from damage.run import schedule
+from damage.run.settings import ADAPTIVE_DAMPING, AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S, SAMPLE_S
+from damage.run.watch import has_collapsed, index_now
 from damage.units import GRAVITY
-from damage.watch import has_collapsed, index_now
 
 
 class ReferenceRun:

@@ -7,12 +7,12 @@ is `damage.reference.kernel`.
 import numpy as np
 
 from damage.errors import InputError
+from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
-from damage.joint_law import SHEAR, TENSION, elastic_energy
-from damage.layout import GROUND, HEAD
 from damage.reference import kernel
-from damage.schema import AT_LIMIT, BROKEN
 from damage.units import GRAVITY
+from damage.wall.joint_law import SHEAR, TENSION, elastic_energy
+from damage.wall.layout import GROUND, HEAD
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one, the same as YADE's: 3.0e-5 s for the shipped walls."""
@@ -240,7 +240,7 @@ def choose_time_step(settings, critical_s):
     Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
     xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
     """
-    from damage.settings import LOCAL_DAMPING
+    from damage.run.settings import LOCAL_DAMPING
 
     xi = settings.beta_s / critical_s + settings.alpha_1_s * critical_s / 4
     limit = critical_s * min(np.sqrt(1 + xi**2) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from damage.figure_parts import add_heading, finish, grid, letter, motion_label
-from damage.pictures import draw_wall, joint_handles, styled
+from damage.draw.figure_parts import add_heading, finish, grid, letter, motion_label
+from damage.draw.pictures import draw_wall, joint_handles, styled
+from damage.draw.wall_picture import wall_shape
 from damage.studies.results import Missing
-from damage.wall_picture import wall_shape
 
 MOST_ROWS = 5
 """Rows of a page; of more motions the most damaging are shown."""

@@ -33,7 +33,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from damage.errors import InputError
-from damage.options import parse_run
+from damage.run.options import parse_run
 from damage.studies.grid import expand
 
 PATH_OPTIONS = ("--record", "--vertical")

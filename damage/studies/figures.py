@@ -8,9 +8,9 @@ such points.
 
 import pandas as pd
 
+from damage.draw.figure_parts import CRITERIA
+from damage.draw.pictures import save_figures
 from damage.errors import InputError
-from damage.figure_parts import CRITERIA
-from damage.pictures import save_figures
 from damage.studies.choices_figure import choices
 from damage.studies.crack_maps import crack_maps
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions

@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.cycles import drift_cycles
-from damage.figure_parts import (
+from damage.draw.figure_parts import (
     COMPONENTS,
     CRITERIA,
     NOTHING,
@@ -26,8 +25,9 @@ from damage.figure_parts import (
     shade_settling,
     solver_handles,
 )
-from damage.loading import Harmonic
-from damage.pictures import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, styled
+from damage.draw.pictures import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, styled
+from damage.measure.cycles import drift_cycles
+from damage.motion.loading import Harmonic
 from damage.studies.results import REFERENCE, Missing
 from damage.units import GRAVITY
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import pandas as pd
 
 from damage.errors import InputError
-from damage.reading import read_history
-from damage.tables import index_table
+from damage.history.reading import read_history
+from damage.measure.tables import index_table
 
 NEEDED = ("point", "solver", "wall", "members")
 MODEL = {"lintel": "elastic", "top": "piers", "cells": 2, "contacts": "interior", "cycles": None, "strength_cov": 0.0}

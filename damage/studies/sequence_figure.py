@@ -4,10 +4,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
-from damage.figure_parts import NOTHING, add_heading, describe_members, finish, from_zero, grid, letter, motion_label
-from damage.pictures import BLACK, BLUE, GREEN, MEDIUM, styled
+from damage.draw.figure_parts import (
+    NOTHING,
+    add_heading,
+    describe_members,
+    finish,
+    from_zero,
+    grid,
+    letter,
+    motion_label,
+)
+from damage.draw.pictures import BLACK, BLUE, GREEN, MEDIUM, styled
+from damage.measure.tables import shocks_table
 from damage.studies.results import REFERENCE
-from damage.tables import shocks_table
 
 _LINES = {  # column of the table of shocks: label, style
     "max_DI": ("maximum DI", {"color": BLACK, "marker": "D"}),

@@ -20,9 +20,9 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.reading import read_history
+from damage.history.reading import read_history
+from damage.measure.tables import summary_row, write_table
 from damage.studies.definition import load_study
-from damage.tables import summary_row, write_table
 
 COUNTED = ("run", "seed", "status", "collapsed_at_s")
 """Columns of a run that a point counts instead of taking medians of, or leaves out."""

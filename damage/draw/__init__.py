@@ -1,0 +1,1 @@
+"""What people look at: pictures of histories, walls and modes."""

@@ -1,0 +1,207 @@
+"""What the figures of studies share: grids of panels, points with their range, names of records."""
+
+import re
+from textwrap import fill
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from damage.draw.pictures import BLACK, BLUE, COLUMN_WIDTH, GREEN, LIGHT, MEDIUM, ORANGE, VERMILLION, legend_below
+
+PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
+COMPONENTS = {  # column of the tables: label, colour, marker
+    "DI": ("DI", BLACK, "D"), "DI_drift": (r"DI$_\mathrm{drift}$", GREEN, "^"),
+    "DI_open": (r"DI$_\mathrm{open}$", ORANGE, "s"), "DI_slip": (r"DI$_\mathrm{slip}$", BLUE, "o"),
+}
+CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
+"""What counts as slipped, and what stands before a component's name in the columns for it."""
+NOTHING = 0.01
+"""An index that axes of maxima and residuals reach at least."""
+SLIP_LABELS = {"displacement": "slipped: by more than 0.1 mm", "shear-limit": "slipped: ever at the shear limit"}
+
+
+def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):
+    """A Figure and its axes (rows, columns); panel_height [inch] with its labels."""
+    figure = Figure(figsize=(width, rows * panel_height), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def add_heading(figure, *lines):
+    """Title lines at the left; the figure grows by their height."""
+    characters = round(64 * figure.get_size_inches()[0] / COLUMN_WIDTH)
+    title = figure.suptitle("\n".join(fill(line, characters) for line in lines if line), x=0.01, ha="left")
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(width, height + title.get_window_extent().height / figure.dpi)
+
+
+def finish(figure, handles, columns=4):
+    """Legend below, filled row by row, and axis labels in line."""
+    figure.align_ylabels()
+    by_column = [handle for first in range(columns) for handle in handles[first::columns]]
+    legend_below(figure, by_column, columns)
+    return figure
+
+
+def from_zero(ax, at_least=0.0):
+    """An axis of values that are never below zero, with room for a marker on zero and plain numbers.
+
+    at_least: what it reaches however small the values are, so that nothing does not look like much.
+    """
+    top = max(ax.get_ylim()[1], at_least)
+    ax.set_ylim(-0.05 * top, 1.05 * top)
+    ax.ticklabel_format(axis="y", style="plain", useOffset=False)
+
+
+def letter(ax, number, text=""):
+    """(a), (b), ... and what the panel shows, above its left corner."""
+    ax.set_title(f"({chr(ord('a') + number)}) {text}".rstrip(), loc="left", fontsize=7)
+
+
+def numbers(points, column):
+    """A column as floats, NaN where it is missing or empty."""
+    if column not in points:
+        return np.full(len(points), np.nan)
+    return points[column].to_numpy(dtype=float)
+
+
+def median_and_range(points, name):
+    """Median (n,) of a measure and how far its range goes below and above it, (2, n)."""
+    median = numbers(points, name)
+    spread = np.array([median - numbers(points, f"{name}_min"), numbers(points, f"{name}_max") - median])
+    return median, np.clip(np.nan_to_num(spread), 0, None)
+
+
+def draw_points(ax, points, x, y, colour, marker, shift=0.0):
+    """Medians of the reference solver with their range, joined by a line; x, y: names of measures.
+
+    shift: along x, in its unit, so that ranges of several measures stand side by side.
+    """
+    points = points.iloc[np.argsort(numbers(points, x))]
+    _draw_with_range(ax, points, x, y, shift, color=colour, marker=marker, ms=3.2, lw=0.7, zorder=3)
+
+
+def draw_cloud(ax, points, x, y, colour, marker):
+    """Medians of the reference solver, not joined, with their ranges in grey behind them."""
+    _draw_with_range(ax, points, x, y, 0.0, color=colour, marker=marker, ms=5, mew=1.0, ls="", zorder=3,
+                     ecolor=MEDIUM)
+
+
+def draw_yade(ax, points, x, y, colour, marker, shift=0.0):
+    """YADE's runs: hollow markers, larger than the medians, so that both are seen."""
+    _draw_with_range(ax, points, x, y, shift, ecolor=colour, marker=marker, mfc="none", mec=colour, mew=0.8, ms=5.6,
+                     ls="", zorder=4)
+
+
+def _draw_with_range(ax, points, x, y, shift, **style):
+    """Points with bars where there is a range."""
+    (place, place_range), (value, value_range) = (median_and_range(points, name) for name in (x, y))
+    ax.errorbar(place + shift, value, value_range if value_range.any() else None,
+                place_range if place_range.any() else None, elinewidth=0.8, capsize=1.6, capthick=0.6, **style)
+
+
+def draw_components(ax, reference, yade, x, prefix):
+    """The index and its components, columns prefix + name, of both solvers' points side by side against x.
+
+    Returns whether a run of one of the points collapsed; these are crossed out.
+    """
+    span = max((np.nanmax(numbers(points, x)) for points in (reference, yade) if len(points)), default=0.0)
+    shifts = dict(zip(COMPONENTS, span * np.array((-0.009, -0.003, 0.003, 0.009))))
+    for name, (_, colour, marker) in COMPONENTS.items():
+        draw_points(ax, reference, x, prefix + name, colour, marker, shifts[name])
+        draw_yade(ax, yade, x, prefix + name, colour, marker, shifts[name])
+    return any([mark_collapses(ax, points, x, prefix + "DI", shifts["DI"]) for points in (reference, yade)])
+
+
+def mark_collapses(ax, points, x, y, shift=0.0):
+    """A cross over every point of which a run collapsed; returns whether there is one."""
+    collapsed = np.isfinite(numbers(points, "collapsed_at_s")) | (numbers(points, "collapsed") > 0)
+    ax.plot(numbers(points, x)[collapsed] + shift, numbers(points, y)[collapsed], ls="", marker="x", ms=7, mew=1.1,
+            color=VERMILLION, zorder=5)
+    return bool(collapsed.any())
+
+
+def solver_handles(variant, collapse=False):
+    """Legend entries that tell the solvers apart."""
+    handles = []
+    if len(variant.reference):
+        handles.append(Line2D([], [], color=MEDIUM, marker="o", ms=3.2, lw=0.7,
+                              label=f"reference: {describe_members(variant.reference)}"))
+    if len(variant.yade):
+        handles.append(Line2D([], [], ls="", marker="o", mfc="none", mec=MEDIUM, mew=0.8, ms=5.6,
+                              label=f"YADE: {describe_members(variant.yade)}"))
+    if collapse:
+        handles.append(Line2D([], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed"))
+    return handles
+
+
+def describe_members(points):
+    """How many runs stand behind each point."""
+    low, high = int(points["members"].min()), int(points["members"].max())
+    if high == 1:
+        return "single runs"
+    return f"median, range of {'' if low == high else 'up to '}{high} runs"
+
+
+def component_handles(slip_marker=True):
+    """Legend entries of the index and its components."""
+    return [Line2D([], [], color=colour, marker=marker if slip_marker else "", ms=3.2, lw=0.9, label=label)
+            for label, colour, marker in COMPONENTS.values()]
+
+
+def shade_settling(ax, table):
+    """Shade the settling stages of a table over time, with columns time_s and stage."""
+    settling = (table["stage"] == "settling").to_numpy()
+    starts = np.flatnonzero(np.diff(settling.astype(int), prepend=0) == 1)
+    for start in starts:
+        stop = start + int(np.argmin(np.append(settling[start:], False)))
+        ax.axvspan(table["time_s"].iloc[start], table["time_s"].iloc[stop - 1], color=LIGHT, lw=0, zorder=0)
+
+
+EVENTS = {"MID1": ("Huizinge", "+"), "BGAR": ("Zeerijp", "x"), "BWSE": ("Zeerijp", "1"), "BZN1": ("Zeerijp", "2"),
+          "BLOP": ("Zeerijp", "3")}
+"""Earthquake and marker of the stations whose records ship, or have a named place."""
+OTHER_MARKERS = "4|_*"
+SINGLE_MARKERS = "osD^v"
+"""Hollow markers of the records, in their order, for single runs where all lines share a colour."""
+_DIRECTIONS = {"N": "north", "E": "east", "Z": "vertical"}
+
+
+def record_label(name):
+    """Earthquake, station and component of a record; a synthetic one is called so.
+
+    >>> record_label("BGAR_HGE")
+    'Zeerijp, BGAR east'
+    >>> record_label("MID1_N_synthetic")
+    'Huizinge, MID1 north, synthetic'
+    """
+    station = station_of(name)
+    component = re.search(r"(?<![A-Za-z0-9])(?:HG)?([NEZ])(?![A-Za-z0-9])", name.replace("_", " "))
+    if station is None or component is None:
+        return name
+    synthetic = ", synthetic" if "synthetic" in name else ""
+    return f"{EVENTS[station][0]}, {station} {_DIRECTIONS[component.group(1)]}{synthetic}"
+
+
+def motion_label(point):
+    """The motion of a point (a row of points.csv) in words, as "0.2 s, 0.1 g" or "Zeerijp, BGAR east × 2"."""
+    if isinstance(point.get("record"), str):
+        return f"{record_label(point['record'])} × {point['scale']:g}"
+    return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g"
+
+
+def station_of(name):
+    """The known station that a record's name holds, or None."""
+    return next((station for station in EVENTS if station in name), None)
+
+
+def in_order(names):
+    """Names of records in the order of EVENTS, unknown ones last."""
+    stations = [*EVENTS, None]
+    return sorted(names, key=lambda name: (stations.index(station_of(name)), name))
+
+
+def record_markers(names):
+    """A marker for each record, the paper's for the two that it uses."""
+    others = iter(OTHER_MARKERS * len(names))
+    return {name: EVENTS[station_of(name)][1] if station_of(name) else next(others) for name in names}

@@ -1,0 +1,49 @@
+"""Picture of a wall's natural modes: the bricks displaced in each mode's shape."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from damage.draw.pictures import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
+from damage.wall.geometry import body_corners
+
+VISIBLE_SHARE = 0.08  # of the wall's height: how far the largest displacement of a mode reaches
+
+
+@styled
+def modes_picture(layout, modes):
+    """Figure of the mode shapes, two in a row, with their periods; the undeformed outline behind.
+
+    layout: damage.layout.Layout; modes: damage.modes.Modes of it.
+    """
+    n = len(modes.period_s)
+    rows, ratio = -(-n // 2), layout.wall.built_height / layout.wall.length
+    figure = Figure(figsize=(2 * COLUMN_WIDTH, rows * (COLUMN_WIDTH * ratio + 0.25) + 0.3), layout="constrained")
+    for number, ax in enumerate(figure.subplots(rows, 2, squeeze=False).ravel()):
+        ax.axis("off")
+        if number < n:
+            _draw_mode(ax, layout, modes.shape[number])
+            ax.set_title(f"mode {number + 1}: {modes.period_s[number]:.4f} s", fontsize="medium")
+    figure.suptitle(f"{layout.wall.name}: natural modes with intact joints; critical time step "
+                    f"{modes.critical_time_step_s:.3g} s", x=0.02, ha="left")
+    return figure
+
+
+def _draw_mode(ax, layout, shape):
+    bodies = pd.DataFrame({"x_m": layout.bodies.x, "z_m": layout.bodies.z, "length_m": layout.bodies.length,
+                           "height_m": layout.bodies.height})
+    rest = body_corners(bodies, np.zeros_like(shape))
+    # Small enough that rotations are displacements of the linear mode, then enlarged as such.
+    moved = body_corners(bodies, 1e-6 * shape) - rest
+    largest = np.hypot(moved[..., 0], moved[..., 1]).max()
+    corners = rest + moved * VISIBLE_SHARE * layout.wall.built_height / largest
+    is_cap = layout.bodies.course < 0
+    ax.add_collection(PolyCollection(rest[~is_cap], facecolors="none", edgecolors="0.85", linewidths=0.3))
+    for chosen, colour in ((~is_cap, BRICK_COLOUR), (is_cap, CAP_COLOUR)):
+        ax.add_collection(PolyCollection(corners[chosen], facecolors=colour, edgecolors=DARK, linewidths=0.25))
+    ax.axhline(0, color=GROUND_COLOUR, lw=2, zorder=0)
+    margin = 1.2 * VISIBLE_SHARE * layout.wall.built_height
+    points = rest.reshape(-1, 2)
+    ax.set(xlim=(points[:, 0].min() - margin, points[:, 0].max() + margin),
+           ylim=(-margin / 2, points[:, 1].max() + margin), aspect="equal")

@@ -1,0 +1,401 @@
+"""Pictures of a run: the wall and its cracks, the index, drift, hysteresis and energies over time.
+
+Each function takes a History and returns a matplotlib Figure, one journal column (90 mm) wide;
+`save_all` writes them all.  Only figure objects are used, so that pictures come out the same
+without a screen and inside any program.
+"""
+
+import os
+from contextlib import contextmanager
+from functools import partial, wraps
+from pathlib import Path
+from textwrap import fill
+
+import numpy as np
+from matplotlib import style
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from damage.draw.wall_picture import legend_widths_mm, line_width, wall_shape
+from damage.errors import InputError
+from damage.history.moments import STATES, choose_sample
+from damage.index import THRESHOLD
+from damage.measure.energy import DISSIPATED, STORED, energy_error, imbalance
+from damage.units import GRAVITY, MILLIMETRE
+
+# --- style ---------------------------------------------------------------------------------------
+
+COLUMN_WIDTH = 90 / 25.4  # [inch], one column of a journal
+DOTS_PER_INCH = 200
+TITLE_CHARACTERS = 64  # of the font size below, in a column
+STYLE = {
+    "font.size": 7, "axes.labelsize": 7, "figure.titlesize": 7,
+    "xtick.labelsize": 6.5, "ytick.labelsize": 6.5, "legend.fontsize": 6.5, "legend.frameon": False,
+    "legend.handlelength": 2.0, "legend.columnspacing": 1.2, "legend.borderaxespad": 0.3,
+    "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "axes.axisbelow": True,
+    "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 0.9,
+    "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
+    "figure.dpi": DOTS_PER_INCH, "savefig.dpi": DOTS_PER_INCH,
+    "pdf.fonttype": 42,  # whole fonts, which journals ask for
+}
+# Okabe and Ito's palette, which the colour-blind can tell apart.  Orange, blue and black, for what
+# opened, slipped and both, also differ in grey.
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
+LIGHT, MEDIUM, DARK = "0.91", "0.6", "0.35"
+
+JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": BLUE, "opened": ORANGE, "both": BLACK}
+BRICK_COLOUR, CAP_COLOUR, GROUND_COLOUR = "0.96", "0.75", "0.85"
+THIN = {"intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
+
+DRIFT_LIMITS_PCT = (
+    (0.050, "light damage begins, calcium silicate (Korswagen)", ":"),
+    (0.058, "light damage begins, clay (Korswagen)", "-."),
+    (0.070, "no damage up to here (Graziotti et al.)", "--"),
+    (0.120, "minor structural damage (Graziotti et al.)", "-"),
+)
+"""Drift ratios [%] from tests of Dutch masonry, label, line: P. Korswagen, dissertation, TU Delft
+(light damage begins, in-plane walls); F. Graziotti et al., shake-table tests of a full building."""
+LIMITS_UP_TO_PCT = 0.6  # in a wider picture they would merge into one, far below the drift
+
+ENERGIES = {  # column: label, colour, line
+    "input_energy_j": ("input", BLACK, "-"), "kinetic_energy_j": ("kinetic", SKY, "-"),
+    "elastic_energy_j": ("elastic", BLUE, "--"), "gravity_energy_j": ("gravity", GREEN, "-."),
+    "friction_energy_j": ("friction", VERMILLION, "-"), "fracture_energy_j": ("fracture", PURPLE, "--"),
+    "damping_energy_j": ("damping", ORANGE, ":"),
+}
+
+
+def styled(draw):
+    """Let a function draw in STYLE, whatever the style of the program around it; that one returns."""
+    @wraps(draw)
+    def inside(*arguments, **named):
+        with style.context(["default", STYLE]):
+            return draw(*arguments, **named)
+    return inside
+
+
+def new_figure(height, rows=1, **options):
+    """A Figure of one column's width and its axes, a single one or an array; height [inch]."""
+    figure = Figure(figsize=(COLUMN_WIDTH, height), layout="constrained")
+    return figure, figure.subplots(rows, 1, **options)
+
+
+def legend_below(figure, handles, columns):
+    """Put a legend below all axes, where it hides nothing; the figure grows by its height."""
+    if not handles:
+        return
+    legend = figure.legend(handles=handles, loc="lower center", ncols=columns)
+    width, plot = figure.get_size_inches()
+    height = legend.get_window_extent().height / figure.dpi
+    figure.set_size_inches(width, plot + height)
+    share = height / (plot + height)
+    figure.get_layout_engine().set(rect=(0, share, 1, 1 - share))
+
+
+def add_title(figure, history, *more):
+    """What ran, how it ended if not as planned, and further lines; the figure grows by their height."""
+    lines = [f"{history.wall}, {history.parameters['loading']['name']} ({history.solver})"]
+    if not history.complete:
+        lines.append(f"{history.status}: the run did not come to its end")
+    if history.collapsed_at_s is not None:
+        lines.append(f"collapsed at {history.collapsed_at_s:.3f} s")
+    text = "\n".join(fill(line, TITLE_CHARACTERS) for line in (*lines, *more))
+    title = figure.suptitle(text, x=0.02, ha="left")
+    width, plot = figure.get_size_inches()
+    figure.set_size_inches(width, plot + title.get_window_extent().height / figure.dpi)
+
+
+def mark_times(history, axes):
+    """Label the shared time axis, shade the settling stage and mark a collapse; returns their handles."""
+    settling = history.series[history.series["stage"] == "settling"].groupby("shock")["time_s"].agg(["first", "last"])
+    handles = {}
+    for ax in axes:
+        ax.margins(x=0)
+        show_single_points(ax)
+        for first, last in settling.to_numpy():
+            handles["settling"] = ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling")
+        if history.collapsed_at_s is not None:
+            handles["collapse"] = ax.axvline(history.collapsed_at_s, color=VERMILLION, lw=1, ls="--",
+                                             clip_on=False, label=_collapse(history))
+    axes[-1].set_xlabel("time [s]")
+    return list(handles.values())
+
+
+def show_single_points(ax):
+    """Give a marker to lines of one point, which would not show: a run ended at its first sample."""
+    for line in ax.get_lines():
+        if len(line.get_xdata()) == 1 and line.get_marker() == "None":
+            line.set(marker="o", markersize=2.5)
+
+
+def _collapse(history):
+    return f"collapse at {history.collapsed_at_s:.3f} s"
+
+
+# --- the wall ------------------------------------------------------------------------------------
+
+@styled
+def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
+    """The wall in true scale at a sample, with its cracks.
+
+    sample: "max" (of the damage index), "end", or an index into the series; slip, threshold [m]:
+    what counts as slipped and opened, see `damage.index`; magnify: factor on displacements and
+    rotations, None for one that makes them visible.
+    """
+    shape = wall_shape(history, sample, slip, threshold, magnify)
+    figure, ax = new_figure(1.0)
+    ratio = draw_wall(ax, shape)
+    labels = 0.45  # [inch] that ticks and labels take beside and below
+    figure.set_size_inches(COLUMN_WIDTH, min((COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
+    add_title(figure, history, *_moment(shape, sample))
+    legend_below(figure, joint_handles(shape, slip, threshold), columns=3)
+    for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
+        figure.draw_without_rendering()
+    return figure
+
+
+def draw_wall(ax, shape):
+    """Draw a WallShape in true scale; returns height over width of what the axes show."""
+    _draw_bodies(ax, shape)
+    _draw_joints(ax, shape)
+    points = shape.corners.reshape(-1, 2)
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.02 * (high - low).max()
+    low, high = np.minimum(low, 0) - margin, high + margin
+    ax.axhspan(low[1], 0, facecolor=GROUND_COLOUR, lw=0, zorder=0)
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="z [m]")
+    return (high[1] - low[1]) / (high[0] - low[0])
+
+
+def _draw_bodies(ax, shape):
+    for name, chosen, colour in (("bricks", ~shape.is_cap, BRICK_COLOUR), ("caps", shape.is_cap, CAP_COLOUR)):
+        ax.add_collection(PolyCollection(shape.corners[chosen], facecolors=colour, edgecolors="0.75",
+                                         linewidths=0.2, label=name, zorder=1))
+
+
+def _draw_joints(ax, shape):
+    for layer, state in enumerate(STATES):
+        chosen = shape.select(state)
+        widths = [THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen])
+        ax.add_collection(LineCollection(shape.segments[chosen], colors=JOINT_COLOURS[state], label=state,
+                                         linewidths=widths, capstyle="butt", zorder=2 + layer))
+
+
+def _moment(shape, sample):
+    """Lines of the title that say what is drawn."""
+    which = {"max": "maximum DI", "end": "end, DI"}.get(sample, "DI")
+    yield f"{which} {shape.index:.4f} at {shape.time_s:.3f} s"
+    if shape.snapshot_time_s is None:
+        yield "drawn undeformed: no snapshot near"
+    else:
+        yield f"shape at {shape.snapshot_time_s:.3f} s, displacements × {shape.magnification:g}"
+
+
+def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
+    """Legend in three columns: cracks, the rest, widths of lines."""
+    def line(label, colour, width):
+        return Line2D([], [], color=colour, lw=width, label=label)
+
+    limit = f"{threshold / MILLIMETRE:g} mm"
+    slipped = "slipped" if slip == "displacement" else "slipped (shear limit)"
+    width = line_width(0.5 * MILLIMETRE)
+    return [
+        line("opened", JOINT_COLOURS["opened"], width), line(slipped, JOINT_COLOURS["slipped"], width),
+        line("opened and slipped", JOINT_COLOURS["both"], width),
+        line(f"broken, ≤ {limit}", JOINT_COLOURS["broken"], THIN["broken"]),
+        line("intact", JOINT_COLOURS["intact"], THIN["intact"]),
+        Patch(facecolor=CAP_COLOUR, label="top mass"),
+        *(line(label, DARK, line_width(mm * MILLIMETRE)) for mm, label in legend_widths_mm(shape)),
+    ]
+
+
+# --- over time -----------------------------------------------------------------------------------
+
+@styled
+def index_picture(history):
+    """Base acceleration, and below it the damage index and its components over time.
+
+    Thin dashed lines show the index with the other slip criterion, the shear limit.
+    """
+    sample, largest = choose_sample(history, "max")
+    time_s = history.series["time_s"].to_numpy()
+    figure, (above, below) = new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
+    base = _draw_base_motion(above, history, time_s)
+    lines = _draw_index(below, history.index(), history.index(slip="shear-limit"))
+    lines += below.plot(time_s[sample], largest, "o", color=BLACK, ms=3.5, clip_on=False, zorder=5,
+                        label=f"maximum {largest:.4f} at {time_s[sample]:.3f} s")
+    if history.complete:
+        residual = history.index()["DI"].iloc[-1]
+        lines += below.plot(time_s[-1], residual, "s", mfc="white", mec=BLACK, ms=3.5, clip_on=False,
+                            zorder=5, label=f"residual {residual:.4f}")
+    add_title(figure, history)
+    figure.align_ylabels()
+    marks = mark_times(history, (above, below))
+    legend_below(figure, lines + marks + base, columns=3)
+    return figure
+
+
+def _draw_base_motion(ax, history, time_s):
+    """Base acceleration [g]; returns handles where there is a vertical one to be told apart."""
+    horizontal, vertical = (history.series[f"base_acceleration_{axis}_m_s2"].to_numpy() / GRAVITY
+                            for axis in "xz")
+    lines = ax.plot(time_s, horizontal, color=BLACK, lw=0.7, label="base, horizontal")
+    ax.set_ylabel("base acceleration [g]")
+    if not np.any(np.nan_to_num(vertical)):
+        return []
+    return lines + ax.plot(time_s, vertical, color=MEDIUM, lw=0.5, zorder=1, label="base, vertical")
+
+
+def _draw_index(ax, index, latched):
+    """DI and its components with either slip criterion; returns the lines in the legend's order."""
+    time_s, lines = index["time_s"], []
+    for name, colour in (("drift", GREEN), ("open", ORANGE), ("slip", BLUE)):
+        lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$")
+    lines += ax.plot(time_s, index["DI"], color=BLACK, lw=1.3, label="DI")
+    lines += ax.plot(time_s, latched["DI"], color=BLACK, lw=0.6, ls="--", zorder=1.5,
+                     label="DI, shear limit")
+    lines += ax.plot(time_s, latched["DI_slip"], color=BLUE, lw=0.6, ls="--", zorder=1.5,
+                     label=r"DI$_\mathrm{slip}$, shear limit")
+    top = np.nan_to_num(np.maximum(index["DI"], latched["DI"])).max()
+    ax.set(ylabel="damage index [-]", ylim=(0, 1.06 * top or 0.01))
+    return lines
+
+
+@styled
+def drift_picture(history):
+    """Drift ratio over time, with published limits of light damage where they are in its range."""
+    choose_sample(history, "end")
+    figure, ax = new_figure(2.1)
+    drift_pct = 100 * history.series["drift_ratio"].to_numpy()
+    largest = np.nan_to_num(np.abs(drift_pct)).max()
+    limits = [limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest <= LIMITS_UP_TO_PCT]
+    for value, label, line in limits:
+        for side in (-value, value):
+            ax.axhline(side, color=MEDIUM, lw=0.6, ls=line, label=f"{value:.3f} %: {label}")
+    handles = ax.get_lines()[::2]
+    ax.plot(history.series["time_s"], drift_pct, color=BLUE)
+    ax.set(ylabel="drift ratio [%]")
+    add_title(figure, history)
+    marks = mark_times(history, [ax])
+    legend_below(figure, list(handles) + marks, columns=1)
+    return figure
+
+
+@styled
+def hysteresis_picture(history):
+    """Base shear, the force of the wall on the ground, against drift ratio; without settling."""
+    choose_sample(history, "end")
+    figure, ax = new_figure(2.4)
+    drift_pct = 100 * history.series["drift_ratio"].to_numpy()
+    shear_kn = history.series["base_shear_n"].to_numpy() / 1e3
+    stage = history.series["stage"].to_numpy()
+    ax.axhline(0, color=LIGHT, lw=0.6, zorder=0)
+    ax.axvline(0, color=LIGHT, lw=0.6, zorder=0)
+    for name, colour, width, layer in (("motion", BLUE, 0.9, 3), ("rest", ORANGE, 0.6, 2)):
+        chosen = np.flatnonzero(stage == name)
+        if len(chosen):
+            first = max(chosen[0] - 1, 0)  # joined to the stage before
+            ax.plot(drift_pct[first:chosen[-1] + 1], shear_kn[first:chosen[-1] + 1], color=colour,
+                    lw=width, zorder=layer, label=name)
+    if history.collapsed_at_s is not None:
+        at = int(np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s)))
+        ax.plot(drift_pct[at], shear_kn[at], "x", color=BLACK, ms=5, zorder=4,
+                label=_collapse(history))
+    ax.set(xlabel="drift ratio [%]", ylabel="base shear [kN]")
+    ax.locator_params(axis="x", nbins=7)
+    show_single_points(ax)
+    add_title(figure, history)
+    legend_below(figure, [line for line in ax.get_lines() if not line.get_label().startswith("_")], 3)
+    return figure
+
+
+@styled
+def energy_picture(history):
+    """Energies since the end of the static stage, and below what their balance lacks."""
+    choose_sample(history, "end")
+    series = history.series
+    figure, (above, below) = new_figure(2.9, rows=2, sharex=True, height_ratios=(5, 2))
+    for name, (label, colour, line) in ENERGIES.items():
+        if series[name].notna().any():
+            above.plot(series["time_s"], series[name], color=colour, ls=line, label=label,
+                       lw=1.3 if name == "input_energy_j" else 0.9)
+    above.set_ylabel("energy [J]")
+    add_title(figure, history, *_error_line(series))
+    scale, unit = _error_scale(series)
+    below.axhline(0, color=MEDIUM, lw=0.5)
+    below.plot(series["time_s"], imbalance(_known_energies(series)) * scale, color=BLACK)
+    below.set_ylabel(f"imbalance [{unit}]")
+    figure.align_ylabels()
+    marks = mark_times(history, (above, below))
+    legend_below(figure, above.get_lines()[:len(ENERGIES)] + marks, columns=4)
+    return figure
+
+
+def _known_energies(series):
+    """The energies alone, those that a solver does not record as zero."""
+    return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
+
+
+def _error_scale(series):
+    """Factor from J to the imbalance's unit, and that unit, as in `damage.energy.energy_error`."""
+    moving = series[series["stage"] != "settling"]
+    if len(moving) == 0:
+        return 1.0, "J"
+    energy = _known_energies(moving)
+    scale = max(np.abs(energy["input_energy_j"]).max(), energy["kinetic_energy_j"].iloc[0])
+    return (100 / scale, "%") if scale > 0 else (1.0, "J")
+
+
+def _error_line(series):
+    error = energy_error(series)
+    if error is not None and np.isfinite(error):
+        yield f"imbalance before settling up to {100 * error:.2g} % of the energy put in"
+
+
+# --- files ---------------------------------------------------------------------------------------
+
+PICTURES = {
+    "wall_max": partial(wall_picture, sample="max"), "wall_end": partial(wall_picture, sample="end"),
+    "index": index_picture, "drift": drift_picture, "hysteresis": hysteresis_picture,
+    "energy": energy_picture,
+}
+"""File name without its ending, and what draws it."""
+FORMATS = {"png": {"Software": None}, "pdf": {"CreationDate": None}}  # without the date: same run, same bytes
+
+
+@styled
+def save_all(history, folder):
+    """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
+    return save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder)
+
+
+@styled
+def save_figures(figures, folder):
+    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, made where missing; their paths."""
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make folder {folder} for the pictures ({error.strerror}): expected a "
+                         "folder that can be written to; choose another") from error
+    paths = []
+    for name, figure in figures:
+        for ending, metadata in FORMATS.items():
+            paths.append(folder / f"{name}.{ending}")
+            with _whole_or_nothing(paths[-1]) as unfinished:
+                figure.savefig(unfinished, format=ending, metadata=metadata)
+    return paths
+
+
+@contextmanager
+def _whole_or_nothing(path):
+    """A temporary name beside `path`, renamed to it at the end or removed after an error."""
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        yield unfinished
+        os.replace(unfinished, path)
+    finally:
+        unfinished.unlink(missing_ok=True)

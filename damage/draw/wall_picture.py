@@ -1,0 +1,122 @@
+"""What the picture of a damaged wall shows: bodies where they moved to, joints with their state.
+
+Numbers only; `damage.pictures.wall_picture` draws them.  The motion is magnified, so that drifts
+of a millimetre can be seen: displacements and rotations are multiplied by one factor, and a point
+of a joint lies halfway between where its two bodies carry it:
+
+        +-------+  <- second body carries the joint's end here
+        |       |  o   the end is drawn here, the mean of the two
+        +-------+  <- first body carries it here
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damage.errors import InputError
+from damage.history.moments import STATES, choose_sample, joint_states, nearest_snapshot
+from damage.index import THRESHOLD
+from damage.units import MILLIMETRE
+from damage.wall.geometry import body_corners, joint_segments
+
+VISIBLE_SHARE = 0.03  # of the wall's height: how far the largest displacement should reach
+LARGEST_MAGNIFICATION = 1000.0  # beyond it a residual of a few micrometres would look like a lean
+LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+
+
+@dataclass(frozen=True)
+class WallShape:
+    """A wall at one sample of its history, ready to be drawn.
+
+    sample: index into the series; time_s: of it; index: DI there.
+    snapshot_time_s: of the bodies' displacement, None where no snapshot is near: then the wall is
+        drawn undeformed.
+    magnification: factor on displacements and rotations.
+    corners: (n_bodies, 4, 2) [m], counter-clockwise from the lower left; is_cap: (n_bodies,) bool.
+    segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES;
+    crack_width_m: (n_joints,), sqrt(opening^2 + slip^2).
+    """
+
+    sample: int
+    time_s: float
+    index: float
+    snapshot_time_s: float | None
+    magnification: float
+    corners: np.ndarray
+    is_cap: np.ndarray
+    segments: np.ndarray
+    state: np.ndarray
+    crack_width_m: np.ndarray
+
+    def select(self, state):
+        """Indices of the joints in one of STATES."""
+        return np.flatnonzero(self.state == STATES.index(state))
+
+
+def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
+    """The shape of a History's wall at a sample.
+
+    sample: "max" (of the damage index), "end", or an index into the series;
+    slip: criterion of `damage.index.damage_index`; threshold [m];
+    magnify: factor on the motion, None for one that makes it visible.
+    """
+    if magnify is not None and not (np.isfinite(magnify) and magnify >= 0):
+        raise InputError(f"magnify = {magnify!r}: expected zero or a positive number; mend it")
+    sample, damage = choose_sample(history, sample, slip, threshold)
+    time_s = float(history.series["time_s"].iloc[sample])
+    snapshot = nearest_snapshot(history, time_s)
+    motion = np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot]
+    motion = motion.astype(float)
+    if magnify is None:
+        magnify = magnification(history.bodies, motion)
+    opening, slipped = history.opening_m[sample].astype(float), history.slip_m[sample].astype(float)
+    return WallShape(
+        sample=sample, time_s=time_s, index=damage,
+        snapshot_time_s=None if snapshot is None else float(history.snapshot_time_s[snapshot]),
+        magnification=float(magnify), corners=body_corners(history.bodies, motion, magnify),
+        is_cap=history.bodies["course"].to_numpy() < 0,
+        segments=joint_segments(history.joints, history.bodies, motion, magnify),
+        state=joint_states(history, sample, slip, threshold),
+        crack_width_m=np.hypot(opening, slipped))
+
+
+def magnification(bodies, motion):
+    """Factor that makes the largest displacement of a corner about VISIBLE_SHARE of the bricks'
+    height: 1, 2 or 5 times a power of ten, from 1 to LARGEST_MAGNIFICATION; 1 without motion."""
+    rest = body_corners(bodies, np.zeros_like(motion))
+    moved = body_corners(bodies, motion) - rest
+    largest = float(np.max(np.hypot(moved[..., 0], moved[..., 1])))
+    if largest == 0:
+        return 1.0
+    height = float(rest[bodies["course"].to_numpy() >= 0, :, 1].max())
+    wanted = VISIBLE_SHARE * height / largest
+    return round_125(min(max(wanted, 1.0), LARGEST_MAGNIFICATION))
+
+
+def round_125(value):
+    """The nearest, in ratio, of 1, 2 and 5 times a power of ten to a positive value.
+
+    >>> [round_125(value) for value in (0.8, 3.0, 19.3, 690.0)]
+    [1.0, 2.0, 20.0, 500.0]
+    """
+    steps = 10.0 ** np.floor(np.log10(value)) * np.array([1.0, 2.0, 5.0, 10.0])
+    return float(steps[np.argmin(np.abs(np.log(steps / value)))])
+
+
+# --- how wide a crack is drawn ------------------------------------------------------------------
+
+def line_width(crack_width_m):
+    """Width of a line [pt] for a crack of some width [m], the same scale in all pictures.
+
+    The square root keeps a crack of 0.1 mm visible beside one of 5 mm, where light damage ends and
+    the lines stop growing.
+    """
+    return 0.3 + 1.9 * np.sqrt(np.minimum(np.abs(crack_width_m) / MILLIMETRE, LEGEND_WIDTHS_MM[-1]))
+
+
+def legend_widths_mm(shape):
+    """Three crack widths [mm], from the smallest to the one that bounds a WallShape's, with labels."""
+    largest = shape.crack_width_m.max() / MILLIMETRE
+    top = int(np.searchsorted(LEGEND_WIDTHS_MM[2:-1], largest)) + 2
+    chosen = [LEGEND_WIDTHS_MM[i] for i in (0, (top + 1) // 2, top)]
+    return [(mm, f"{'≥ ' if mm == LEGEND_WIDTHS_MM[-1] else ''}{mm:g} mm wide") for mm in chosen]

@@ -1,0 +1,136 @@
+"""Read a history file into pandas frames."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+from damage.history.schema import AT_LIMIT, BROKEN, EVENTS, SCHEMA, SCHEMA_VERSION, STAGES, STATUS
+from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
+from damage.wall.layout import KINDS
+
+
+@dataclass(frozen=True)
+class History:
+    """One run.
+
+    joints: DataFrame, a row a contact point (kind bed/head, x_m, z_m, length_m, first_body, ...);
+    bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
+    (motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
+    normal_stress_pa, shear_stress_pa, opening_m, slip_m).
+    opening_m, slip_m: (n_times, n_joints); broken, at_limit: bool of that shape.
+    snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad].
+    static: what the static stage ended with; parameters: all that defined the run.
+    status: complete, interrupted, failed, or unfinished (still running, or killed).
+    """
+
+    path: Path
+    wall: str
+    solver: str
+    command: str
+    status: str
+    collapsed_at_s: float | None
+    parameters: dict
+    versions: dict
+    static: dict
+    attributes: dict
+    joints: pd.DataFrame
+    bodies: pd.DataFrame
+    series: pd.DataFrame
+    events: pd.DataFrame
+    opening_m: np.ndarray
+    slip_m: np.ndarray
+    broken: np.ndarray
+    at_limit: np.ndarray
+    snapshot_time_s: np.ndarray
+    displacement: np.ndarray
+
+    @property
+    def complete(self):
+        """Whether the run came to its end (a collapse is an end, too)."""
+        return self.status == "complete"
+
+    def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
+        """The damage index over time: `damage.index.damage_index` of this run."""
+        return damage_index(
+            self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), self.opening_m,
+            self.slip_m, self.at_limit, self.joints["length_m"].to_numpy(),
+            threshold=threshold, drift_limit=drift_limit, slip_criterion=slip)
+
+
+def read_history(path):
+    """Read the history at `path`, also one that still grows or whose run was killed.
+
+    Raises InputError when the file is missing, is no history, or has a newer schema.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; give the path of a history (.h5)")
+    try:
+        with h5py.File(path, "r", libver="latest", swmr=True) as file:
+            _check_schema(file, path)
+            return _read(file, path)
+    except (OSError, KeyError) as error:
+        raise InputError(f"{path} cannot be read as a history ({_first_line(error)}); "
+                         "expected an HDF5 file that a run wrote") from error
+
+
+def _first_line(error):
+    return str(error).strip().splitlines()[0]
+
+
+def _check_schema(file, path):
+    if file.attrs.get("schema") != SCHEMA:
+        raise InputError(f"{path} is no history of this software (its schema is "
+                         f"{file.attrs.get('schema')!r}, expected {SCHEMA!r})")
+    version = int(file.attrs["schema_version"])
+    if version > SCHEMA_VERSION:
+        raise InputError(f"{path} has schema version {version}, this software reads up to "
+                         f"{SCHEMA_VERSION}; update the software")
+
+
+def _read(file, path):
+    run = file["run"]
+    # A killed run may have flushed one column more often than another: cut to the shortest.
+    series, n_times = _columns(file["series"], min(len(d) for group in ("series", "frames")
+                                                   for d in file[group].values()))
+    events, _ = _columns(file["events"], min(len(d) for d in file["events"].values()))
+    n_snapshots = min(len(d) for d in file["snapshots"].values())
+    state = file["frames/state"][:n_times]
+    collapsed = float(run["collapsed_at_s"][()])
+    return History(
+        path=path, wall=run.attrs["wall"], solver=run.attrs["solver"], command=run.attrs["command"],
+        status=STATUS[int(run["status"][()])],
+        collapsed_at_s=None if np.isnan(collapsed) else collapsed,
+        parameters=json.loads(run.attrs["parameters_json"]),
+        versions=json.loads(run.attrs["versions_json"]),
+        static={name: float(value[()]) for name, value in file["static"].items()},
+        attributes=dict(run.attrs),
+        joints=_decode(_columns(file["joints"])[0], "kind", KINDS),
+        bodies=_columns(file["bodies"])[0],
+        series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
+        opening_m=file["frames/opening_m"][:n_times], slip_m=file["frames/slip_m"][:n_times],
+        broken=(state & BROKEN) > 0, at_limit=(state & AT_LIMIT) > 0,
+        snapshot_time_s=file["snapshots/time_s"][:n_snapshots],
+        displacement=file["snapshots/displacement"][:n_snapshots])
+
+
+def _number_shocks(series):
+    """The series with the number of the shock, from 1: a new one begins with each motion after settling."""
+    settling = (series["stage"] == "settling").to_numpy()
+    series["shock"] = 1 + np.cumsum(np.diff(settling.astype(int), prepend=0) < 0)
+    return series
+
+
+def _columns(group, n_rows=None):
+    frame = pd.DataFrame({name: dataset[:n_rows] for name, dataset in group.items()})
+    return frame, len(frame)
+
+
+def _decode(frame, column, names):
+    frame[column] = pd.Categorical.from_codes(frame[column].astype(int), categories=names)
+    return frame

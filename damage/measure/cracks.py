@@ -1,0 +1,183 @@
+"""Cracks of a wall at a moment: which contact points are cracked, how they join, Korswagen's Psi.
+
+P. A. Korswagen's damage parameter for light damage of masonry (dissertation, TU Delft),
+
+    Psi = 2 n^0.15 c_w^0.3,   c_w = sum(c_i^2 L_i) / sum(c_i L_i)  [mm],   c_i^2 = opening^2 + slip^2
+
+with the number n of cracks and the length L_i of each cracked point; Psi = 1 is one crack that is just
+visible (0.1 mm), about 2 is 1 mm, 3.5 the end of light damage (5 mm).  A contact point whose width c_i
+reaches 0.1 mm is cracked over its tributary length; cracked lengths closer than 10 mm are one crack, so
+that a stepped crack through bed and head joints counts once.  Criteria are met *now*, not ever.
+"""
+
+import numpy as np
+import pandas as pd
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from damage.errors import InputError
+from damage.index import THRESHOLD, check_positive
+from damage.units import MILLIMETRE
+from damage.wall.geometry import tributary_ends
+
+JOINING_GAP = 10 * MILLIMETRE
+"""Cracked lengths closer than this are one crack [m] (Korswagen)."""
+_PRECISION = 1e-6  # histories store widths in single precision: 0.1 mm comes back as 0.09999999 mm
+
+
+def psi_value(count, mean_width):
+    """Psi [-] of a number of cracks and their width c_w [m]; 0 without a crack; scalars or arrays.
+
+    >>> round(float(psi_value(1, 0.1e-3)), 3), round(float(psi_value(0, 0.0)), 3)
+    (1.002, 0.0)
+    """
+    return 2 * np.asarray(count, float) ** 0.15 * (np.asarray(mean_width, float) / MILLIMETRE) ** 0.3
+
+
+def mean_width(width, length):
+    """c_w = sum(c^2 L) / sum(c L) over the last axis, in the unit of width; 0 without a crack.
+
+    width: (..., n), 0 where not cracked; length: (n,) [m].
+    """
+    width = np.asarray(width, float)
+    length = np.asarray(length, float)
+    weight = width @ length
+    return np.divide(width**2 @ length, weight, out=np.zeros_like(weight), where=weight > 0)
+
+
+def cracked(width, threshold=THRESHOLD):
+    """Which widths [m] reach the threshold [m], bool of the same shape; NaN does not."""
+    check_positive("crack width threshold", threshold)
+    return np.asarray(width) >= threshold * (1 - _PRECISION)
+
+
+def close_pairs(ends, gap=JOINING_GAP):
+    """Pairs of segments closer than `gap` [m], (n_pairs, 2) indices.
+
+    ends: (n, 2, 2) [m], both ends of segments along x or along z.
+    """
+    if len(ends) < 2:
+        return np.zeros((0, 2), int)
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    reach = np.max(high - low) + gap
+    pairs = cKDTree((low + high) / 2).query_pairs(reach, output_type="ndarray")
+    first, second = pairs.T
+    apart = np.maximum(np.maximum(low[first] - high[second], low[second] - high[first]), 0)
+    return pairs[np.hypot(*apart.T) < gap]
+
+
+def crack_numbers(is_cracked, pairs):
+    """Number of the crack of every segment, (n,) int from 1, 0 where it is not cracked.
+
+    is_cracked: (n,) bool; pairs: (n_pairs, 2) of `close_pairs`.
+    """
+    chosen = np.flatnonzero(is_cracked)
+    place = np.full(len(is_cracked), -1)
+    place[chosen] = np.arange(len(chosen))
+    joined = place[pairs[is_cracked[pairs].all(axis=1)]]
+    graph = coo_array((np.ones(len(joined)), joined.T), shape=(len(chosen), len(chosen)))
+    numbers = np.zeros(len(is_cracked), int)
+    if len(chosen):
+        numbers[chosen] = connected_components(graph, directed=False)[1] + 1
+    return numbers
+
+
+# --- at one moment --------------------------------------------------------------------------------
+
+def crack_table(ends, opening, slip, threshold=THRESHOLD):
+    """The cracked ones of n segments, a row each, ordered by crack.
+
+    ends: (n, 2, 2) [m]; opening, slip: (n,) [m], slip signed; threshold [m].
+    Returns a DataFrame: crack (from 1), joint (index of the segment), x_start_m, z_start_m, x_end_m,
+    z_end_m, length_m, opening_m, slip_m, width_m.
+    """
+    opening, slip = np.asarray(opening, float), np.asarray(slip, float)
+    width = np.hypot(opening, slip)
+    numbers = crack_numbers(cracked(width, threshold), close_pairs(ends))
+    table = pd.DataFrame({
+        "crack": numbers, "joint": np.arange(len(width)),
+        "x_start_m": ends[:, 0, 0], "z_start_m": ends[:, 0, 1],
+        "x_end_m": ends[:, 1, 0], "z_end_m": ends[:, 1, 1],
+        "length_m": np.abs(ends[:, 1] - ends[:, 0]).sum(axis=1),
+        "opening_m": opening, "slip_m": slip, "width_m": width})
+    return table[numbers > 0].sort_values(["crack", "joint"], ignore_index=True)
+
+
+def cracks_at(history, sample, threshold=THRESHOLD):
+    """`crack_table` of a History at a sample (index into its series, negative ones from the end)."""
+    n_times = len(history.series)
+    if not -n_times <= sample < n_times:
+        raise InputError(f"sample {sample!r}: expected a whole number from 0 to {n_times - 1}; "
+                         "choose one of them")
+    return crack_table(tributary_ends(history.joints), history.opening_m[sample], history.slip_m[sample],
+                       threshold)
+
+
+def psi(table):
+    """Psi [-] of a `crack_table`."""
+    return float(psi_value(table["crack"].nunique(), mean_width(table["width_m"], table["length_m"])))
+
+
+def by_crack(table):
+    """A row a crack of a `crack_table`: crack, segments, length_m, mean_width_m (c_w), max_width_m."""
+    rows = [{"crack": int(number), "segments": len(part), "length_m": part["length_m"].sum(),
+             "mean_width_m": float(mean_width(part["width_m"], part["length_m"])),
+             "max_width_m": part["width_m"].max()} for number, part in table.groupby("crack")]
+    return pd.DataFrame(rows, columns=["crack", "segments", "length_m", "mean_width_m", "max_width_m"])
+
+
+# --- over time ------------------------------------------------------------------------------------
+
+def psi_history(history, threshold=THRESHOLD):
+    """The cracks of a History over time.
+
+    Returns a DataFrame, a row a sample: time_s, psi [-], cracks (their number), crack_length_m,
+    mean_width_m (c_w), max_width_m (0 without a crack).
+    """
+    opening, slip = history.opening_m, history.slip_m
+    # A joint whose larger part stays below this never reaches the threshold: most joints do not.
+    least = threshold * 0.7
+    ever = (opening >= least).any(axis=0) | (np.abs(slip) >= least).any(axis=0)
+    width = np.hypot(opening[:, ever].astype(float), slip[:, ever].astype(float))
+    is_cracked = cracked(width, threshold)
+    width = np.where(is_cracked, width, 0.0)
+    joints = history.joints[ever]
+    length = joints["length_m"].to_numpy()
+    count = count_cracks(is_cracked, close_pairs(tributary_ends(history.joints)[ever]))
+    mean = mean_width(width, length)
+    return pd.DataFrame({
+        "time_s": history.series["time_s"].to_numpy(), "psi": psi_value(count, mean), "cracks": count,
+        "crack_length_m": is_cracked @ length, "mean_width_m": mean, "max_width_m": width.max(axis=1, initial=0.0)})
+
+
+def count_cracks(is_cracked, pairs):
+    """Number of cracks at every sample, (n_times,); is_cracked: (n_times, n) bool; pairs: of `close_pairs`.
+
+    One graph for all samples in which anything changes: its nodes are the cracked segments of each.
+    """
+    changed = np.ones(len(is_cracked), bool)
+    changed[1:] = (is_cracked[1:] != is_cracked[:-1]).any(axis=1)
+    states = is_cracked[changed]
+    sample, _ = np.nonzero(states)
+    if len(sample) == 0:
+        return np.zeros(len(is_cracked), int)
+    node = np.cumsum(states).reshape(states.shape) - 1
+    when, which = np.nonzero(states[:, pairs[:, 0]] & states[:, pairs[:, 1]])
+    first, second = pairs[which].T
+    graph = coo_array((np.ones(len(when)), (node[when, first], node[when, second])), shape=(len(sample),) * 2)
+    _, any_node = np.unique(connected_components(graph, directed=False)[1], return_index=True)
+    return np.bincount(sample[any_node], minlength=len(states))[np.cumsum(changed) - 1]
+
+
+def psi_summary(history, threshold=THRESHOLD):
+    """max_psi, residual_psi, max_crack_width_mm, residual_crack_width_mm of a History, a dictionary.
+
+    Each maximum is over the run; a residual is the last state, None for a run that did not come to
+    its end, as in `damage.summary.summarise`.
+    """
+    over_time = psi_history(history, threshold)
+    figures = {"psi": over_time["psi"], "crack_width_mm": over_time["max_width_m"] / MILLIMETRE}
+    return ({f"max_{name}": float(values.max()) for name, values in figures.items()}
+            | {f"residual_{name}": float(values.iloc[-1]) if history.complete else None
+               for name, values in figures.items()})

@@ -1,0 +1,96 @@
+"""Cycles of the drift, and the index cycle by cycle; `docs/measures.md` defines them for readers of the tables."""
+
+
+import numpy as np
+import pandas as pd
+
+from damage.index import COMPONENTS
+from damage.measure.vibration import upward_crossings
+
+# --- cycles of the drift ----------------------------------------------------------------------------
+
+
+def last_shock(history):
+    """The series of the last shock of a History without its settling stage."""
+    series = history.series
+    return series[(series["shock"] == series["shock"].iloc[-1]) & (series["stage"] != "settling")]
+
+
+def cycle_measures(history):
+    """last_cycle_s, first_free_cycle_s and period_elongation of a History's (last) shock.
+
+    A cycle lasts from one upward zero crossing of the drift ratio to the next.  last_cycle_s: of the
+    last one that begins while the base moves; first_free_cycle_s: of the first one that begins after;
+    period_elongation: first_free_cycle_s over the period of the intact wall; a driven cycle would show
+    the motion's period, not the wall's.  None where there is none, and in quasi-static runs.
+    """
+    names = ("last_cycle_s", "first_free_cycle_s", "period_elongation")
+    if history.parameters["loading"]["kind"] not in ("harmonic", "record"):
+        return dict.fromkeys(names)
+    driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
+    last, free = driven[-1] if driven else None, free[0] if free else None
+    eigen_period = history.parameters.get("eigen_period_s")
+    return dict(zip(names, (last, free, free / eigen_period if free and eigen_period else None)))
+
+
+def drift_cycles(history):
+    """Start and end [s], (k, 2), of the cycles of the drift in a History's (last) shock, from one upward
+    zero crossing to the next: those that begin while the base moves, and those that begin after."""
+    series = last_shock(history)
+    crossings = upward_crossings(series["time_s"], series["drift_ratio"])
+    cycles = np.column_stack([crossings[:-1], crossings[1:]])
+    begins_driven = cycles[:, 0] <= _motion_end(series)
+    return cycles[begins_driven], cycles[~begins_driven]
+
+
+def _motion_end(series):
+    """Time of the last sample of the base motion [s]; series: of one shock."""
+    return series.loc[series["stage"] == "motion", "time_s"].max()
+
+
+# --- the index cycle by cycle -----------------------------------------------------------------------
+
+CYCLE_COLUMNS = ("shock", "cycle", "kind", "start_s", "end_s", "duration_s", "max_drift_ratio",
+                 *(f"max_{name}" for name in COMPONENTS), "max_DI_slip_shear_limit", "max_DI_shear_limit",
+                 "cumulative_max_DI", "cumulative_max_DI_shear_limit")
+
+
+def cycles_table(history):
+    """A row a cycle of a History: of each shock the driven ones, then the free ones.
+
+    Driven cycles are those of a harmonic motion, each one period long; free cycles lie between two
+    upward zero crossings of the drift after the motion.  Columns CYCLE_COLUMNS: largest |drift ratio| and
+    index within the cycle, and the largest index from the shock's start to the cycle's end.
+    """
+    index, latched = history.index(), history.index(slip="shear-limit")
+    values = index[list(COMPONENTS)].assign(
+        DI_slip_shear_limit=latched["DI_slip"], DI_shear_limit=latched["DI"],
+        drift_ratio=history.series["drift_ratio"].abs(), time_s=history.series["time_s"])
+    rows = []
+    for shock, members in history.series.groupby("shock"):
+        mine = values.loc[members.index]
+        for number, (kind, start, end) in enumerate(_cycles(members, history.parameters["loading"]), start=1):
+            within = mine[mine["time_s"].between(start, end)].max()
+            so_far = mine[mine["time_s"] <= end].max()
+            rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
+                         "duration_s": end - start}
+                        | {f"max_{name}": within[name] for name in values if name != "time_s"}
+                        | {f"cumulative_max_{name}": so_far[name] for name in ("DI", "DI_shear_limit")})
+    return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
+
+
+def _cycles(series, loading):
+    """(kind, start, end) [s] of the cycles of one shock's series that have been gone through whole."""
+    if loading["kind"] not in ("harmonic", "record", "free_vibration"):
+        return []
+    moving = series[series["stage"] != "settling"]
+    time_s = moving["time_s"].to_numpy()
+    found = []
+    if loading["kind"] == "harmonic":
+        edges = time_s[0] + loading["period_s"] * np.arange(loading["cycles"] + 1)
+        half_a_sample = 0.5 * (time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)
+        found = [("driven", start, end) for start, end in zip(edges, edges[1:])
+                 if end <= time_s[-1] + half_a_sample]
+    crossings = upward_crossings(time_s, moving["drift_ratio"])
+    crossings = crossings[crossings > _motion_end(moving)] if loading["kind"] != "free_vibration" else crossings
+    return found + [("free", start, end) for start, end in zip(crossings, crossings[1:])]

@@ -1,0 +1,176 @@
+"""What a pushed wall tells: its envelope, what each cycle does, and how it fails.  Functions of a History.
+
+Force is the base's shear, displacement that of the top course, as a laboratory would measure them.
+"""
+
+import numpy as np
+import pandas as pd
+from scipy.integrate import trapezoid
+
+from damage.errors import InputError
+from damage.index import COMPONENTS, THRESHOLD
+from damage.motion.loading import EASE_S, TopDisplacement
+from damage.units import GRAVITY
+from damage.wall.layout import CAP_HEIGHT
+
+CYCLE_COLUMNS = ("cycle", "amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn",
+                 "dissipated_j", "equivalent_damping", *(f"{name}_at_max" for name in COMPONENTS),
+                 *(f"{name}_at_min" for name in COMPONENTS))
+STAIR_SHARE = 1 / 3
+"""Share of the slipped length on stairs from which shear is called diagonal: 0 is all along bed joints, 1 an
+ideal stair."""
+ULTIMATE_SHARE = 0.8
+"""Share of the peak force to which the envelope falls at the ultimate drift (EN 1998-3)."""
+
+
+def pushed_loading(history):
+    """The TopDisplacement of a pushed run; InputError for any other."""
+    loading = history.parameters["loading"]
+    if loading["kind"] not in ("pushover", "cyclic"):
+        raise InputError(f"{history.path} is a run under {loading['name']}; give one of --pushover or --cyclic")
+    return TopDisplacement(tuple(loading["amplitudes_pct"]), loading["cycles"], loading["boundary"],
+                           loading["speed_m_s"])
+
+
+def _force_and_drift(history):
+    return history.series["base_shear_n"].to_numpy(), history.series["drift_ratio"].to_numpy()
+
+
+# --- the envelope ---------------------------------------------------------------------------------
+
+def envelope(history, sign=1):
+    """Loading beyond what the wall has seen: DataFrame of drift_ratio and force_n, both positive.
+
+    sign: +1 or -1, the direction of loading.
+    """
+    force, drift = (sign * values for values in _force_and_drift(history))
+    reached = np.maximum.accumulate(np.concatenate([[0.0], drift[:-1]]))
+    new = drift > reached
+    return pd.DataFrame({"drift_ratio": drift[new], "force_n": force[new]})
+
+
+def bilinear(curve, height):
+    """The elastic-plastic line of the same area as an envelope, up to its ultimate drift.
+
+    Elastic stiffness is the secant to 0.7 of the peak, the ultimate drift the last one at which the force is
+    at least 0.8 of it.  height [m] turns drifts into displacements.
+    Returns stiffness_n_per_m, force_n, ultimate_drift.
+    """
+    drift, force = (np.concatenate([[0.0], curve[name]]) for name in ("drift_ratio", "force_n"))
+    peak = force.max()
+    secant = int(np.argmax(force >= 0.7 * peak))
+    stiffness = force[secant] / (drift[secant] * height)
+    last = int(np.flatnonzero(force >= ULTIMATE_SHARE * peak)[-1])
+    area = trapezoid(force[:last + 1], drift[:last + 1] * height)
+    ultimate = drift[last] * height
+    root = max(0.0, ultimate**2 - 2 * area / stiffness)
+    return {"stiffness_n_per_m": float(stiffness), "force_n": float(stiffness * (ultimate - np.sqrt(root))),
+            "ultimate_drift": float(drift[last])}
+
+
+def drift_at_first_crack(history):
+    """|Drift ratio| at which the first joint opens or slips by 0.1 mm, None where none does."""
+    visible = history.events[history.events["kind"].isin(["opened", "slipped"])]
+    if len(visible) == 0:
+        return None
+    return float(np.interp(visible["time_s"].min(), history.series["time_s"], history.series["drift_ratio"].abs()))
+
+
+# --- cycle by cycle -------------------------------------------------------------------------------
+
+def cycle_edges(history):
+    """Sample numbers (n_cycles + 1,) between which the prescribed top goes from zero up, down and back; of a run
+    that was cut short the whole cycles."""
+    loading = pushed_loading(history)
+    bodies = history.bodies
+    pushed = bodies[bodies["course"] == -1] if (bodies["course"] == -1).any() else \
+        bodies[bodies["course"] == bodies["course"].max()]
+    time_s, height = history.series["time_s"], float(pushed["z_m"].mean())
+    asked = loading.top_displacement(time_s, height)
+    upwards = np.flatnonzero((asked[:-1] <= 0) & (asked[1:] > 0))
+    whole = len(loading.amplitudes_pct) * loading.cycles
+    ended = time_s.iloc[-1] >= loading.schedule(height)[0][-1] - EASE_S
+    return np.append(upwards[:whole], len(asked) - 1) if ended else upwards
+
+
+def cycles_table(history):
+    """A row a cycle of a cyclic run: CYCLE_COLUMNS.
+
+    Dissipated energy is the loop's area; equivalent viscous damping is E_d / (4 pi E_s) with E_s the mean of the
+    elastic energies V u / 2 at both ends of the loop.  The index is that of the instants of largest drift to
+    either side, no running maximum.
+    """
+    loading, index = pushed_loading(history), history.index()
+    force, drift = _force_and_drift(history)
+    top = history.series["top_displacement_m"].to_numpy()
+    edges, rows = cycle_edges(history), []
+    for number, (start, end) in enumerate(zip(edges, edges[1:])):
+        inside = slice(start, end + 1)
+        high, low = start + int(np.argmax(drift[inside])), start + int(np.argmin(drift[inside]))
+        lost = float(trapezoid(force[inside], top[inside]))
+        stored = (force[high] * top[high] + force[low] * top[low]) / 4
+        rows.append([number + 1, loading.amplitudes_pct[number // loading.cycles],
+                     100 * drift[high], 100 * drift[low], force[inside].max() / 1e3, force[inside].min() / 1e3,
+                     lost, lost / (4 * np.pi * stored) if stored > 0 else np.nan,
+                     *(index[name].iloc[at] for at in (high, low) for name in COMPONENTS)])
+    return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
+
+
+# --- what to expect -------------------------------------------------------------------------------
+
+def hand_capacities(history):
+    """Lateral forces [N] by hand at which a solid wall rocks, slides and cracks in stairs.
+
+    rocking: rigid, about toes half a contact point's length inside the ends; held against rotation, about the base
+    and the joint below the top course.  sliding_top, sliding_base: friction alone, under the top course and at the
+    base.  diagonal: bed joints fail in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t / b
+    / (1 + 2 mu h / l) with bricks of l by h and b = 1.5 for a parabola of shear stress.
+    """
+    wall, fixed = history.parameters["wall"], pushed_loading(history).boundary == "fixed"
+    brick, joint = wall["brick"], wall["joint"]
+    height, area = history.attributes["height_m"], wall["length"] * brick["thickness"]
+    course = brick["density"] * GRAVITY * area * brick["height"]
+    above, weight = wall["precompression"] * area, course * height / brick["height"]
+    arm, friction = wall["length"] / 2 - brick["length"] / 8, float(np.tan(joint["friction_angle"]))
+    middle = (above + weight / 2) / area
+    stress = (joint["cohesion"] + friction * middle) / (1 + 2 * friction * brick["height"] / brick["length"])
+    rocking = (2 * above + course + weight) * arm / (height - brick["height"]) if fixed else \
+        (above + weight) * arm / (height + CAP_HEIGHT / 2)
+    return {"rocking": rocking, "sliding_top": friction * (above + course),
+            "sliding_base": friction * (above + weight), "diagonal": stress * area / 1.5}
+
+
+# --- how it fails ---------------------------------------------------------------------------------
+
+def mode_shares(history, sample=None):
+    """How a wall fails: lengths of its cracks, their areas, and the mode that they make.
+
+    sample: index into the series; None for the largest |drift|.
+    opened_m2, slipped_m2: opening and |slip| of the bed joints, times length; stair_share: share of the slipped
+    length of bed joints that lies beside an opened head joint, as the treads of a stepped crack do.
+    mode: "flexure" where more is opened than slipped, "shear, diagonal" where a third or more of the slipped length
+    lies on stairs, else "shear, sliding"; None where no joint is over the threshold of 0.1 mm.
+    """
+    joints, brick = history.joints, history.parameters["wall"]["brick"]
+    if sample is None:
+        sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))
+    opening, slip = history.opening_m[sample], np.abs(history.slip_m[sample])
+    length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
+    slipped, opened, risers = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD), ~bed & (opening > THRESHOLD)
+    x, z = joints["x_m"].to_numpy(), joints["z_m"].to_numpy()
+    beside = (np.abs(x[slipped, None] - x[risers]) < brick["length"] / 2 * (1 - 1e-6)) \
+        & (np.abs(z[slipped, None] - z[risers]) < brick["height"] / 2 * (1 + 1e-6))
+    stairs = float(length[slipped][beside.any(axis=1)].sum())
+    shares = {"drift_ratio": float(history.series["drift_ratio"].iloc[sample]),
+              "opened_m": float(length[opened].sum()), "slipped_m": float(length[slipped].sum()),
+              "opened_m2": float((length * opening)[opened].sum()), "slipped_m2": float((length * slip)[slipped].sum())}
+    shares["stair_share"] = stairs / shares["slipped_m"] if slipped.any() else 0.0
+    return {**shares, "mode": _mode(shares)}
+
+
+def _mode(shares):
+    if shares["opened_m2"] == shares["slipped_m2"] == 0:
+        return None
+    if shares["opened_m2"] >= shares["slipped_m2"]:
+        return "flexure"
+    return "shear, diagonal" if shares["stair_share"] >= STAIR_SHARE else "shear, sliding"

@@ -1,0 +1,82 @@
+"""The key figures of a run: the JSON of `python3 -m damage index`."""
+
+import numpy as np
+
+from damage.errors import InputError
+from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
+from damage.measure.cracks import psi_summary
+from damage.measure.cycles import cycle_measures
+from damage.measure.energy import energy_error, energy_measures
+from damage.measure.limits import classes
+from damage.measure.vibration import period_of
+
+
+def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
+    """Key figures of a History as a plain dictionary.
+
+    Each `max` is its own maximum over the run.  `residual` is the last state of the settling
+    stage, or of a collapse; None for a run that did not come to its end.
+    """
+    if len(history.series) == 0:
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
+    index = history.index(threshold, drift_limit, slip)
+    latched = history.index(threshold, drift_limit, "shear-limit")
+    series = history.series
+    max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
+    cracks = psi_summary(history, threshold)
+    return {
+        "wall": history.wall, "solver": history.solver, "motion": history.parameters["loading"]["name"],
+        "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
+        "slip": slip, "max": _largest(index), "residual": _last(index, history),
+        "max_shear_limit": _largest(latched), "residual_shear_limit": _last(latched, history),
+        "max_drift_ratio": max_drift_ratio,
+        "residual_drift_ratio": float(series["drift_ratio"].iloc[-1]) if history.complete else None,
+        "total_joint_length_m": float(history.joints["length_m"].sum()),
+        "peak_base_shear_n": float(np.abs(series["base_shear_n"]).max()),
+        "max_opening_mm": float(history.opening_m.max() * 1e3),
+        "max_slip_mm": float(np.abs(history.slip_m).max() * 1e3),
+        "tension_breaks": int((history.events["kind"] == "tension").sum()),
+        "shear_breaks": int((history.events["kind"] == "shear").sum()),
+        "energy_error_fraction": None if _infers_damping(history) else energy_error(series),
+        "period_s": period_of(history), **_pushed(history),
+        **cracks, **cycle_measures(history), **energy_measures(history),
+        **classes(max_drift_ratio, cracks["max_psi"]),
+    }
+
+
+INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
+"""Shares of the peak force at which the initial and the secant stiffness are taken, on first loading."""
+
+
+def _infers_damping(history):
+    """Whether the damping energy of the motion itself closes the balance: it then tells no error."""
+    return history.solver == "yade" and _is_pushed(history)
+
+
+def _is_pushed(history):
+    return history.parameters["loading"]["kind"] in ("pushover", "cyclic")
+
+
+def _pushed(history):
+    """Peak force and stiffnesses of a quasi-static run, None for any other."""
+    names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
+    if not _is_pushed(history):
+        return dict.fromkeys(names)
+    # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
+    # the base feels less of the jolts of a prescribed top.
+    force = history.series["base_shear_n"].to_numpy()
+    displacement = history.series["top_displacement_m"].to_numpy()
+    peak = int(np.argmax(np.abs(force)))
+    values = [float(abs(force[peak])), float(abs(history.series["drift_ratio"].iloc[peak]))]
+    for share in (INITIAL_SHARE, SECANT_SHARE):
+        first = int(np.argmax(np.abs(force) >= share * values[0]))
+        values.append(float(force[first] / displacement[first]) if displacement[first] != 0 else None)
+    return dict(zip(names, values))
+
+
+def _largest(index):
+    return {name: float(index[name].max()) for name in COMPONENTS}
+
+
+def _last(index, history):
+    return {name: float(index[name].iloc[-1]) for name in COMPONENTS} if history.complete else None

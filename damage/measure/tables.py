@@ -1,0 +1,194 @@
+"""Tables of histories as CSV for spreadsheets and scripts; units stand in the column names.
+
+    python3 -m damage.measure.tables run FILE.h5 --out STEM          STEM_index.csv, _events.csv, _joints.csv,
+                                                             _cycles.csv; of a sequence also _shocks.csv
+    python3 -m damage.measure.tables summary FILE.h5 ... --out FILE.csv      one row a history
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+from damage.history.reading import read_history
+from damage.index import COMPONENTS
+from damage.measure.cycles import cycles_table
+from damage.measure.summary import summarise
+from damage.units import GRAVITY
+
+_PER_COMPONENT = ("max", "residual", "max_shear_limit", "residual_shear_limit")
+
+
+def summary_row(history, run="", point=""):
+    """The key figures of a History as one flat dictionary; `run` names the row, `point` that of a study.
+
+    What drove the run and how it was modelled comes first, then `damage.summary.summarise`, its
+    entries per component spread over columns like max_DI_open.  What does not apply is None.
+    """
+    row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
+    figures = summarise(history)
+    del figures["complete"]  # status says it
+    for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
+        row[key] = figures.pop(key)
+    row |= _record_columns(history) | _motion_columns(history.parameters) | _model_columns(history.parameters)
+    for key, value in figures.items():
+        if key in _PER_COMPONENT:
+            row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
+        else:
+            row[key] = value
+    return row
+
+
+def _record_columns(history):
+    """The record's name, and the horizontal peak acceleration of the motion as it was applied [g]."""
+    motion = history.parameters["loading"]
+    factor = max(abs(one) for one in history.parameters.get("sequence", [1.0]))
+    pga_g = motion.get("amplitude_g", motion.get("pga_g"))
+    if pga_g is None and motion["kind"] == "record":  # of files that do not say it: within a sample of it
+        pga_g, factor = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY, 1.0
+    sa_g = motion.get("sa_0.2_s_g")
+    return {"record": motion.get("horizontal", {}).get("record"), "pga_g": pga_g and pga_g * factor,
+            "sa_0.2_s_g": sa_g and sa_g * max(map(abs, history.parameters.get("sequence", [1.0])))}
+
+
+def _motion_columns(parameters):
+    motion = parameters["loading"]
+    window = motion.get("window_s") or (None, None)
+    return {"motion_period_s": motion.get("period_s"), "amplitude_g": motion.get("amplitude_g"),
+            "cycles": motion.get("cycles"), "scale": motion.get("scale"), "window_start_s": window[0],
+            "window_end_s": window[1], "vertical": int(motion.get("vertical") is not None),
+            "shocks": len(parameters.get("sequence", [1.0])), "motion_duration_s": motion.get("duration_s"),
+            "rest_s": parameters.get("rest_s")}
+
+
+def _model_columns(parameters):
+    model = parameters.get("model", {})
+    return {**{key: model.get(key) for key in ("lintel", "top", "cells", "contacts", "strength_cov",
+                                           "strength_seed")},
+            **{key: parameters.get(key) for key in ("alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s",
+                                                     "eigen_period_s")}}
+
+
+def summary_table(paths):
+    """One row for each history file of `paths`, in their order, named by the file's stem."""
+    return pd.DataFrame([summary_row(read_history(path)) for path in paths])
+
+
+def index_table(history):
+    """The damage index over time, with slip by displacement and, `_shear_limit`, by its limit."""
+    table = history.index()
+    latched = history.index(slip="shear-limit")
+    table.insert(1, "stage", history.series["stage"].astype(str))
+    table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
+    table["DI_slip_shear_limit"] = latched["DI_slip"]
+    table["DI_shear_limit"] = latched["DI"]
+    return table
+
+
+def shocks_table(history):
+    """A row a shock: its factor on the motion, the largest index, by both slip criteria, and drift in it, and those
+    at its end.
+
+    Residual values are those of the last sample of its settling stage, empty where it has none.
+    """
+    index, series = history.index(), history.series
+    latched = history.index(slip="shear-limit")[["DI_slip", "DI"]].add_suffix("_shear_limit")
+    index = index.join(latched)
+    factors = history.parameters.get("sequence", [1.0])
+    rows = []
+    for shock, members in series.groupby("shock"):
+        settled = members["stage"].iloc[-1] == "settling"
+        row = {"shock": shock, "factor": factors[shock - 1], "start_s": members["time_s"].iloc[0],
+               "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
+               "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
+        mine = index.loc[members.index]
+        for name in (*COMPONENTS, *latched):
+            row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def events_table(history):
+    """Every break and every first passing of the threshold, with the place of its joint."""
+    place = history.joints.loc[history.events["joint"], ["kind", "x_m", "z_m"]].reset_index(drop=True)
+    place.columns = ["joint_kind", "joint_x_m", "joint_z_m"]
+    return _with_first(history.events.join(place), "time_s", "joint", "kind")
+
+
+def joints_table(history):
+    """A row a contact point: where it is, its state at the end, its largest opening and slip."""
+    table = _with_first(history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m")
+    slip = np.abs(history.slip_m)
+    return table.assign(
+        final_opening_m=history.opening_m[-1], max_opening_m=history.opening_m.max(axis=0),
+        final_slip_m=history.slip_m[-1], max_abs_slip_m=slip.max(axis=0),
+        broken=history.broken[-1], at_shear_limit=history.at_limit[-1])
+
+
+def _with_first(table, *columns):
+    """The table with these columns before all others."""
+    return table[[*columns, *(name for name in table if name not in columns)]]
+
+
+RUN_TABLES = ("index", "events", "joints", "cycles", "shocks")
+
+
+def write_run_tables(history, stem, names=RUN_TABLES):
+    """Write the named tables of a run to STEM_index.csv and so on, shocks of sequences alone; returns their paths."""
+    if len(history.series) == 0:
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
+    make = {"index": index_table, "events": events_table, "joints": joints_table, "cycles": cycles_table,
+            "shocks": shocks_table}
+    if history.series["shock"].iloc[-1] == 1:
+        names = [name for name in names if name != "shocks"]
+    return [write_table(make[name](history), Path(f"{stem}_{name}.csv")) for name in names]
+
+
+def write_table(table, path):
+    """Write a DataFrame as CSV, numbers with nine digits; returns the path."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        table.to_csv(path, index=False, float_format="%.9g")
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}; choose another --out") from error
+    return path
+
+
+def describe_table(table):
+    """The summary table as lines for people: the index and its largest components, run by run."""
+    columns = {"max_DI": "DI", "max_DI_drift": "drift", "max_DI_open": "open", "max_DI_slip": "slip",
+               "residual_DI": "residual"}
+    width = max(len("run"), *table["run"].str.len())
+    lines = [f"{'run':{width}s}" + "".join(f"{name:>10s}" for name in columns.values()) + "  status"]
+    for _, row in table.iterrows():
+        status = row["status"] + (f", collapsed at {row['collapsed_at_s']:.2f} s"
+                                  if pd.notna(row["collapsed_at_s"]) else "")
+        lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns)
+                     + f"  {status}")
+    return "\n".join(lines)
+
+
+def main(arguments=None):
+    """Run one command; returns the exit status: 0 done, 2 bad input."""
+    parser = argparse.ArgumentParser(prog="python3 -m damage.measure.tables", description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=("run", "summary"))
+    parser.add_argument("histories", nargs="+", type=Path, metavar="FILE.h5")
+    parser.add_argument("--out", type=Path, required=True, metavar="STEM or FILE.csv")
+    parsed = parser.parse_args(arguments)
+    try:
+        if parsed.what == "summary":
+            write_table(summary_table(parsed.histories), parsed.out)
+        else:
+            for path in parsed.histories:
+                write_run_tables(read_history(path), parsed.out)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

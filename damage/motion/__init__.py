@@ -1,0 +1,1 @@
+"""What drives a wall: ground-motion records, their intensity, loadings."""

@@ -1,0 +1,288 @@
+"""Ground-motion files: reading them (CSV, PEER AT2, miniSEED) and writing CSV."""
+
+import hashlib
+import io
+import math
+import os
+import re
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from damage.errors import InputError
+from damage.files import DATA
+from damage.motion.record import Record, _shown, _utc
+from damage.units import GRAVITY
+
+CSV_UNITS_M_S2 = {"acc_m_s2": 1.0, "acc_g": GRAVITY}
+"""Names that the second CSV column may have, and the factor to m/s2."""
+
+TIME_TOLERANCE = 0.01
+"""Largest distance of a CSV time from a uniform grid, as a share of the step.
+
+Room for the rounding of the printed times: four decimals at 150 Hz are 0.75 % of the step.
+"""
+
+QUIET_S = 2.0
+"""The mean of this first part of a miniSEED trace is taken as the instrument's offset [s]."""
+
+ACCELERATION_UNITS = {"M/S**2", "M/S^2", "M/S2", "M/SEC**2", "M/S/S"}
+"""Spellings of m/s2 that StationXML files use, in capitals."""
+
+
+_MINISEED_START = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03")
+_CSV_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
+_NUMBER = r"([-+.\dEe]+)"
+_AT2_COUNT_AND_STEP = (
+    re.compile(rf"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE),
+    re.compile(rf"^\s*(\d+)[\s,]+{_NUMBER}[\s,]+NPTS\s*,\s*DT", re.IGNORECASE),
+)
+_AT2_NOT_ACCELERATION_IN_G = re.compile(r"VELOCITY|DISPLACEMENT|UNITS OF (?!G\b)", re.IGNORECASE)
+
+
+def shipped_record_path(name: str = "BGAR_HGE") -> Path:
+    """Path of a record that comes with the package; damage/data/*/README.md say what each is."""
+    shipped = {path.name.split("__")[0]: path for path in DATA.glob("*/*.mseed")}
+    shipped |= {_csv_name(path): path for path in DATA.glob("*/*.csv")}
+    if name not in shipped:
+        known = ", ".join(sorted(shipped))
+        raise InputError(f"record {name!r} is not shipped; expected one of {known}")
+    return shipped[name]
+
+
+def read_record(path, response=None) -> Record:
+    """Read one component of acceleration from a CSV, PEER AT2 or miniSEED file.
+
+    The suffix decides (.csv, .at2, .mseed), or the content where it says nothing. `response` is
+    the StationXML of a miniSEED file; without it NET.STA.xml beside the file is taken.
+    """
+    data = _content(path)
+    suffix = Path(path).suffix.lower()
+    if suffix in (".mseed", ".miniseed", ".msd") or _MINISEED_START.match(data):
+        record = _read_miniseed(path, data, response)
+    else:
+        # a comment may be in any encoding; a binary file fails as a line that is not numeric
+        lines = data.decode("utf-8-sig", errors="replace").splitlines()
+        like_at2 = suffix != ".csv" and len(lines) > 3 and _at2_count_and_step(lines[3])
+        read = _read_at2 if suffix == ".at2" or like_at2 else _read_csv
+        record = read(path, lines)
+    return replace(record, sha256=hashlib.sha256(data).hexdigest())
+
+
+def write_csv(record: Record, path, comments=()) -> Path:
+    """Write a record as CSV in m/s2 with seven digits, each comment on a line of its own.
+
+    Time has four decimals, so the time step must be a multiple of 0.1 ms.
+    """
+    rows = (f"{t:.4f},{a:.6e}" for t, a in zip(record.time_s, record.acceleration_m_s2, strict=True))
+    lines = [*(f"# {comment}" for comment in comments), "time_s,acc_m_s2", *rows]
+    unfinished = Path(path).with_name(f".{Path(path).name}.{os.getpid()}.tmp")
+    try:
+        unfinished.write_text("\n".join(lines) + "\n")
+        os.replace(unfinished, path)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}; choose another place") from error
+    finally:
+        unfinished.unlink(missing_ok=True)
+    return Path(path)
+
+
+def _read_csv(path, lines: list[str]) -> Record:
+    """Two columns, time [s] and acceleration, after comments and a header (without: m/s2)."""
+    rows = [(i, line) for i, line in enumerate(lines, 1) if line.split("#")[0].strip()]
+    has_header = bool(rows) and not any(map(_is_number, rows[0][1].split(",")))
+    to_m_s2 = _header_unit(path, *rows.pop(0)) if has_header else 1.0
+    if len(rows) < 2:
+        raise InputError(f"{path}: {len(rows)} data rows; expected 2 or more of time_s,acc_m_s2")
+    values = np.array([_csv_row(path, number, line) for number, line in rows])
+    step_s = _uniform_step(path, [number for number, _ in rows], values[:, 0])
+    found = filter(None, map(_CSV_START_UTC.match, lines))
+    start_utc = next((_utc(start.group(1), float(values[0, 0]), path) for start in found), "")
+    return Record(_csv_name(path), step_s, values[:, 1] * to_m_s2, start_utc, str(path))
+
+
+def _csv_name(path) -> str:
+    """Name of a record by its file's: without the quantity and unit at the end."""
+    return re.sub(r"_acc_(m_s2|g)$", "", Path(path).stem)
+
+
+def _header_unit(path, number: int, line: str) -> float:
+    """Factor from the header's unit to m/s2."""
+    cells = [cell.strip().lower() for cell in line.split(",")]
+    if len(cells) != 2 or cells[0] != "time_s" or cells[1] not in CSV_UNITS_M_S2:
+        expected = "the header time_s,acc_m_s2 or time_s,acc_g, convert the columns to these units"
+        raise _bad_line(path, number, line, "is an unknown header", expected)
+    return CSV_UNITS_M_S2[cells[1]]
+
+
+def _csv_row(path, number: int, line: str) -> list[float]:
+    """Time [s] and acceleration [unit of the header] of one line."""
+    values = _numbers(path, number, line, ",")
+    if len(values) != 2:
+        expected = "two, time and acceleration, parted by one comma"
+        raise _bad_line(path, number, line, f"has {len(values)} column(s)", expected)
+    return values
+
+
+def _uniform_step(path, line_numbers: list[int], time_s: np.ndarray) -> float:
+    """The constant step [s] of a time column (n_samples,)."""
+    steps = np.diff(time_s)
+    if (steps <= 0).any():
+        k = int(np.argmax(steps <= 0))
+        raise InputError(
+            f"{path}: line {line_numbers[k + 1]}: time {time_s[k + 1]:g} s after {time_s[k]:g} s;"
+            " expected times that increase, sort the rows"
+        )
+    step = (time_s[-1] - time_s[0]) / steps.size
+    off_grid = np.abs(time_s - time_s[0] - step * np.arange(time_s.size))
+    if off_grid.max() > TIME_TOLERANCE * step:
+        usual = np.median(steps)
+        k = int(np.argmax(np.abs(steps - usual)))
+        raise InputError(
+            f"{path}: line {line_numbers[k + 1]}: a step of {steps[k]:g} s among {usual:g} s;"
+            f" expected uniform times within {TIME_TOLERANCE:.0%} of the step, resample the record"
+        )
+    # twelve digits: the 0.01 s that was meant, not the nearest double of 0.29 s / 29
+    return float(f"{step:.12g}")
+
+
+def _read_at2(path, lines: list[str]) -> Record:
+    """PEER strong-motion database: four header lines, then values in g, several a line."""
+    units, counts = [*lines[2:4], "", ""][:2]
+    found = _at2_count_and_step(counts)
+    if not found:
+        expected = "a PEER AT2 header such as NPTS= 4000, DT= .0050 SEC"
+        raise _bad_line(path, 4, counts, "gives no NPTS and DT", expected)
+    if _AT2_NOT_ACCELERATION_IN_G.search(units):
+        expected = "ACCELERATION IN UNITS OF G, give the record's AT2 file"
+        raise _bad_line(path, 3, units, "is another quantity", expected)
+    values = [value for i, line in enumerate(lines[4:], 5) for value in _numbers(path, i, line)]
+    count, step_s = found
+    if len(values) != count:
+        raise InputError(
+            f"{path}: {len(values)} values; expected the NPTS = {count} of line 4, fetch it anew"
+        )
+    return Record(Path(path).stem, step_s, np.array(values) * GRAVITY, "", str(path))
+
+
+def _at2_count_and_step(line: str) -> tuple[int, float] | None:
+    """NPTS and DT [s] of a fourth header line in either of PEER's orders, or None."""
+    for pattern in _AT2_COUNT_AND_STEP:
+        found = pattern.search(line)
+        if found and _is_number(found.group(2)):
+            return int(found.group(1)), float(found.group(2))
+    return None
+
+
+def _read_miniseed(path, data: bytes, response) -> Record:
+    """Counts over the instrument's overall sensitivity, minus the mean of the first 2 s."""
+    obspy = _obspy(path)
+    trace = _only_trace(obspy, path, data)
+    beside = Path(path).parent / f"{trace.stats.network}.{trace.stats.station}.xml"
+    sensitivity = _sensitivity(obspy, Path(response) if response else beside, trace)
+    counts = trace.data.astype(np.float64)
+    quiet = round(QUIET_S / trace.stats.delta)
+    if counts.size < quiet:
+        raise InputError(
+            f"{path}: {counts.size} samples; expected {quiet} or more, as the mean of the first"
+            f" {QUIET_S:g} s is the instrument's offset"
+        )
+    acceleration = (counts - counts[:quiet].mean()) / sensitivity
+    start_utc = str(trace.stats.starttime)
+    return Record(trace.id, trace.stats.delta, acceleration, start_utc, str(path))
+
+
+def _obspy(path):
+    """The obspy module, which nothing but miniSEED needs."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # obspy's own deprecations are not the user's
+            import obspy
+    except ImportError:
+        raise InputError(
+            f"{path}: miniSEED is read with obspy, which is missing;"
+            " run pip install obspy (the extra masonry-damage[obspy]) or give the record as CSV"
+        ) from None
+    return obspy
+
+
+def _only_trace(obspy, path, data: bytes):
+    """The one trace of a miniSEED file, its contiguous parts joined."""
+    try:
+        stream = obspy.read(io.BytesIO(data), format="MSEED").merge(method=-1)
+    except Exception as error:  # obspy lets errors of several libraries through
+        raise InputError(
+            f"{path}: obspy says {_shown(error)}; expected miniSEED, fetch the file anew"
+        ) from error
+    components = sorted({trace.id for trace in stream})
+    if len(components) != 1:
+        raise InputError(f"{path}: holds {', '.join(components)}; expected one a file, split it")
+    if len(stream) != 1:
+        before, after = stream.get_gaps()[0][4:6]
+        raise InputError(
+            f"{path}: gap or overlap between {before} and {after};"
+            " expected an unbroken record, cut the file to one side of it"
+        )
+    return stream[0]
+
+
+def _sensitivity(obspy, station_xml: Path, trace) -> float:
+    """Overall sensitivity of the trace's instrument [counts per m/s2]."""
+    if not station_xml.is_file():
+        raise InputError(
+            f"{station_xml}: no such file; expected the StationXML of {trace.id} there,"
+            " or another path given as response"
+        )
+    try:
+        inventory = obspy.read_inventory(io.BytesIO(station_xml.read_bytes()))
+        found = inventory.get_response(trace.id, trace.stats.starttime).instrument_sensitivity
+    except Exception as error:  # obspy raises a bare Exception where no channel matches
+        raise InputError(
+            f"{station_xml}: obspy says {_shown(error)};"
+            f" expected the StationXML of {trace.id} at {trace.stats.starttime}"
+        ) from error
+    units = str(found.input_units).upper() if found and found.value else "no sensitivity"
+    if units not in ACCELERATION_UNITS:
+        raise InputError(
+            f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
+            " in counts per M/S**2, give an acceleration channel"
+        )
+    return found.value
+
+
+def _content(path) -> bytes:
+    """Bytes of a file that must exist and hold something."""
+    if Path(path).is_dir():
+        raise InputError(f"{path}: a directory; expected a record file (CSV, AT2 or miniSEED)")
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; expected a file, check the path") from error
+    if not data.strip():
+        raise InputError(f"{path}: empty; expected a record file (CSV, AT2 or miniSEED)")
+    return data
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _numbers(path, number: int, line: str, separator: str | None = None) -> list[float]:
+    """The finite numbers of one line, parted by a separator (None: by spaces)."""
+    cells = line.split(separator)
+    if not all(map(_is_number, cells)):
+        raise _bad_line(path, number, line, "is not numeric", "numbers; comments start with #")
+    values = [float(cell) for cell in cells]
+    if not all(map(math.isfinite, values)):
+        raise _bad_line(path, number, line, "is not finite", "no NaN or inf, fill or cut the gap")
+    return values
+
+
+def _bad_line(path, number: int, line: str, problem: str, expected: str) -> InputError:
+    return InputError(f"{path}: line {number}: {_shown(line)} {problem}; expected {expected}")

@@ -1,0 +1,357 @@
+"""What drives a run: a harmonic base motion, a record, or a push into free vibration.
+
+Each loading has a `name` fit for a file name, the `duration_s` of its driven part,
+`preferred_step_s`, `base_acceleration` and `describe`.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from damage.errors import InputError
+from damage.motion.intensity import pga_g, response_spectrum
+from damage.motion.record import (
+    Record,
+    band_passed,
+    baseline_corrected,
+    scaled,
+    start_difference_s,
+    steps_per_sample,
+    whole_steps,
+    windowed,
+)
+from damage.units import GRAVITY
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """Horizontal base acceleration: a sine from zero, a whole number of cycles.
+
+    period_s: period [s].
+    amplitude_g: amplitude [g].
+    cycles: number of cycles.
+    """
+
+    period_s: float
+    amplitude_g: float
+    cycles: int = 3
+
+    def __post_init__(self):
+        if not (math.isfinite(self.period_s) and self.period_s > 0):
+            raise InputError(f"harmonic period {self.period_s!r} s; expected a positive number")
+        if not (math.isfinite(self.amplitude_g) and self.amplitude_g >= 0):
+            raise InputError(f"harmonic amplitude {self.amplitude_g!r} g; expected 0 or more")
+        if not (math.isfinite(self.cycles) and self.cycles == int(self.cycles) >= 1):
+            raise InputError(f"{self.cycles!r} cycles; expected a whole number, 1 or more")
+
+    @property
+    def name(self) -> str:
+        count = "" if self.cycles == 3 else f"_{self.cycles:g}cycles"
+        return f"harmonic_{self.period_s:g}s_{self.amplitude_g:g}g{count}"
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last cycle's end [s]."""
+        return self.cycles * self.period_s
+
+    def preferred_step_s(self, max_step_s: float) -> float:
+        """Largest step up to max_step that brings the sine's peaks onto steps [s]."""
+        quarter_s = self.period_s / 4
+        return quarter_s / whole_steps(quarter_s, max_step_s)
+
+    def base_acceleration(self, time_s) -> np.ndarray:
+        """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s]."""
+        time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
+        sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
+        driven = (time_s >= 0) & (time_s <= self.duration_s)
+        return np.column_stack((np.where(driven, sine, 0.0), np.zeros_like(time_s)))
+
+    def describe(self) -> dict:
+        """Everything that defines the motion, fit for JSON."""
+        return {
+            "kind": "harmonic",
+            "name": self.name,
+            "period_s": float(self.period_s),
+            "amplitude_g": float(self.amplitude_g),
+            "cycles": int(self.cycles),
+            "duration_s": float(self.duration_s),
+        }
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """Base acceleration of a record, after baseline, band-pass, window and scale, in this order.
+
+    record: horizontal component.
+    scale: factor on both components.
+    window_s: start and end [s] of the part that is used, or None for all of it.
+    vertical: component along z with the same step, length and start, or None.
+    baseline_order: order of the polynomial that is taken off, or None.
+    band_hz: corners of the zero-phase band-pass [Hz], or None.
+    """
+
+    record: Record
+    scale: float = 1.0
+    window_s: tuple[float, float] | None = None
+    vertical: Record | None = None
+    baseline_order: int | None = None
+    band_hz: tuple[float, float] | None = None
+
+    def __post_init__(self):
+        for key in ("window_s", "band_hz"):
+            pair = getattr(self, key)
+            if pair is not None and len(pair) != 2:
+                raise InputError(f"{key} of {len(pair)} numbers; expected two, start and end")
+        if self.vertical is not None:
+            _check_simultaneous(self.record, self.vertical)
+        self.motion  # noqa: B018, prepared now so that a bad parameter is told at once
+
+    @cached_property
+    def motion(self) -> tuple[Record, ...]:
+        """The prepared horizontal and, where there is one, vertical record."""
+        return tuple(self._prepared(one) for one in (self.record, self.vertical) if one is not None)
+
+    def _prepared(self, record: Record) -> Record:
+        """Filters before the window: they need the quiet parts on both sides."""
+        if self.baseline_order is not None:
+            record = baseline_corrected(record, self.baseline_order)
+        if self.band_hz is not None:
+            record = band_passed(record, *self.band_hz)
+        if self.window_s is not None:
+            record = windowed(record, *self.window_s)
+        return scaled(record, self.scale)
+
+    @property
+    def name(self) -> str:
+        parts = [re.sub(r"[^\w.-]+", "_", self.record.name), f"x{self.scale:g}"]
+        if self.window_s is not None:
+            parts.append("{:g}-{:g}s".format(*self.window_s))
+        if self.vertical is not None:
+            parts.append("vertical")
+        if self.baseline_order is not None:
+            parts.append(f"baseline{self.baseline_order}")
+        if self.band_hz is not None:
+            parts.append("{:g}-{:g}Hz".format(*self.band_hz))
+        return "_".join(parts)
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last sample that is used [s]."""
+        return self.motion[0].duration_s
+
+    def preferred_step_s(self, max_step_s: float) -> float:
+        """Largest step up to max_step that brings every sample onto a step [s]."""
+        return self.record.time_step_s / steps_per_sample(self.record, max_step_s)
+
+    def base_acceleration(self, time_s) -> np.ndarray:
+        """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s].
+
+        Linear between samples, zero before the first and after the last.
+        """
+        time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
+        acceleration = np.zeros((time_s.size, 2))
+        for column, part in enumerate(self.motion):
+            acceleration[:, column] = np.interp(
+                time_s, part.time_s, part.acceleration_m_s2, left=0.0, right=0.0
+            )
+        return acceleration
+
+    def describe(self) -> dict:
+        """Everything that defines the motion, fit for JSON."""
+        return {
+            "kind": "record",
+            "name": self.name,
+            "horizontal": _origin(self.record),
+            "vertical": None if self.vertical is None else _origin(self.vertical),
+            "time_step_s": float(self.record.time_step_s),
+            "scale": float(self.scale),
+            "pga_g": pga_g(self.motion[0]),
+            "sa_0.2_s_g": float(response_spectrum(self.motion[0], [0.2])[0]),
+            "window_s": _floats(self.window_s),
+            "baseline_order": None if self.baseline_order is None else int(self.baseline_order),
+            "band_hz": _floats(self.band_hz),
+            "duration_s": float(self.duration_s),
+        }
+
+
+@dataclass(frozen=True)
+class FreeVibration:
+    """No base motion: the wall starts with a velocity in the shape of its first mode.
+
+    top_velocity_m_s: velocity of the wall's top [m/s].
+    """
+
+    top_velocity_m_s: float = 1e-3
+
+    def __post_init__(self):
+        if not (math.isfinite(self.top_velocity_m_s) and self.top_velocity_m_s > 0):
+            raise InputError(f"top velocity {self.top_velocity_m_s!r} m/s; expected above 0")
+
+    @property
+    def name(self) -> str:
+        usual = self.top_velocity_m_s == type(self).top_velocity_m_s
+        return "free_vibration" + ("" if usual else f"_{self.top_velocity_m_s:g}m_s")
+
+    @property
+    def duration_s(self) -> float:
+        """Nothing is driven [s]."""
+        return 0.0
+
+    def preferred_step_s(self, max_step_s: float) -> float:
+        """The largest step itself [s]."""
+        return max_step_s
+
+    def base_acceleration(self, time_s) -> np.ndarray:
+        """Zeros, (n, 2) [m/s2], at times (n,) [s]."""
+        return np.zeros((np.size(time_s), 2))
+
+    def describe(self) -> dict:
+        """Everything that defines the motion, fit for JSON."""
+        return {
+            "kind": "free_vibration",
+            "name": self.name,
+            "top_velocity_m_s": float(self.top_velocity_m_s),
+            "duration_s": self.duration_s,
+        }
+
+
+BOUNDARIES = ("cantilever", "fixed")
+EASE_S = 0.1
+"""Time that a pushed top takes to start, to turn round and to stop [s]: longer than a wall's first period,
+so that it does not make the wall vibrate."""
+
+
+@dataclass(frozen=True)
+class TopDisplacement:
+    """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the base
+    stands still.
+
+    amplitudes_pct: drift ratios [%] to go to, in this order.
+    cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
+    boundary: "cantilever", the top may rotate; "fixed", it may not (double fixed).
+    speed_m_s: of the top [m/s]; local_damping [-], where the solver damps locally: the result depends on
+        both when they are not slow and high.
+    """
+
+    amplitudes_pct: tuple[float, ...]
+    cycles: int = 2
+    boundary: str = "cantilever"
+    speed_m_s: float = 5e-3
+    local_damping: float = 0.7
+
+    def __post_init__(self):
+        if not self.amplitudes_pct or not all(math.isfinite(a) and a > 0 for a in self.amplitudes_pct):
+            raise InputError(f"drifts {self.amplitudes_pct!r} %; expected positive numbers")
+        if self.cycles != int(self.cycles) or self.cycles < 0:
+            raise InputError(f"{self.cycles!r} cycles; expected a whole number, 0 or more")
+        if self.boundary not in BOUNDARIES:
+            raise InputError(f"boundary {self.boundary!r}; expected one of {', '.join(BOUNDARIES)}")
+        if not (math.isfinite(self.speed_m_s) and self.speed_m_s > 0):
+            raise InputError(f"speed {self.speed_m_s!r} m/s; expected above 0")
+        if not 0 <= self.local_damping <= 0.7:
+            raise InputError(f"local damping {self.local_damping!r}; expected 0 to 0.7, for which steps are stable")
+
+    @property
+    def name(self) -> str:
+        drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
+        kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
+        return f"{kind}_{self.boundary}"
+
+    @property
+    def duration_s(self) -> float:
+        """The base does not move [s]."""
+        return 0.0
+
+    def preferred_step_s(self, max_step_s: float) -> float:
+        """The largest step itself [s]."""
+        return max_step_s
+
+    def base_acceleration(self, time_s) -> np.ndarray:
+        """Zeros, (n, 2) [m/s2], at times (n,) [s]."""
+        return np.zeros((np.size(time_s), 2))
+
+    def turning_points(self, height: float) -> np.ndarray:
+        """Top displacements [m] at which the motion turns round, for a wall of that height [m]."""
+        if self.cycles == 0:
+            return np.array([self.amplitudes_pct[0]]) / 100 * height
+        signs = [sign for _ in range(self.cycles) for sign in (1.0, -1.0)]
+        points = [a / 100 * height * sign for a in self.amplitudes_pct for sign in signs]
+        return np.array([*points, 0.0])
+
+    def top_displacement(self, time_s, height: float) -> np.ndarray:
+        """Displacement of the top [m] at times (n,) [s]; it stays where it ends.
+
+        The mean of the schedule over the last EASE_S: the speed changes linearly, every turning point is reached.
+        """
+        times, points = self.schedule(height)
+        areas = np.concatenate([[0.0], np.cumsum((points[1:] + points[:-1]) / 2 * np.diff(times))])
+
+        def area(until_s):
+            until_s = np.maximum(until_s, 0.0)
+            knot = np.searchsorted(times, until_s, side="right") - 1
+            there = np.interp(until_s, times, points)
+            return areas[knot] + (points[knot] + there) / 2 * (until_s - times[knot])
+
+        time_s = np.asarray(time_s, dtype=np.float64)
+        return (area(time_s) - area(time_s - EASE_S)) / EASE_S
+
+    def velocities(self, interval_s: float, height: float) -> np.ndarray:
+        """Velocity of the top [m/s] in every interval of that length, until the motion's end: (n,)."""
+        n = math.ceil(self.schedule(height)[0][-1] / interval_s)
+        return np.diff(self.top_displacement(np.arange(n + 1) * interval_s, height)) / interval_s
+
+    def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:
+        """Times (k,) [s] and top displacements (k,) [m] from (0, 0): to every turning point, and a rest there."""
+        points = np.concatenate([[0.0], self.turning_points(height)])
+        moves = np.abs(np.diff(points)) / self.speed_m_s
+        times = np.cumsum(np.column_stack([moves, np.full(len(moves), EASE_S)]))
+        return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
+
+    def describe(self) -> dict:
+        """Everything that defines the motion, fit for JSON."""
+        return {
+            "kind": "pushover" if self.cycles == 0 else "cyclic",
+            "name": self.name,
+            "amplitudes_pct": [float(a) for a in self.amplitudes_pct],
+            "cycles": int(self.cycles),
+            "boundary": self.boundary,
+            "speed_m_s": float(self.speed_m_s),
+            "ease_s": EASE_S,
+            "local_damping": float(self.local_damping),
+        }
+
+
+Loading = Harmonic | Recorded | FreeVibration | TopDisplacement
+
+
+def _check_simultaneous(record: Record, vertical: Record) -> None:
+    """Both components must hold the same instants."""
+    kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, vertical)]
+    mend = "expected the same step, length and start, cut one with damage.records.aligned_with"
+    if kinds[0] != kinds[1]:
+        raise InputError(
+            f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
+            f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {mend}"
+        )
+    if record.start_utc and vertical.start_utc:
+        late_s = start_difference_s(vertical, record)
+        if abs(late_s) > 0.5 * record.time_step_s:
+            raise InputError(f"{vertical.name} starts {late_s:g} s after {record.name}; {mend}")
+
+
+def _origin(record: Record) -> dict:
+    """Where a record comes from; the file's name without its folder, which differs by machine."""
+    return {
+        "record": record.name,
+        "file": Path(record.source).name,
+        "sha256": record.sha256,
+        "start_utc": record.start_utc,
+    }
+
+
+def _floats(pair) -> list[float] | None:
+    return None if pair is None else [float(value) for value in pair]

@@ -1,0 +1,1 @@
+"""One run, whichever solver does it: its options, stages, history, summary and pictures."""

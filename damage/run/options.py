@@ -1,0 +1,206 @@
+"""The options of a run, the same for every solver, and the frozen record that they become."""
+
+import argparse
+import re
+from pathlib import Path
+
+from damage.errors import InputError
+from damage.motion.formats import read_record
+from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
+from damage.motion.record import aligned_with
+from damage.run.settings import LOCAL_DAMPING, RELAXATIONS, RunSettings, rayleigh_factors
+from damage.wall.parameters import CONTACT_OPTIONS, LINTEL_OPTIONS, TOP_OPTIONS, ModelOptions
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """An argument parser that raises its complaint as InputError instead of printing the usage."""
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        # argparse takes -1e-5 for an option; it is a number.
+        self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+    def error(self, message):
+        raise InputError(f"{message}; see --help")
+
+
+def parse_run(arguments, prog, solver):
+    """RunSettings from a command line (a list of words) of `solver`, "yade" or "reference"."""
+    parsed = make_parser(prog, solver).parse_args(arguments)
+    alpha_1_s, beta_s = _damping(parsed)
+    return RunSettings(
+        loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
+        alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
+        perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
+        pictures=parsed.pictures, view=getattr(parsed, "view", False),
+        model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells,
+                           contacts=getattr(parsed, "contacts", "interior"),
+                           strength_cov=parsed.strength_cov, strength_seed=parsed.strength_seed))
+
+
+def make_parser(prog, solver):
+    """The parser of a run's command line."""
+    parser = OneLineParser(prog=prog, allow_abbrev=False, description=(
+        f"Shake one wall ({solver} solver) and write its history, summary and pictures."))
+    _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
+    _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
+    _add_model(parser.add_argument_group("model"), solver)
+    _add_run(parser.add_argument_group("run"), solver)
+    return parser
+
+
+def _add_motion(group):
+    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
+                       help="a sine from zero")
+    group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each "
+                       "drift of --cyclic (default 2)")
+    group.add_argument("--record", type=Path, metavar="FILE",
+                       help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
+    group.add_argument("--scale", type=float, help="factor on the record (default 1)")
+    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"),
+                       help="part of the record to use")
+    group.add_argument("--vertical", type=Path, metavar="FILE", help="the record's vertical component")
+    group.add_argument("--baseline", type=int, metavar="ORDER",
+                       help="take a polynomial of this order off the record")
+    group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
+                       help="band-pass the record, 4th order Butterworth, zero phase")
+    group.add_argument("--free-vibration", action="store_true",
+                       help="no base motion: start in the first mode with 1 mm/s at the top")
+    group.add_argument("--sequence", metavar="F,F,...", help="shake the same wall again and again: the harmonic "
+                       "or recorded motion times each factor, with rest and settling after each (default 1)")
+
+
+def _add_push(group):
+    group.add_argument("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift")
+    group.add_argument("--cyclic", metavar="PCT,PCT,...", help="push the top to and fro to these drifts")
+    group.add_argument("--boundary", choices=BOUNDARIES,
+                       help="the pushed top may rotate (cantilever, default), or not (fixed)")
+    group.add_argument("--speed", type=float, metavar="M_S", help="of the pushed top (default 0.005)")
+    group.add_argument("--damping", type=float, metavar="C", help="local damping of the pushed wall, 0 to 0.7 "
+                       "(default 0.7); the reference solver has it with --relaxation local only")
+
+
+def _add_model(group, solver):
+    group.add_argument("--lintel", default="elastic", choices=LINTEL_OPTIONS,
+                       help="joints over an opening stay elastic, or break like any other")
+    group.add_argument("--top", default="piers", choices=TOP_OPTIONS,
+                       help="where the precompression's mass sits")
+    group.add_argument("--cells", type=int, default=2, metavar="N",
+                       help="contact points per half brick (default 2)")
+    if solver == "reference":
+        group.add_argument("--contacts", default="interior", choices=CONTACT_OPTIONS,
+                           help="where the contact points of a joint lie")
+    group.add_argument("--strength-cov", type=float, default=0.0, metavar="COV",
+                       help="lognormal scatter of the joints' strengths: coefficient of variation (default 0)")
+    group.add_argument("--strength-seed", type=int, default=0, metavar="N", help="of that scatter (default 0)")
+    group.add_argument("--beta", type=float, default=0.0, metavar="S",
+                       help="stiffness-proportional damping (default 0)")
+    if solver == "reference":
+        group.add_argument("--rayleigh", nargs=3, type=float, metavar=("RATIO", "F1_HZ", "F2_HZ"),
+                           help="mass- and stiffness-proportional damping with this ratio at two frequencies")
+        group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
+                           help="damping of the static stage and of a pushed top: adaptive (default), or "
+                           "local as in YADE")
+    group.add_argument("--perturb", type=float, default=0.0, metavar="M",
+                       help="random offsets of the bricks, for ensembles (default 0)")
+    group.add_argument("--seed", type=int, default=0, help="of the random offsets (default 0)")
+
+
+def _add_run(group, solver):
+    group.add_argument("--out", type=Path, metavar="FILE.h5", help="the history "
+                       "(default: a free name below results/)")
+    group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5")
+    group.add_argument("--rest", type=float, default=2.0, metavar="S",
+                       help="free vibration after the motion (default 2)")
+    group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
+    group.add_argument("--no-pictures", dest="pictures", action="store_false",
+                       help="write the history only")
+    if solver == "yade":
+        group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
+
+
+_BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"), "speed": ("pushover", "cyclic"),
+            "damping": ("pushover", "cyclic"),
+            "sequence": ("harmonic", "record"),
+            **{name: ("record",) for name in ("scale", "window", "vertical", "baseline", "band")}}
+
+
+def _loading(parsed):
+    """The loading that the motion options ask for, or InputError where they contradict each other."""
+    chosen = [name for name in ("harmonic", "record", "free_vibration", "pushover", "cyclic")
+              if getattr(parsed, name) not in (None, False)]
+    if len(chosen) > 1:
+        raise InputError(f"--{' and --'.join(chosen)} given together: choose one motion".replace("_", "-"))
+    motion = chosen[0] if chosen else "harmonic"
+    for option, owners in _BELONGS.items():
+        if getattr(parsed, option) is not None and motion not in owners:
+            raise InputError(f"--{option} belongs to --{' or --'.join(owners)}, not to "
+                             f"--{motion.replace('_', '-')}; leave it out")
+    return {"harmonic": _harmonic, "record": _recorded, "free_vibration": lambda parsed: FreeVibration(),
+            "pushover": _pushed, "cyclic": _pushed}[motion](parsed)
+
+
+def _damping(parsed):
+    """(alpha [1/s], beta [s]) of --beta or --rayleigh."""
+    if getattr(parsed, "rayleigh", None) is None:
+        return 0.0, parsed.beta
+    if parsed.beta:
+        raise InputError("--beta and --rayleigh given together: choose one kind of damping")
+    return rayleigh_factors(*parsed.rayleigh)
+
+
+def _harmonic(parsed):
+    period, amplitude = parsed.harmonic or (0.2, 0.05)
+    return Harmonic(period, amplitude, 3 if parsed.cycles is None else parsed.cycles)
+
+
+def _sequence(parsed):
+    return (1.0,) if parsed.sequence is None else _numbers("--sequence", parsed.sequence, "factors", "1,0.5,0.4")
+
+
+def _numbers(option, words, what, example):
+    try:
+        return tuple(float(word) for word in words.split(","))
+    except ValueError as error:
+        raise InputError(f"{option} {words}: expected {what} with commas between, like {example}") from error
+
+
+def _pushed(parsed):
+    cycles = 0
+    if parsed.pushover is not None:
+        drifts = (parsed.pushover,)
+    else:
+        cycles = 2 if parsed.cycles is None else parsed.cycles
+        drifts = _numbers("--cyclic", parsed.cyclic, "drifts in percent", "0.05,0.1,0.2")
+        if cycles < 1:
+            raise InputError(f"--cycles {cycles}: expected at least one cycle at each drift; mend it")
+    return TopDisplacement(drifts, cycles, parsed.boundary or "cantilever",
+                           5e-3 if parsed.speed is None else parsed.speed,
+                           LOCAL_DAMPING if parsed.damping is None else parsed.damping)
+
+
+def _recorded(parsed):
+    record = read_record(parsed.record)
+    return Recorded(
+        record, scale=1.0 if parsed.scale is None else parsed.scale,
+        window_s=tuple(parsed.window) if parsed.window else None,
+        vertical=aligned_with(read_record(parsed.vertical), record) if parsed.vertical else None,
+        baseline_order=parsed.baseline, band_hz=tuple(parsed.band) if parsed.band else None)
+
+
+def free_name(wall, settings, solver, folder="results"):
+    """A path for the history that does not exist yet: WALL_MOTION_SOLVER.h5, then _2, _3, ..."""
+    parts = [wall.name, settings.loading.name, solver]
+    parts += [f"lintel-{settings.model.lintel}"] if settings.model.lintel != "elastic" else []
+    parts += [f"top-{settings.model.top}"] if settings.model.top != "piers" else []
+    parts += [settings.model.contacts] if settings.model.contacts != "interior" else []
+    parts += ["sequence-" + "-".join(f"{factor:g}" for factor in settings.sequence)] \
+        if settings.sequence != (1.0,) else []
+    parts += [f"strength-{settings.model.strength_cov:g}-{settings.model.strength_seed}"] \
+        if settings.model.strength_cov else []
+    stem, number = "_".join(parts), 1
+    while True:
+        path = Path(folder) / f"{stem}{'' if number == 1 else f'_{number}'}.h5"
+        if not path.exists():
+            return path
+        number += 1

@@ -1,0 +1,1 @@
+"""The wall: its parameters, layout, geometry, natural modes, and the joint law."""

@@ -1,0 +1,391 @@
+"""From a wall's parameters to bodies, cells and contact points: the one layout of every solver.
+
+Bodies are the bricks, course by course from the base and left to right, then the caps that carry
+the top mass.  The ground is body `GROUND`.  Contact points lie on the bed and head joints:
+
+        |       |       |          head joint: normal +x, from the left to the right brick
+        +---o---+---o---+  z       bed joint:  normal +z, from the lower to the upper brick
+            |       |              o: contact point in the middle of its tributary length
+        ----+-------+----
+
+A brick's cells break at every head joint of the wall, so that facing cells of two courses match.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damage.errors import InputError
+from damage.wall.parameters import ModelOptions, Wall
+
+GROUND = -1
+BED, HEAD, CAP = 0, 1, 2
+KINDS = ("bed", "head", "cap")
+CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
+_TINY = 1e-6  # [m], two positions closer than this are the same
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Bricks and caps; every array has shape (n_bodies,).
+
+    x, z [m] centres; length, height [m]; mass [kg]; inertia [kg m2] about y;
+    course: 0 at the base, -1 for a cap.
+    """
+
+    x: np.ndarray
+    z: np.ndarray
+    length: np.ndarray
+    height: np.ndarray
+    mass: np.ndarray
+    inertia: np.ndarray
+    course: np.ndarray
+
+    def __len__(self):
+        return len(self.x)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Rectangular parts of the bodies; arrays of shape (n_cells,): body, x [m] left and right edge."""
+
+    body: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contact points, arrays of shape (n_contacts,); the caps' glue comes last.
+
+    kind: BED, HEAD or CAP; first, second: bodies, the normal points from first to second;
+    x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
+    bricks' compliance; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
+    first_cell, second_cell: the facing cells (GROUND below the base).
+    """
+
+    kind: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    x: np.ndarray
+    z: np.ndarray
+    length: np.ndarray
+    area: np.ndarray
+    normal_stiffness: np.ndarray
+    shear_stiffness: np.ndarray
+    elastic: np.ndarray
+    tensile_strength: np.ndarray
+    cohesion: np.ndarray
+    first_cell: np.ndarray
+    second_cell: np.ndarray
+
+    def __len__(self):
+        return len(self.x)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A wall laid out under given options.
+
+    n_joints: the first n_joints contacts are joints, the rest is the caps' glue.
+    drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
+    piers: (left, right) [m] of each pier.
+    """
+
+    wall: Wall
+    options: ModelOptions
+    bodies: Bodies
+    cells: Cells
+    contacts: Contacts
+    n_bricks: int
+    n_joints: int
+    drift_bodies: np.ndarray
+    drift_height: float
+    piers: tuple[tuple[float, float], ...]
+
+    @property
+    def total_joint_length(self):
+        """Length of all bed, head and base joints [m], the caps' glue excluded."""
+        return float(self.contacts.length[:self.n_joints].sum())
+
+    @property
+    def pushed_bodies(self):
+        """Bodies that a quasi-static loading moves: the caps, or the top course where there are none."""
+        caps = np.arange(self.n_bricks, len(self.bodies))
+        return caps if len(caps) else self.drift_bodies
+
+    @property
+    def pushed_height(self):
+        """Height of their centres [m]."""
+        return float(self.bodies.z[self.pushed_bodies].mean())
+
+    @property
+    def total_mass(self):
+        """Mass that the base carries [kg]: bricks and top mass."""
+        return float(self.bodies.mass.sum())
+
+
+def lay_out(wall, options=None):
+    """Lay a wall out: bricks in running bond, caps, cells and contact points.
+
+    Raises InputError where the openings' edges leave cells too narrow to compute with.
+    """
+    options = options or ModelOptions()
+    courses = [_lay_course(wall, course) for course in range(wall.courses)]
+    piers = _find_piers(wall)
+    bodies, n_bricks = _make_bodies(wall, options, courses, piers)
+    breaks = _cell_breaks(wall, options, courses)
+    cells = _make_cells(bodies, breaks)
+    contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks)
+    drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)
+    return Layout(
+        wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
+        n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
+        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers)
+
+
+# --- bricks -------------------------------------------------------------------------------------
+
+def _lay_course(wall, course):
+    """Edges (left, right) [m] of the bricks of one course, left to right."""
+    segments, start = [], 0.0
+    for opening in sorted(wall.openings, key=lambda o: o.left):
+        first, above = wall.opening_courses(opening)
+        if first <= course < above:
+            segments.append((start, opening.left))
+            start = opening.right
+    segments.append((start, wall.length))
+    return [brick for segment in segments for brick in _lay_segment(wall, course, *segment)]
+
+
+def _lay_segment(wall, course, left, right):
+    """Bricks between two free ends, cut where the bond of the whole wall meets the ends.
+
+    A piece shorter than a quarter brick is not laid: its head joint moves a quarter brick inwards,
+    which keeps a quarter brick of overlap with the courses above and below.
+    """
+    length = wall.brick.length
+    starts_half = (course % 2 == 1) != (wall.base_course == "half")
+    offset = length / 2 if starts_half else 0.0
+    first = int(np.floor((left - offset + _TINY) / length)) + 1
+    last = int(np.ceil((right - offset - _TINY) / length)) - 1
+    joints = [offset + k * length for k in range(first, last + 1)]
+    quarter = length / 4 - _TINY
+    if joints and joints[0] - left < quarter:
+        joints[0] += length / 4
+    if joints and right - joints[-1] < quarter:
+        joints[-1] -= length / 4
+        if joints[-1] - left < quarter:
+            joints.pop()
+    edges = [left, *joints, right]
+    return list(zip(edges[:-1], edges[1:]))
+
+
+def _find_piers(wall):
+    """The parts of the wall's length that no opening takes, left to right."""
+    piers, start = [], 0.0
+    for opening in sorted(wall.openings, key=lambda o: o.left):
+        if opening.left > start + _TINY:
+            piers.append((start, opening.left))
+        start = max(start, opening.right)
+    if start < wall.length - _TINY:
+        piers.append((start, wall.length))
+    return tuple(piers)
+
+
+def _make_bodies(wall, options, courses, piers):
+    """Bricks, with the top mass on the top course if it is spread, and caps if it is not."""
+    height, thickness = wall.brick.height, wall.brick.thickness
+    edges = np.array([edge for course in courses for edge in course])
+    course = np.repeat(np.arange(wall.courses), [len(c) for c in courses])
+    length = edges[:, 1] - edges[:, 0]
+    mass = wall.brick.density * length * height * thickness
+    inertia = mass * (length**2 + height**2) / 12
+    bricks = Bodies(edges.mean(axis=1), (course + 0.5) * height, length,
+                    np.full(len(length), height), mass, inertia, course)
+    if wall.top_mass == 0:
+        return bricks, len(bricks)
+    if options.top == "uniform":
+        return _with_spread_mass(bricks, wall), len(bricks)
+    spans = piers if options.top == "piers" else ((0.0, wall.length),)
+    return _with_caps(bricks, wall, np.array(spans)), len(bricks)
+
+
+def _with_spread_mass(bricks, wall):
+    """The top mass added to the top course in proportion to length, inertia growing with mass."""
+    top = bricks.course == wall.courses - 1
+    factor = np.where(top, 1 + wall.top_mass * bricks.length / wall.length / bricks.mass, 1.0)
+    return Bodies(bricks.x, bricks.z, bricks.length, bricks.height,
+                  bricks.mass * factor, bricks.inertia * factor, bricks.course)
+
+
+def _with_caps(bricks, wall, spans):
+    """One rigid cap a span, mass shared by length, I = m (w^2 + h^2) / 12."""
+    width = spans[:, 1] - spans[:, 0]
+    mass = wall.top_mass * width / width.sum()
+    n = len(width)
+    return Bodies(
+        x=np.append(bricks.x, spans.mean(axis=1)),
+        z=np.append(bricks.z, np.full(n, wall.built_height + CAP_HEIGHT / 2)),
+        length=np.append(bricks.length, width),
+        height=np.append(bricks.height, np.full(n, CAP_HEIGHT)),
+        mass=np.append(bricks.mass, mass),
+        inertia=np.append(bricks.inertia, mass * (width**2 + CAP_HEIGHT**2) / 12),
+        course=np.append(bricks.course, np.full(n, -1)))
+
+
+def _find_drift_bodies(wall, bodies, n_bricks, piers):
+    """Top-course bricks with their centre inside a pier; one on a pier's very edge is left out."""
+    top = np.flatnonzero(bodies.course[:n_bricks] == wall.courses - 1)
+    over = [any(left + _TINY < x < right - _TINY for left, right in piers) for x in bodies.x[top]]
+    return top[over] if any(over) else top
+
+
+# --- cells --------------------------------------------------------------------------------------
+
+def _cell_breaks(wall, options, courses):
+    """Sorted positions x [m] at which every brick that spans them is divided.
+
+    Corner contacts lie at both ends of a segment, so one segment less gives as many points.
+    """
+    segments = options.cells if options.contacts == "interior" else max(1, options.cells - 1)
+    edges = np.unique(np.round([x for course in courses for brick in course for x in brick], 9))
+    breaks = [edges[0]]
+    for left, right in zip(edges[:-1], edges[1:]):
+        width = right - left
+        if width < 1e-3:
+            raise InputError(
+                f"wall {wall.name}: head joints or openings' edges at x = {left:.6f} and {right:.6f} m "
+                f"leave a cell of {width * 1e3:.3g} mm, at least 1 mm is needed; move an opening's edge")
+        parts = max(1, round(segments * width / (wall.brick.length / 2)))
+        breaks.extend(left + width * np.arange(1, parts + 1) / parts)
+    return np.array(breaks)
+
+
+def _make_cells(bodies, breaks):
+    """Divide every body at the breaks inside it."""
+    body, left, right = [], [], []
+    for index in range(len(bodies)):
+        start = bodies.x[index] - bodies.length[index] / 2
+        end = bodies.x[index] + bodies.length[index] / 2
+        inside = breaks[(breaks > start + _TINY) & (breaks < end - _TINY)]
+        edges = [start, *inside, end]
+        body += [index] * (len(edges) - 1)
+        left += edges[:-1]
+        right += edges[1:]
+    return Cells(np.array(body), np.array(left), np.array(right))
+
+
+# --- contact points -----------------------------------------------------------------------------
+
+def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
+    """All contact points: joints first, then the caps' glue."""
+    pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
+    pairs.sort(key=lambda pair: pair[0] == CAP)
+    rows = [row for pair in pairs for row in _contact_rows(options, bodies, cells, *pair)]
+    kind, first, second, first_cell, second_cell, x, z, length = (
+        np.array(column) for column in zip(*rows))
+    normal, shear = _effective_stiffness(wall, bodies, kind, first, second)
+    elastic = (kind == CAP) | _in_lintel(wall, options, kind, x, z)
+    factors = _strength_factors(options, kind, first, second)
+    strengths = [np.where(elastic, np.inf, strength * factors)
+                 for strength in (wall.joint.tensile_strength, wall.joint.cohesion)]
+    return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
+                    normal, shear, elastic, *strengths, first_cell, second_cell)
+
+
+def _bed_pairs(wall, bodies, n_bricks, cells, breaks):
+    """(kind, cell below or GROUND, cell above) of every bed joint, base joint and cap.
+
+    Facing cells lie between the same two breaks.
+    """
+    column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
+    level = np.where(bodies.course < 0, wall.courses, bodies.course)[cells.body]
+    below = {}
+    pairs = []
+    for index in np.lexsort((cells.left, level)):
+        under = below.get((level[index] - 1, column[index]))
+        below[level[index], column[index]] = index
+        kind = CAP if cells.body[index] >= n_bricks else BED
+        if level[index] == 0:
+            pairs.append((BED, GROUND, index))
+        elif under is not None:
+            pairs.append((kind, under, index))
+    return pairs
+
+
+def _head_pairs(bodies, n_bricks, cells):
+    """(kind, cell on the left, cell on the right) of every head joint."""
+    pairs = []
+    for index in range(len(cells.body) - 1):
+        here, there = cells.body[index], cells.body[index + 1]
+        same_course = there < n_bricks and here != there and bodies.course[here] == bodies.course[there]
+        if same_course and abs(cells.right[index] - cells.left[index + 1]) < _TINY:
+            pairs.append((HEAD, index, index + 1))
+    return pairs
+
+
+def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
+    """Contact points of one pair of facing cells, one in the middle or two at the ends."""
+    second = cells.body[second_cell]
+    first = GROUND if first_cell == GROUND else cells.body[first_cell]
+    bottom = bodies.z[second] - bodies.height[second] / 2
+    start = np.array([cells.left[second_cell], bottom])
+    along = (0.0, bodies.height[second]) if kind == HEAD else (
+        cells.right[second_cell] - cells.left[second_cell], 0.0)
+    end = start + along
+    length = float(np.sum(end - start))
+    head = (kind, first, second, first_cell, second_cell)
+    if options.contacts == "interior" or kind == CAP:
+        return [(*head, *((start + end) / 2), length)]
+    return [(*head, *start, length / 2), (*head, *end, length / 2)]
+
+
+def _effective_stiffness(wall, bodies, kind, first, second):
+    """Joint stiffness in series with the rigid bricks' own: 1/k_eff = 1/k + h/E, with G in shear.
+
+    h is the distance of the brick centres across the joint, half a brick at the base; caps are
+    glued with the stiffness of a bed joint between bricks.
+    """
+    brick, joint = wall.brick, wall.joint
+    distance = np.full(len(kind), brick.height)
+    distance[first == GROUND] = brick.height / 2
+    head = kind == HEAD
+    distance[head] = bodies.x[second[head]] - bodies.x[first[head]]
+    normal = 1 / (1 / joint.normal_stiffness + distance / brick.young_modulus)
+    shear = 1 / (1 / joint.shear_stiffness + distance / brick.shear_modulus)
+    return normal, shear
+
+
+def _strength_factors(options, kind, first, second):
+    """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same for
+    every placing of its contact points: (n_contacts,)."""
+    if options.strength_cov == 0:
+        return np.ones(len(kind))
+    joints, number = np.unique(np.column_stack([first, second]), axis=0, return_inverse=True)
+    spread = np.sqrt(np.log1p(options.strength_cov**2))
+    normal = np.random.default_rng(options.strength_seed).standard_normal(len(joints))
+    return np.exp(spread * normal - spread**2 / 2)[number]
+
+
+def _in_lintel(wall, options, kind, x, z):
+    """Which joints lie strictly inside a lintel: in the courses over an opening, one brick of
+    bearing on each side; the bed joint under the bearing is not inside."""
+    inside = np.zeros(len(kind), dtype=bool)
+    if options.lintel == "none":
+        return inside
+    for opening in wall.openings:
+        bottom = wall.opening_courses(opening)[1] * wall.brick.height
+        top = _lintel_top(wall, opening)
+        inside |= ((x > opening.left - wall.brick.length + _TINY)
+                   & (x < opening.right + wall.brick.length - _TINY)
+                   & (z > bottom + _TINY) & (z < top - _TINY))
+    return inside & (kind != CAP)
+
+
+def _lintel_top(wall, opening):
+    """The sill of the next opening above, or the wall's top [m]."""
+    above = wall.opening_courses(opening)[1]
+    sills = [wall.opening_courses(other)[0] for other in wall.openings
+             if other.left < opening.right and other.right > opening.left]
+    return min([sill for sill in sills if sill >= above] + [wall.courses]) * wall.brick.height
