@@ -16,11 +16,11 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
 
 from damage import brick_of_masonry, read_history
-from damage.measure.hysteresis import mode_shares
+from damage.measure.pushed import mode_shares
 from damage.measure.summary import summarise
 from damage.reference.session import SOLVER
 from damage.run.session import run_session
-from damage.wall.wall_file import load_wall
+from damage.wall.file import load_wall
 
 FRICTION_32 = math.radians(32)
 

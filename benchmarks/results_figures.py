@@ -14,11 +14,11 @@ import pandas as pd
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.index import THRESHOLD, length_fraction
+from damage.wall.file import load_wall
 from damage.wall.kinematics import ContactKinematics
 from damage.wall.layout import lay_out
-from damage.wall.wall_file import load_wall
 
 COMPARED = ("max_drift_ratio", "max_DI", "max_shear_limit_DI", "residual_DI", "residual_shear_limit_DI")
 

@@ -18,9 +18,9 @@ sys.path.insert(0, str(ROOT))
 
 from damage.motion.loading import Harmonic
 from damage.reference.wall import STEP_FACTOR, ReferenceWall
+from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
-from damage.wall.wall_file import load_wall
 
 PIECES, STEPS = 30, 2000
 

@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.measure.compare import compare
 
 RECORD = ["--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "--window", "17", "23", "--rest", "1"]
@@ -25,7 +25,7 @@ MOTIONS = {
 ELASTIC = {"free vibration, 2 s": ["--free-vibration"], "0.2 s, 0.004 g": ["--harmonic", "0.2", "0.004", "--rest", "1"]}
 WALLS = ("solid", "symmetric", "asymmetric")
 MEMBERS = 5
-FIGURES = {  # of damage.compare.TOLERANCES: label, factor, decimals, what is allowed
+FIGURES = {  # of damage.measure.compare.TOLERANCES: label, factor, decimals, what is allowed
     "max_drift_ratio": ("maximum drift ratio [%]", 100, 4, "2 %"),
     "cycle_length_s": ("length of the free cycles [s]", 1, 4, "2 %"),
     "peak_base_shear_n": ("peak base shear [kN]", 1e-3, 1, "6 %"),

@@ -6,7 +6,7 @@ from damage.errors import InputError
 from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall, brick_of_masonry
 
 try:
-    from damage.history.reading import History, read_history
+    from damage.history.reader import History, read_history
 except ModuleNotFoundError as error:
     raise ImportError(f"{sys.executable} has no {error.name}: on Debian use /usr/bin/python3, which has the "
                       "packages after ./run_all.sh or tests/run.sh; elsewhere: pip install .") from None

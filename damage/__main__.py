@@ -73,7 +73,7 @@ def _add_index(commands):
 
 
 def _index(parsed):
-    from damage.history.reading import read_history
+    from damage.history.reader import read_history
     from damage.measure.summary import summarise
     from damage.run.report import describe
 
@@ -89,7 +89,7 @@ def _add_cycles(commands):
 
 
 def _cycles(parsed):
-    from damage.history.reading import read_history
+    from damage.history.reader import read_history
     from damage.laboratory.pushed import describe, figures
 
     found = figures(read_history(parsed.history))
@@ -103,7 +103,7 @@ def _add_laboratory(commands):
 
 
 def _laboratory(parsed):
-    from damage.history.reading import read_history
+    from damage.history.reader import read_history
     from damage.laboratory.pictures import save
 
     for path in save([read_history(path) for path in parsed.histories], parsed.out):
@@ -121,16 +121,16 @@ def _add_modes(commands):
 
 
 def _modes(parsed):
+    from damage.wall.file import load_wall
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
     from damage.wall.parameters import ModelOptions
-    from damage.wall.wall_file import load_wall
 
     options = ModelOptions(top=parsed.top, cells=parsed.cells, contacts=parsed.contacts)
     layout = lay_out(load_wall(parsed.wall), options)
     modes = natural_modes(layout)
     if parsed.out:
-        from damage.draw.modes_picture import modes_picture
+        from damage.draw.modes import modes_picture
 
         _save([("modes", modes_picture(layout, modes))], parsed.out)
     periods = [float(period) for period in modes.period_s]
@@ -144,7 +144,7 @@ def _modes(parsed):
 
 def _save(figures, folder):
     """Write figures, pairs (name, Figure), and tell their paths on stderr: stdout may be JSON."""
-    from damage.draw.pictures import save_figures
+    from damage.draw.style import save_figures
 
     try:
         for path in save_figures(figures, folder):
@@ -181,8 +181,8 @@ def _add_plot(commands):
 
 
 def _plot(parsed):
-    from damage.draw.pictures import save_all
-    from damage.history.reading import read_history
+    from damage.draw.run import save_all
+    from damage.history.reader import read_history
 
     try:
         for path in save_all(read_history(parsed.history), parsed.out):
@@ -200,13 +200,13 @@ def _add_compare(commands):
 
 
 def _compare(parsed):
-    from damage.history.reading import read_history
+    from damage.history.reader import read_history
     from damage.measure.compare import compare, describe
 
     first, others = read_history(parsed.first), [read_history(path) for path in parsed.others]
     result = compare(first, others)
     if parsed.out:
-        from damage.draw.compare_picture import compare_picture
+        from damage.draw.compare import compare_picture
 
         _save([("compare", compare_picture(first, others[0]))], parsed.out)
     print(json.dumps(result, indent=2) if parsed.json else describe(result))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from damage.wall.wall_file import load_wall
+from damage.wall.file import load_wall
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 

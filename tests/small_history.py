@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from damage.history.history import HistoryWriter
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.history.schema import AT_LIMIT, BROKEN
+from damage.history.writer import HistoryWriter
 from damage.motion.loading import TopDisplacement
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out

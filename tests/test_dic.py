@@ -7,7 +7,7 @@ import pytest
 
 from damage.__main__ import main
 from damage.errors import InputError
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.laboratory.crack_file import read_cracks
 from damage.laboratory.crack_mapping import describe_level, map_cracks
 from damage.laboratory.dic import (
@@ -22,8 +22,8 @@ from damage.laboratory.dic import (
 )
 from damage.measure.cracks import cracks_at
 from damage.reference.session import run_reference
+from damage.wall.file import load_wall
 from damage.wall.layout import HEAD, lay_out
-from damage.wall.wall_file import load_wall
 
 NOISE = 1e-5
 """Of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""

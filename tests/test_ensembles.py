@@ -15,7 +15,7 @@ from small_history import make_history
 
 from benchmarks.resume import kill_tree
 from damage.errors import InputError
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.measure.tables import summary_row
 from damage.studies.definition import load_study
 from damage.studies.grid import expand

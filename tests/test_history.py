@@ -15,8 +15,8 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.errors import InputError
-from damage.history.history import HistoryWriter
 from damage.history.schema import AT_LIMIT, BROKEN, SERIES
+from damage.history.writer import HistoryWriter
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
 

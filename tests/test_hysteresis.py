@@ -14,15 +14,8 @@ from damage import Joint, brick_of_masonry, read_history
 from damage.errors import InputError
 from damage.laboratory.pictures import beside_test_picture, save
 from damage.laboratory.pushed import SPECIMENS, TESTS, beside_test, figures, read_test
-from damage.measure.hysteresis import (
-    bilinear,
-    cycles_table,
-    drift_at_first_crack,
-    envelope,
-    hand_capacities,
-    mode_shares,
-)
-from damage.wall.wall_file import load_wall
+from damage.measure.pushed import bilinear, cycles_table, drift_at_first_crack, envelope, hand_capacities, mode_shares
+from damage.wall.file import load_wall
 
 STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
 

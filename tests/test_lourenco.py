@@ -17,6 +17,7 @@ from verification.lourenco import (
     Push,
     bound,
     crushing_needed,
+    draw,
     lay,
     lay_splitting,
     measured,

@@ -6,8 +6,8 @@ import numpy as np
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
-from damage.draw.compare_picture import JOINTS, compare_picture, joint_agreement
-from damage.draw.modes_picture import modes_picture
+from damage.draw.compare import JOINTS, compare_picture, joint_agreement
+from damage.draw.modes import modes_picture
 from damage.wall.modes import natural_modes
 
 

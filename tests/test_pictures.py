@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 from small_history import make_history, small_layout
 
-from damage.draw import pictures
-from damage.draw.pictures import (
+from damage.draw import run as pictures
+from damage.draw.run import (
     PICTURES,
     drift_picture,
     energy_picture,
@@ -22,7 +22,7 @@ from damage.draw.pictures import (
     save_all,
     wall_picture,
 )
-from damage.draw.wall_picture import line_width, round_125, wall_shape
+from damage.draw.wall import line_width, round_125, wall_shape
 from damage.errors import InputError
 from damage.history.moments import STATES
 from damage.units import MILLIMETRE
@@ -393,5 +393,5 @@ class TestFiles:
             assert dict(matplotlib.rcParams) == before
         assert line(figure.axes[1], "DI, shear").get_linewidth() == 0.6
         assert figure.axes[0].yaxis.label.get_size() == 7
-        words = ("import sys, damage.draw.pictures; sys.exit('matplotlib.pyplot' in sys.modules)")
+        words = ("import sys, damage.draw.run; sys.exit('matplotlib.pyplot' in sys.modules)")
         assert subprocess.run([sys.executable, "-c", words], timeout=120).returncode == 0

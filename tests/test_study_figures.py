@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from damage.__main__ import main
-from damage.draw.figure_parts import NOTHING, describe_members, in_order, record_label, record_markers
-from damage.draw.pictures import BLACK, BLUE, VERMILLION
+from damage.draw.panels import NOTHING, describe_members, in_order, record_label, record_markers
+from damage.draw.style import BLACK, BLUE, VERMILLION
 from damage.errors import InputError
 from damage.measure.tables import index_table, write_table
 from damage.motion.formats import read_record, shipped_record_path

@@ -14,9 +14,9 @@ from numpy.testing import assert_allclose
 import damage
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
+from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
-from damage.wall.wall_file import load_wall
 
 pytestmark = pytest.mark.yade
 

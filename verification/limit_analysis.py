@@ -42,7 +42,7 @@ class Collapse:
 def collapse_load(layout, friction=None, *, load=None, held=(), crushing=np.inf):
     """The largest multiplier of `load` beside the dead load, and its mechanism.
 
-    layout: damage.layout.Layout; joints have their tensile strength and cohesion, zero when dry.
+    layout: damage.wall.layout.Layout; joints have their tensile strength and cohesion, zero when dry.
     friction [-]: tan(phi) of all joints, by default the wall's.
     load: (n_bodies, 3) [N, N, N m], by default each body's weight in the direction +x.
     held: bodies that are kept from rotating.

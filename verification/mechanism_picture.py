@@ -5,7 +5,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from damage.draw.pictures import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, MEDIUM, styled
+from damage.draw.style import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, MEDIUM, styled
 
 REACH = 0.12  # of the wall's height: how far the largest displacement is drawn
 MOVES = 0.02  # of the largest displacement: bodies that move more are drawn darker

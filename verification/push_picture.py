@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from damage.draw.pictures import BLACK, BLUE, COLUMN_WIDTH, MEDIUM, VERMILLION, legend_below, styled
+from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, MEDIUM, VERMILLION, legend_below, styled
 from damage.units import MILLIMETRE
 
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from shared import tell
 
 from damage.errors import InputError
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.measure.tables import RUN_TABLES, write_run_tables
 from damage.reference.session import run_reference
 from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK

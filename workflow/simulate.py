@@ -26,7 +26,7 @@ EXIT_INTERRUPTED = 130
 COMMANDS = {"yade": ["yade", "-n", "-j1"], "reference": [sys.executable, "-m", "damage", "reference"]}
 """What runs a wall file, by solver."""
 ENSEMBLE = Path(__file__).with_name("ensemble.py")
-_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.progress
+_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.progress
 
 
 def main():
@@ -152,7 +152,7 @@ def _follow(run, lines, log):
 def _not_whole(part):
     """Why the history is not a complete one, None where it is."""
     from damage.errors import InputError
-    from damage.history.reading import read_history
+    from damage.history.reader import read_history
 
     try:
         status = read_history(part).status

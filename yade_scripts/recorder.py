@@ -7,8 +7,8 @@ belong to the same instant.
 import numpy as np
 from yade import O
 
-from damage.history.history import SNAPSHOT_SAMPLES
 from damage.history.schema import AT_LIMIT, BROKEN
+from damage.history.writer import SNAPSHOT_SAMPLES
 from damage.index import THRESHOLD
 from damage.run.watch import has_collapsed, index_now
 from damage.units import GRAVITY

@@ -207,7 +207,7 @@ def _point_rows(pattern):
 # --- from joints ----------------------------------------------------------------------------------
 
 def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
-    """The CrackPattern of a `damage.cracks.crack_table`: each crack as polylines along its joints.
+    """The CrackPattern of a `damage.measure.cracks.crack_table`: each crack as polylines along its joints.
 
     A polyline ends where the next cracked joint of its crack does not go on from its end.
     """

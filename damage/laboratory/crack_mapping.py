@@ -124,7 +124,7 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi, psi_drawn, and
     DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
 
-    Psi is that of the joints, as in `damage.cracks`; psi_drawn that of the polylines as they were drawn,
+    Psi is that of the joints, as in `damage.measure.cracks`; psi_drawn that of the polylines as they were drawn,
     through bricks too, with the file's own numbering of cracks.  Without a drift DI is that of the cracks
     alone.  undecided_m: length over the threshold whose mode is open.
     """

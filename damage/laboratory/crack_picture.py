@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 
-from damage.draw.pictures import (
+from damage.draw.style import (
     BLACK,
     BLUE,
     BRICK_COLOUR,
@@ -17,7 +17,7 @@ from damage.draw.pictures import (
     new_figure,
     styled,
 )
-from damage.draw.wall_picture import line_width
+from damage.draw.wall import line_width
 from damage.index import THRESHOLD
 from damage.laboratory.crack_mapping import joint_table
 from damage.units import MILLIMETRE

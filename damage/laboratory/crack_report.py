@@ -7,7 +7,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.history.moments import choose_sample
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.index import DRIFT_LIMIT, THRESHOLD
 from damage.laboratory.crack_file import patterns_of, read_cracks, write_cracks
 from damage.laboratory.crack_mapping import describe_level, largest, map_cracks
@@ -15,8 +15,8 @@ from damage.laboratory.dic import measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
 from damage.measure.cracks import cracks_at, psi, psi_summary
 from damage.units import MILLIMETRE
+from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.wall_file import load_wall
 
 SAME_FIGURES = 5e-5
 """Bounds closer than this are printed as one number."""

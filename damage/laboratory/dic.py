@@ -1,7 +1,7 @@
 """From a displacement field measured by digital image correlation (DIC) to cracks of the joints.
 
 A brick moves as a rigid body: its motion is fitted by least squares to the points inside it, and opening
-and shear of its joints follow from the motions of both bricks (`damage.kinematics`).  So tension and shear
+and shear of its joints follow from the motions of both bricks (`damage.wall.kinematics`).  So tension and shear
 are told apart, which a picture of the cracks alone does not do.  `docs/crack-format.md` gives the file.
 
 What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without the

@@ -3,23 +3,12 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.figure_parts import PAGE_WIDTH, add_heading, finish, grid, letter
-from damage.draw.pictures import (
-    BLACK,
-    BLUE,
-    DRIFT_LIMITS_PCT,
-    GREEN,
-    MEDIUM,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    save_figures,
-    styled,
-)
+from damage.draw.panels import PAGE_WIDTH, add_heading, finish, grid, letter
+from damage.draw.run import DRIFT_LIMITS_PCT
+from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, PURPLE, SKY, VERMILLION, save_figures, styled
 from damage.errors import InputError
 from damage.laboratory.pushed import test_of
-from damage.measure.hysteresis import cycles_table, envelope, pushed_loading
+from damage.measure.pushed import cycles_table, envelope, pushed_loading
 
 RUN_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
 SIDES = ((1, 0), (-1, 1))  # direction of loading, its place in a test's pairs

@@ -10,7 +10,8 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.files import DATA
-from damage.measure.hysteresis import (
+from damage.measure.limits import LIMITS
+from damage.measure.pushed import (
     bilinear,
     cycles_table,
     drift_at_first_crack,
@@ -19,7 +20,6 @@ from damage.measure.hysteresis import (
     mode_shares,
     pushed_loading,
 )
-from damage.measure.limits import LIMITS
 from damage.measure.summary import summarise
 
 TESTS = DATA / "eucentre" / "tests.csv"

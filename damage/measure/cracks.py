@@ -174,7 +174,7 @@ def psi_summary(history, threshold=THRESHOLD):
     """max_psi, residual_psi, max_crack_width_mm, residual_crack_width_mm of a History, a dictionary.
 
     Each maximum is over the run; a residual is the last state, None for a run that did not come to
-    its end, as in `damage.summary.summarise`.
+    its end, as in `damage.measure.summary.summarise`.
     """
     over_time = psi_history(history, threshold)
     figures = {"psi": over_time["psi"], "crack_width_mm": over_time["max_width_m"] / MILLIMETRE}

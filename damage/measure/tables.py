@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.cycles import cycles_table
 from damage.measure.summary import summarise
@@ -25,7 +25,7 @@ _PER_COMPONENT = ("max", "residual", "max_shear_limit", "residual_shear_limit")
 def summary_row(history, run="", point=""):
     """The key figures of a History as one flat dictionary; `run` names the row, `point` that of a study.
 
-    What drove the run and how it was modelled comes first, then `damage.summary.summarise`, its
+    What drove the run and how it was modelled comes first, then `damage.measure.summary.summarise`, its
     entries per component spread over columns like max_DI_open.  What does not apply is None.
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}

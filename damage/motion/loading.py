@@ -331,7 +331,7 @@ Loading = Harmonic | Recorded | FreeVibration | TopDisplacement
 def _check_simultaneous(record: Record, vertical: Record) -> None:
     """Both components must hold the same instants."""
     kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, vertical)]
-    mend = "expected the same step, length and start, cut one with damage.records.aligned_with"
+    mend = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
     if kinds[0] != kinds[1]:
         raise InputError(
             f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.history.history import SNAPSHOT_SAMPLES
+from damage.history.writer import SNAPSHOT_SAMPLES
 from damage.motion.loading import TopDisplacement
 from damage.reference.wall import EVENT_KINDS, ReferenceWall
 from damage.run import schedule

@@ -7,7 +7,7 @@ import numba
 from damage.reference.run import ReferenceRun
 from damage.reference.wall import choose_time_step
 from damage.run.session import EXIT_INPUT, Solver, run_session
-from damage.wall.wall_file import load_wall
+from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
 SOLVER = Solver("reference", {"numba": numba.__version__}, lambda settings: None, choose_time_step, ReferenceRun)

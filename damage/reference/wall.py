@@ -23,7 +23,7 @@ _CAPACITY = 100_000  # events between two drains of the log
 class ReferenceWall:
     """One wall and its state; time is counted in steps.
 
-    layout: damage.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
+    layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
     alpha: mass-proportional damping [1/s].  These, `local_damping` (Cundall's) and `adaptive_damping` (the
     share of the change of kinetic energy that adaptive global damping takes) can be set at any time.
     """

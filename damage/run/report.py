@@ -2,7 +2,7 @@
 
 import sys
 
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.measure.summary import summarise
 from damage.run.settings import AT_REST
 
@@ -21,7 +21,7 @@ def report(path, pictures=True):
     print(describe(summarise(history)))
     if pictures:
         try:
-            from damage.draw.pictures import save_all
+            from damage.draw.run import save_all
 
             folder = path.with_suffix("")
             for picture in save_all(history, folder):

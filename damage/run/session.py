@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from damage.errors import InputError
-from damage.history.history import HistoryWriter, check_output
+from damage.history.writer import HistoryWriter, check_output
 from damage.motion.loading import TopDisplacement
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress

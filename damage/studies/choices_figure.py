@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.figure_parts import SLIP_LABELS, add_heading, describe_members, finish, grid, letter, motion_label
-from damage.draw.pictures import BLACK, BLUE, LIGHT, VERMILLION, styled
+from damage.draw.panels import SLIP_LABELS, add_heading, describe_members, finish, grid, letter, motion_label
+from damage.draw.style import BLACK, BLUE, LIGHT, VERMILLION, styled
 from damage.studies.results import REFERENCE, Missing
 
 DEFAULTS = {"cycles": 3, "contacts": "interior", "cells": 2, "top": "piers", "lintel": "elastic", "beta_s": 0.0}

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from damage.draw.figure_parts import add_heading, finish, grid, letter, motion_label
-from damage.draw.pictures import draw_wall, joint_handles, styled
-from damage.draw.wall_picture import wall_shape
+from damage.draw.panels import add_heading, finish, grid, letter, motion_label
+from damage.draw.run import draw_wall, joint_handles
+from damage.draw.style import styled
+from damage.draw.wall import wall_shape
 from damage.studies.results import Missing
 
 MOST_ROWS = 5

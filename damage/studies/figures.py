@@ -8,8 +8,8 @@ such points.
 
 import pandas as pd
 
-from damage.draw.figure_parts import CRITERIA
-from damage.draw.pictures import save_figures
+from damage.draw.panels import CRITERIA
+from damage.draw.style import save_figures
 from damage.errors import InputError
 from damage.studies.choices_figure import choices
 from damage.studies.crack_maps import crack_maps

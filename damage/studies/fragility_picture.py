@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.draw.figure_parts import add_heading, finish, grid, letter, record_label
-from damage.draw.pictures import BLUE, GREEN, ORANGE, styled
+from damage.draw.panels import add_heading, finish, grid, letter, record_label
+from damage.draw.style import BLUE, GREEN, ORANGE, styled
 from damage.studies.fragility import CONFIDENCE, INTENSITIES
 
 _PANELS = {"max_DI": "maximum DI", "max_crack_width_mm": "maximum crack width [mm]", "max_psi": r"maximum $\Psi$"}

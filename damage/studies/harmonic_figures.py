@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.draw.figure_parts import (
+from damage.draw.panels import (
     COMPONENTS,
     CRITERIA,
     NOTHING,
@@ -25,7 +25,7 @@ from damage.draw.figure_parts import (
     shade_settling,
     solver_handles,
 )
-from damage.draw.pictures import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, styled
+from damage.draw.style import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, styled
 from damage.measure.cycles import drift_cycles
 from damage.motion.loading import Harmonic
 from damage.studies.results import REFERENCE, Missing

@@ -12,7 +12,7 @@ import matplotlib
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.figure_parts import (
+from damage.draw.panels import (
     CRITERIA,
     NOTHING,
     SINGLE_MARKERS,
@@ -33,7 +33,7 @@ from damage.draw.figure_parts import (
     record_markers,
     solver_handles,
 )
-from damage.draw.pictures import BLACK, BLUE, MEDIUM, VERMILLION, styled
+from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.motion.loading import Recorded

@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.measure.tables import index_table
 
 NEEDED = ("point", "solver", "wall", "members")

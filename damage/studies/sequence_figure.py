@@ -4,17 +4,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
-from damage.draw.figure_parts import (
-    NOTHING,
-    add_heading,
-    describe_members,
-    finish,
-    from_zero,
-    grid,
-    letter,
-    motion_label,
-)
-from damage.draw.pictures import BLACK, BLUE, GREEN, MEDIUM, styled
+from damage.draw.panels import NOTHING, add_heading, describe_members, finish, from_zero, grid, letter, motion_label
+from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, styled
 from damage.measure.tables import shocks_table
 from damage.studies.results import REFERENCE
 

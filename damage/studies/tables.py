@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history.reading import read_history
+from damage.history.reader import read_history
 from damage.measure.tables import summary_row, write_table
 from damage.studies.definition import load_study
 

@@ -56,7 +56,7 @@ class Brick:
 
 @dataclass(frozen=True)
 class Joint:
-    """A zero-thickness mortar joint, Table 1; its law is `damage.joint_law`.
+    """A zero-thickness mortar joint, Table 1; its law is `damage.wall.joint_law`.
 
     normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa];
     friction_angle [rad], the same before and after the bond breaks; dilation is zero.

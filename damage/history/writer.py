@@ -32,7 +32,7 @@ class HistoryWriter:
     """Write one run.  Call `append`, `event` and `snapshot` as it goes, `finish` at the end.
 
     path: of the new file; an existing one raises InputError unless `overwrite`.
-    layout: damage.layout.Layout; parameters: JSON-able dictionary of all that defines the run.
+    layout: damage.wall.layout.Layout; parameters: JSON-able dictionary of all that defines the run.
     solver: "yade" or "reference"; versions: {software: version}.
     """
 

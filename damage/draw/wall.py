@@ -1,6 +1,6 @@
 """What the picture of a damaged wall shows: bodies where they moved to, joints with their state.
 
-Numbers only; `damage.pictures.wall_picture` draws them.  The motion is magnified, so that drifts
+Numbers only; `damage.draw.run.wall_picture` draws them.  The motion is magnified, so that drifts
 of a millimetre can be seen: displacements and rotations are multiplied by one factor, and a point
 of a joint lies halfway between where its two bodies carry it:
 

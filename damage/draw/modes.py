@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from damage.draw.pictures import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
+from damage.draw.style import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
 from damage.wall.geometry import body_corners
 
 VISIBLE_SHARE = 0.08  # of the wall's height: how far the largest displacement of a mode reaches
@@ -15,7 +15,7 @@ VISIBLE_SHARE = 0.08  # of the wall's height: how far the largest displacement o
 def modes_picture(layout, modes):
     """Figure of the mode shapes, two in a row, with their periods; the undeformed outline behind.
 
-    layout: damage.layout.Layout; modes: damage.modes.Modes of it.
+    layout: damage.wall.layout.Layout; modes: damage.wall.modes.Modes of it.
     """
     n = len(modes.period_s)
     rows, ratio = -(-n // 2), layout.wall.built_height / layout.wall.length

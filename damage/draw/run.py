@@ -5,49 +5,44 @@ Each function takes a History and returns a matplotlib Figure, one journal colum
 without a screen and inside any program.
 """
 
-import os
-from contextlib import contextmanager
-from functools import partial, wraps
-from pathlib import Path
-from textwrap import fill
+from functools import partial
 
 import numpy as np
-from matplotlib import style
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.draw.wall_picture import legend_widths_mm, line_width, wall_shape
-from damage.errors import InputError
+from damage.draw.style import (
+    BLACK,
+    BLUE,
+    BRICK_COLOUR,
+    CAP_COLOUR,
+    COLUMN_WIDTH,
+    DARK,
+    GREEN,
+    GROUND_COLOUR,
+    LIGHT,
+    MEDIUM,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    add_title,
+    collapse_label,
+    legend_below,
+    mark_times,
+    new_figure,
+    save_figures,
+    show_single_points,
+    styled,
+)
+from damage.draw.wall import legend_widths_mm, line_width, wall_shape
 from damage.history.moments import STATES, choose_sample
 from damage.index import THRESHOLD
 from damage.measure.energy import DISSIPATED, STORED, energy_error, imbalance
 from damage.units import GRAVITY, MILLIMETRE
 
-# --- style ---------------------------------------------------------------------------------------
-
-COLUMN_WIDTH = 90 / 25.4  # [inch], one column of a journal
-DOTS_PER_INCH = 200
-TITLE_CHARACTERS = 64  # of the font size below, in a column
-STYLE = {
-    "font.size": 7, "axes.labelsize": 7, "figure.titlesize": 7,
-    "xtick.labelsize": 6.5, "ytick.labelsize": 6.5, "legend.fontsize": 6.5, "legend.frameon": False,
-    "legend.handlelength": 2.0, "legend.columnspacing": 1.2, "legend.borderaxespad": 0.3,
-    "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "axes.axisbelow": True,
-    "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 0.9,
-    "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
-    "figure.dpi": DOTS_PER_INCH, "savefig.dpi": DOTS_PER_INCH,
-    "pdf.fonttype": 42,  # whole fonts, which journals ask for
-}
-# Okabe and Ito's palette, which the colour-blind can tell apart.  Orange, blue and black, for what
-# opened, slipped and both, also differ in grey.
-BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
-LIGHT, MEDIUM, DARK = "0.91", "0.6", "0.35"
-
 JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": BLUE, "opened": ORANGE, "both": BLACK}
-BRICK_COLOUR, CAP_COLOUR, GROUND_COLOUR = "0.96", "0.75", "0.85"
 THIN = {"intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
 
 DRIFT_LIMITS_PCT = (
@@ -66,73 +61,6 @@ ENERGIES = {  # column: label, colour, line
     "friction_energy_j": ("friction", VERMILLION, "-"), "fracture_energy_j": ("fracture", PURPLE, "--"),
     "damping_energy_j": ("damping", ORANGE, ":"),
 }
-
-
-def styled(draw):
-    """Let a function draw in STYLE, whatever the style of the program around it; that one returns."""
-    @wraps(draw)
-    def inside(*arguments, **named):
-        with style.context(["default", STYLE]):
-            return draw(*arguments, **named)
-    return inside
-
-
-def new_figure(height, rows=1, **options):
-    """A Figure of one column's width and its axes, a single one or an array; height [inch]."""
-    figure = Figure(figsize=(COLUMN_WIDTH, height), layout="constrained")
-    return figure, figure.subplots(rows, 1, **options)
-
-
-def legend_below(figure, handles, columns):
-    """Put a legend below all axes, where it hides nothing; the figure grows by its height."""
-    if not handles:
-        return
-    legend = figure.legend(handles=handles, loc="lower center", ncols=columns)
-    width, plot = figure.get_size_inches()
-    height = legend.get_window_extent().height / figure.dpi
-    figure.set_size_inches(width, plot + height)
-    share = height / (plot + height)
-    figure.get_layout_engine().set(rect=(0, share, 1, 1 - share))
-
-
-def add_title(figure, history, *more):
-    """What ran, how it ended if not as planned, and further lines; the figure grows by their height."""
-    lines = [f"{history.wall}, {history.parameters['loading']['name']} ({history.solver})"]
-    if not history.complete:
-        lines.append(f"{history.status}: the run did not come to its end")
-    if history.collapsed_at_s is not None:
-        lines.append(f"collapsed at {history.collapsed_at_s:.3f} s")
-    text = "\n".join(fill(line, TITLE_CHARACTERS) for line in (*lines, *more))
-    title = figure.suptitle(text, x=0.02, ha="left")
-    width, plot = figure.get_size_inches()
-    figure.set_size_inches(width, plot + title.get_window_extent().height / figure.dpi)
-
-
-def mark_times(history, axes):
-    """Label the shared time axis, shade the settling stage and mark a collapse; returns their handles."""
-    settling = history.series[history.series["stage"] == "settling"].groupby("shock")["time_s"].agg(["first", "last"])
-    handles = {}
-    for ax in axes:
-        ax.margins(x=0)
-        show_single_points(ax)
-        for first, last in settling.to_numpy():
-            handles["settling"] = ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling")
-        if history.collapsed_at_s is not None:
-            handles["collapse"] = ax.axvline(history.collapsed_at_s, color=VERMILLION, lw=1, ls="--",
-                                             clip_on=False, label=_collapse(history))
-    axes[-1].set_xlabel("time [s]")
-    return list(handles.values())
-
-
-def show_single_points(ax):
-    """Give a marker to lines of one point, which would not show: a run ended at its first sample."""
-    for line in ax.get_lines():
-        if len(line.get_xdata()) == 1 and line.get_marker() == "None":
-            line.set(marker="o", markersize=2.5)
-
-
-def _collapse(history):
-    return f"collapse at {history.collapsed_at_s:.3f} s"
 
 
 # --- the wall ------------------------------------------------------------------------------------
@@ -303,7 +231,7 @@ def hysteresis_picture(history):
     if history.collapsed_at_s is not None:
         at = int(np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s)))
         ax.plot(drift_pct[at], shear_kn[at], "x", color=BLACK, ms=5, zorder=4,
-                label=_collapse(history))
+                label=collapse_label(history))
     ax.set(xlabel="drift ratio [%]", ylabel="base shear [kN]")
     ax.locator_params(axis="x", nbins=7)
     show_single_points(ax)
@@ -340,7 +268,7 @@ def _known_energies(series):
 
 
 def _error_scale(series):
-    """Factor from J to the imbalance's unit, and that unit, as in `damage.energy.energy_error`."""
+    """Factor from J to the imbalance's unit, and that unit, as in `damage.measure.energy.energy_error`."""
     moving = series[series["stage"] != "settling"]
     if len(moving) == 0:
         return 1.0, "J"
@@ -363,39 +291,9 @@ PICTURES = {
     "energy": energy_picture,
 }
 """File name without its ending, and what draws it."""
-FORMATS = {"png": {"Software": None}, "pdf": {"CreationDate": None}}  # without the date: same run, same bytes
 
 
 @styled
 def save_all(history, folder):
     """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
     return save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder)
-
-
-@styled
-def save_figures(figures, folder):
-    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, made where missing; their paths."""
-    folder = Path(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot make folder {folder} for the pictures ({error.strerror}): expected a "
-                         "folder that can be written to; choose another") from error
-    paths = []
-    for name, figure in figures:
-        for ending, metadata in FORMATS.items():
-            paths.append(folder / f"{name}.{ending}")
-            with _whole_or_nothing(paths[-1]) as unfinished:
-                figure.savefig(unfinished, format=ending, metadata=metadata)
-    return paths
-
-
-@contextmanager
-def _whole_or_nothing(path):
-    """A temporary name beside `path`, renamed to it at the end or removed after an error."""
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        yield unfinished
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from damage.draw.pictures import BLACK, BLUE, COLUMN_WIDTH, GREEN, LIGHT, MEDIUM, ORANGE, VERMILLION, legend_below
+from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, GREEN, LIGHT, MEDIUM, ORANGE, VERMILLION, legend_below
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
 COMPONENTS = {  # column of the tables: label, colour, marker

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from damage.draw.pictures import (
+from damage.draw.style import (
     BLACK,
     BLUE,
     COLUMN_WIDTH,
