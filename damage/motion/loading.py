@@ -1,7 +1,8 @@
 """What drives a run: a harmonic base motion, a record, or a push into free vibration.
 
-Each loading has a `name` fit for a file name, the `duration_s` of its driven part,
-`preferred_step_s`, `base_acceleration` and `describe`.
+Each loading has a `name` fit for a file name, the `duration_s` of its driven part, `preferred_step_s`,
+`base_acceleration` and `describe`, and says what it does: `shakes_base`, `drives_top`, and the
+`initial_velocity_m_s` of the wall's top in its first mode [m/s].
 """
 
 import math
@@ -39,6 +40,7 @@ class Harmonic:
     period_s: float
     amplitude_g: float
     cycles: int = 3
+    shakes_base, drives_top, initial_velocity_m_s = True, False, 0.0
 
     def __post_init__(self):
         if not (math.isfinite(self.period_s) and self.period_s > 0):
@@ -100,6 +102,7 @@ class Recorded:
     vertical: Record | None = None
     baseline_order: int | None = None
     band_hz: tuple[float, float] | None = None
+    shakes_base, drives_top, initial_velocity_m_s = True, False, 0.0
 
     def __post_init__(self):
         for key in ("window_s", "band_hz"):
@@ -186,6 +189,7 @@ class FreeVibration:
     """
 
     top_velocity_m_s: float = 1e-3
+    shakes_base, drives_top = False, False
 
     def __post_init__(self):
         if not (math.isfinite(self.top_velocity_m_s) and self.top_velocity_m_s > 0):
@@ -195,6 +199,11 @@ class FreeVibration:
     def name(self) -> str:
         usual = self.top_velocity_m_s == type(self).top_velocity_m_s
         return "free_vibration" + ("" if usual else f"_{self.top_velocity_m_s:g}m_s")
+
+    @property
+    def initial_velocity_m_s(self) -> float:
+        """Of the top at time zero [m/s]."""
+        return self.top_velocity_m_s
 
     @property
     def duration_s(self) -> float:
@@ -242,6 +251,7 @@ class TopDisplacement:
     boundary: str = "cantilever"
     speed_m_s: float = 5e-3
     local_damping: float = 0.7
+    shakes_base, drives_top, initial_velocity_m_s = False, True, 0.0
 
     def __post_init__(self):
         if not self.amplitudes_pct or not all(math.isfinite(a) and a > 0 for a in self.amplitudes_pct):
