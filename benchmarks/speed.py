@@ -17,7 +17,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.motion.loading import Harmonic
-from damage.reference.wall import STEP_FACTOR, ReferenceWall
+from damage.reference.wall import ReferenceWall
+from damage.run.schedule import STEP_FACTOR
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes

@@ -7,8 +7,9 @@ from numpy.testing import assert_allclose
 import damage
 from damage.errors import InputError
 from damage.reference.session import run_reference
-from damage.reference.wall import STEP_FACTOR, ReferenceWall
+from damage.reference.wall import ReferenceWall
 from damage.run.options import parse_run
+from damage.run.schedule import STEP_FACTOR
 from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, rayleigh_factors
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out

@@ -25,7 +25,7 @@ def settings(*words):
 
 
 def test_stages_follow_one_another_and_end_with_samples():
-    schedule = stages(settings("--sequence", "1,0.5"), DT, 100)
+    schedule = stages(settings("--sequence", "1,0.5"), None, DT, 100)
     assert [(stage.shock, stage.name) for stage in schedule] == [
         (shock, name) for shock in (1, 2) for name in ("motion", "rest", "settling")]
     assert schedule[0].start_step == 0
@@ -38,9 +38,9 @@ def test_stages_follow_one_another_and_end_with_samples():
 
 def test_base_moves_in_every_shock_by_its_factor():
     sequence = settings("--sequence", "1,-0.5,2")
-    schedule = stages(sequence, DT, 100)
+    schedule = stages(sequence, None, DT, 100)
     base = base_acceleration(sequence, schedule, DT)
-    once = base_acceleration(settings(), stages(settings(), DT, 100), DT)
+    once = base_acceleration(settings(), stages(settings(), None, DT, 100), DT)
     assert_array_equal(base[:len(once)], once)
     for factor, stage in zip((1, -0.5, 2), schedule[::3]):
         assert_array_equal(base[stage.start_step:stage.start_step + len(once)], factor * once)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damage.reference.wall import STEP_FACTOR, ReferenceWall
+from damage.reference.wall import ReferenceWall
+from damage.run.schedule import STEP_FACTOR
 from damage.units import GRAVITY
 from damage.wall.modes import natural_modes
 

@@ -5,16 +5,16 @@ import sys
 import yade
 
 from damage.errors import InputError
-from damage.run.session import Solver, run_session
+from damage.run.session import Backend, run_session
 from yade_scripts.leaving import run_and_leave
-from yade_scripts.simulation import Simulation, choose_time_step
+from yade_scripts.solver import YadeSolver
 from yade_scripts.view import open_view
 
 
 def main(make_wall):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE."""
-    solver = Solver("yade", {"yade": yade.config.version}, _check, choose_time_step, Simulation, open_view)
-    run_and_leave(lambda: run_session(solver, make_wall, sys.argv[1:], prog=f"yade {sys.argv[0]}"))
+    backend = Backend("yade", {"yade": yade.config.version}, YadeSolver, _check, open_view)
+    run_and_leave(lambda: run_session(backend, make_wall, sys.argv[1:], prog=f"yade {sys.argv[0]}"))
 
 
 def _check(settings):

@@ -4,13 +4,12 @@ import sys
 
 import numba
 
-from damage.reference.run import ReferenceRun
-from damage.reference.wall import choose_time_step
-from damage.run.session import EXIT_INPUT, Solver, run_session
+from damage.reference.solver import ReferenceSolver
+from damage.run.session import EXIT_INPUT, Backend, run_session
 from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
-SOLVER = Solver("reference", {"numba": numba.__version__}, lambda settings: None, choose_time_step, ReferenceRun)
+BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver)
 
 
 def run_reference(arguments):
@@ -22,5 +21,5 @@ def run_reference(arguments):
         return EXIT_INPUT
     if wall.startswith("-"):
         wall, options = "walls/NAME.py", ["--help"]
-    return run_session(SOLVER, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
+    return run_session(BACKEND, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
 

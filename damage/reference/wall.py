@@ -6,17 +6,13 @@ is `damage.reference.kernel`.
 
 import numpy as np
 
-from damage.errors import InputError
 from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
 from damage.reference import kernel
 from damage.units import GRAVITY
-from damage.wall.joint_law import SHEAR, TENSION, elastic_energy
+from damage.wall.joint_law import elastic_energy
 from damage.wall.layout import GROUND, HEAD
 
-STEP_FACTOR = 0.643
-"""Working time step over the critical one, the same as YADE's: 3.0e-5 s for the shipped walls."""
-EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", kernel.OPENED: "opened", kernel.SLIPPED: "slipped"}
 _CAPACITY = 100_000  # events between two drains of the log
 
 
@@ -232,21 +228,3 @@ def _sum_springs(pairs, contacts, friction):
     # The outermost opening decides for all only where they slide alike; elsewhere each is looked at.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
     pairs["tension"][~np.logical_and.reduceat(alike, start)] = -np.inf
-
-
-def choose_time_step(settings, critical_s):
-    """The run's time step [s]; InputError above the stable one.
-
-    Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
-    xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
-    """
-    from damage.run.settings import LOCAL_DAMPING
-
-    xi = settings.beta_s / critical_s + settings.alpha_1_s * critical_s / 4
-    limit = critical_s * min(np.sqrt(1 + xi**2) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
-    if settings.time_step_s is None:
-        return settings.loading.preferred_step_s(min(STEP_FACTOR * critical_s, 0.85 * limit))
-    if settings.time_step_s > limit:
-        raise InputError(f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
-                         f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one")
-    return settings.time_step_s

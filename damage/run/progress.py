@@ -7,16 +7,16 @@ import time
 class Progress:
     """Rewrites one line on a terminal; prints one every few seconds into a log."""
 
-    def __init__(self, label, total_s, stream=None):
-        self.label, self.total_s = label, total_s
+    def __init__(self, label, stream=None):
+        self.label = label
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
         self.shown, self.shown_any = time.monotonic(), False
         self.started = None  # when the first stage after the static one began
 
-    def show(self, simulated_s, simulation):
-        """Show the stage and the index of a simulation, at most twice a second (every ten seconds in a log)."""
-        now, stage = time.monotonic(), simulation.stage
+    def show(self, simulated_s, run):
+        """Show the stage and the index of a Run, at most twice a second (every ten seconds in a log)."""
+        now, stage = time.monotonic(), run.stage
         if stage != "static" and self.started is None:
             self.started = now
         if now - self.shown < (0.5 if self.live else 10.0):
@@ -24,15 +24,15 @@ class Progress:
         self.shown, self.shown_any = now, True
         line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
         if stage != "static":
-            line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {self.total_s:.2f} s  "
-                    f"DI = {simulation.index:.3f}  {self._left(now, simulated_s)} left")
+            line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
+                    f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left")
         self.stream.write(f"\r{line}\033[K" if self.live else f"{line}\n")
         self.stream.flush()
 
-    def _left(self, now, simulated_s):
-        if simulated_s < 0.01 * self.total_s:
+    def _left(self, now, simulated_s, total_s):
+        if simulated_s < 0.01 * total_s:
             return "--:--"
-        left = int((now - self.started) * max(0.0, self.total_s / simulated_s - 1))
+        left = int((now - self.started) * max(0.0, total_s / simulated_s - 1))
         return f"{left // 60}:{left % 60:02d}"
 
     def close(self):

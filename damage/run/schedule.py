@@ -1,6 +1,6 @@
-"""When a run does what: the shocks of a sequence, each with its motion, rest and settling, in steps.
+"""When a run does what, in steps: the time step, the stages, the base motion of every step.
 
-Both solvers follow the same schedule.  Every stage ends with a sample.
+Every stage ends with a sample.
 """
 
 import math
@@ -8,7 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damage.run.settings import SETTLE_S
+from damage.errors import InputError
+from damage.run.settings import LOCAL_DAMPING, SETTLE_S
+
+STEP_FACTOR = 0.643
+"""Working time step over the critical one: 3.0e-5 s for the shipped walls."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +26,30 @@ class Stage:
     end_step: int
 
 
-def stages(settings, time_step, sample_steps):
-    """The stages of a shaken wall, in order: a list of Stage.
+def choose_time_step(settings, critical_s):
+    """The run's time step [s]; InputError above the stable one.
+
+    Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
+    xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
+    """
+    xi = settings.beta_s / critical_s + settings.alpha_1_s * critical_s / 4
+    limit = critical_s * min(np.sqrt(1 + xi**2) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
+    if settings.time_step_s is None:
+        return settings.loading.preferred_step_s(min(STEP_FACTOR * critical_s, 0.85 * limit))
+    if settings.time_step_s > limit:
+        raise InputError(f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
+                         f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one")
+    return settings.time_step_s
+
+
+def stages(settings, layout, time_step, sample_steps):
+    """The stages after the static one, in order: a list of Stage.
 
     time_step [s]; sample_steps: steps between two samples.
     """
+    if settings.loading.drives_top:
+        n = len(settings.loading.velocities(sample_steps * time_step, layout.pushed_height))
+        return [Stage(1, "motion", 0, n * sample_steps)]
     lengths = {"motion": settings.loading.duration_s, "rest": settings.rest_s, "settling": SETTLE_S}
     found, start = [], 0
     for shock in range(1, len(settings.sequence) + 1):

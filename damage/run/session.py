@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 from damage.errors import InputError
 from damage.history.writer import HistoryWriter, check_output
-from damage.motion.loading import TopDisplacement
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.report import report
+from damage.run.run import Run
+from damage.run.schedule import choose_time_step
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
@@ -19,30 +20,25 @@ EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 
 
 @dataclass(frozen=True)
-class Solver:
-    """What a session needs of a solver.
+class Backend:
+    """A solver as a session needs it.
 
-    check(settings): raises InputError on what the solver cannot do.
-    choose_time_step(settings, critical_s): the run's step [s], or InputError.
-    simulation(layout, settings, time_step, writer, keep_going): an object with
-        settle_under_gravity() and run_all(), True unless interrupted; start(first_mode);
-        stage, index, collapsed_at_s.  It calls keep_going(simulation, time_s) now and then.
+    make(layout, time_step): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
     open_view: opens a live view and returns a function that refreshes it; None where there is none.
     """
 
     name: str
     versions: dict
-    check: Callable
-    choose_time_step: Callable
-    simulation: Callable
+    make: Callable
+    check: Callable = lambda settings: None
     open_view: Callable | None = None
 
 
-def run_session(solver, make_wall, arguments, prog):
+def run_session(backend, make_wall, arguments, prog):
     """Run the wall that `make_wall()` returns with the words of a command line; the exit status:
     0 done, 1 failed, 2 bad input, 130 interrupted."""
     try:
-        return _run(solver, make_wall, arguments, prog)
+        return _run(backend, make_wall, arguments, prog)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_INPUT
@@ -55,24 +51,24 @@ def run_session(solver, make_wall, arguments, prog):
         return EXIT_FAILED
 
 
-def _run(solver, make_wall, arguments, prog):
-    settings = parse_run(arguments, prog=prog, solver=solver.name)
-    solver.check(settings)
+def _run(backend, make_wall, arguments, prog):
+    settings = parse_run(arguments, prog=prog, solver=backend.name)
+    backend.check(settings)
     wall = make_wall()
-    out = settings.out or free_name(wall, settings, solver.name)
+    out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
     layout = lay_out(wall, settings.model)
     modes = natural_modes(layout)
-    time_step = solver.choose_time_step(settings, modes.critical_time_step_s)
-    show = solver.open_view() if settings.view and solver.open_view else None
+    time_step = choose_time_step(settings, modes.critical_time_step_s)
+    show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
     parameters = {"wall": wall.describe(), **settings.describe(), "time_step_s": time_step,
                   "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0])}
-    writer = HistoryWriter(out, layout, solver=solver.name, parameters=parameters,
-                           versions=solver.versions, overwrite=settings.overwrite)
+    writer = HistoryWriter(out, layout, solver=backend.name, parameters=parameters,
+                           versions=backend.versions, overwrite=settings.overwrite)
     print(f"history: {out}", flush=True)
-    status = _simulate(solver, layout, settings, modes, time_step, writer, show)
+    status = _simulate(backend, layout, settings, modes, time_step, writer, show)
     report(out, pictures=settings.pictures and status == EXIT_OK)
     return status
 
@@ -87,37 +83,30 @@ def _announce(layout, settings, modes, time_step):
           f"motion: {settings.loading.name}", flush=True)
 
 
-def _simulate(solver, layout, settings, modes, time_step, writer, show):
+def _simulate(backend, layout, settings, modes, time_step, writer, show):
     """Run all stages; the history is closed and marked however this ends."""
     interrupted = _InterruptFlag()
-    progress = Progress(layout.wall.name, _duration_s(layout, settings))
+    progress = Progress(layout.wall.name)
 
-    def keep_going(simulation, time_s):
-        progress.show(time_s, simulation)
+    def keep_going(run, time_s):
+        progress.show(time_s, run)
         if show:
             show()
         return not interrupted.asked
 
     status, collapsed = "failed", None
     try:
-        simulation = solver.simulation(layout, settings, time_step, writer, keep_going)
-        finished = simulation.settle_under_gravity()
+        run = Run(layout, settings, backend.make(layout, time_step), writer, keep_going)
+        finished = run.settle_under_gravity()
         if finished:
-            simulation.start(modes.shape[0])
-            finished = simulation.run_all()
-        collapsed = simulation.collapsed_at_s
+            run.start(modes.shape[0])
+            finished = run.run_all()
+        collapsed = run.collapsed_at_s
         status = "complete" if finished else "interrupted"
     finally:
         progress.close()
         writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
-
-
-def _duration_s(layout, settings):
-    """Of all stages after the static one [s]."""
-    if isinstance(settings.loading, TopDisplacement):
-        return settings.loading.schedule(layout.pushed_height)[0][-1]
-    return settings.duration_s
 
 
 class _InterruptFlag:

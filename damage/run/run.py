@@ -1,0 +1,190 @@
+"""One wall under one loading, whichever solver moves it: static stage, shocks or a push, samples into a history."""
+
+import numpy as np
+
+from damage.history.writer import SNAPSHOT_SAMPLES
+from damage.run import schedule
+from damage.run.settings import (
+    ADAPTIVE_DAMPING,
+    AT_REST,
+    HOLD_AT_MOST_S,
+    HOLD_S,
+    LOCAL_DAMPING,
+    RAMP_S,
+    SAMPLE_S,
+)
+from damage.run.solver import NO_MOTION
+from damage.run.watch import has_collapsed, index_now
+from damage.units import GRAVITY
+
+
+class Run:
+    """The stages of a run, in order: `settle_under_gravity`, `start`, `run_all`.
+
+    layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
+    writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt).
+    stage, index, time, collapsed_at_s: where the run is.
+    """
+
+    def __init__(self, layout, settings, solver, writer, keep_going):
+        self.layout, self.settings, self.solver = layout, settings, solver
+        self.writer, self.keep_going = writer, keep_going
+        self.stage, self.collapsed_at_s, self._samples = "static", None, 0
+        multiple = solver.habits.sample_multiple
+        self.sample_steps = multiple * max(1, round(SAMPLE_S / solver.time_step / multiple))
+        self.look_steps = solver.habits.look_steps or self.sample_steps
+        self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
+        self.base, self._top_velocities = NO_MOTION, None
+        self._zero = self._last = None  # instants: of time zero, of the last sample
+        self._balance_j = self._damped_j = 0.0
+        if settings.perturb_m > 0:
+            random = np.random.default_rng(settings.seed)
+            solver.shift(random.normal(0, settings.perturb_m, (len(layout.bodies), 2)))
+
+    @property
+    def time(self):
+        """Since the start of the stage under way: of the static one, or of all that follow it [s]."""
+        return self.solver.clock * self.solver.time_step
+
+    @property
+    def index(self):
+        """The damage index of the last sample."""
+        return index_now(self.layout, self._top(self._last) / self.layout.drift_height, self._last.opening,
+                         self._last.slip)
+
+    @property
+    def duration_s(self):
+        """Of all stages after the static one [s]."""
+        return self.stages[-1].end_step * self.solver.time_step
+
+    # --- the stages -----------------------------------------------------------------------------
+
+    def settle_under_gravity(self):
+        """The static stage; True when the wall came to rest, False when interrupted."""
+        solver, dt = self.solver, self.solver.time_step
+        n = round(RAMP_S / dt)
+        share = np.arange(n + 1) / n if solver.habits.whole_step_ramp else np.arange(n + 1) * dt / RAMP_S
+        solver.damp(**self._relaxation(LOCAL_DAMPING))
+        solver.start(NO_MOTION, GRAVITY * np.minimum(1.0, share))
+        while self.keep_going(self, self.time):
+            solver.advance(self.look_steps)
+            held = self.time - RAMP_S
+            if held >= HOLD_S and (solver.unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
+                break
+        else:
+            return False
+        events, now = solver.drain_events(), solver.instant(np.zeros(2))
+        self.writer.static_stage(
+            base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
+            unbalanced_force=solver.unbalanced_force(), broken_joints=int(np.sum(now.state > 0)),
+            duration_s=self.time)
+        self._write_events(events, first_step=-solver.clock)
+        return True
+
+    def start(self, first_mode):
+        """Time zero: the base motion starts, the top is taken hold of, or the wall is kicked into its first mode.
+
+        first_mode: shape (n_bodies, 3), 1 at the top.
+        """
+        solver, loading = self.solver, self.settings.loading
+        self.base = schedule.base_acceleration(self.settings, self.stages, solver.time_step)
+        if not (loading.drives_top and solver.habits.keeps_velocities):
+            solver.set_velocities(loading.initial_velocity_m_s * first_mode)
+        solver.start(self.base, np.array([GRAVITY]))
+        if loading.drives_top:
+            solver.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
+            interval_s = self.sample_steps * solver.time_step
+            self._top_velocities = loading.velocities(interval_s, self.layout.pushed_height)
+        self._zero = self._last = solver.instant(self._base_now())
+        self.stage = self.stages[0].name
+
+    def run_all(self):
+        """All stages; True unless interrupted (a collapse is an end, too)."""
+        finished = self._run_stages()
+        self._write_events(self.solver.drain_events())
+        self.writer.snapshot(self.time, self._motion(self.solver.instant(self._base_now())))
+        return finished or self.collapsed_at_s is not None
+
+    def _run_stages(self):
+        solver = self.solver
+        for stage in self.stages:
+            self.stage = stage.name
+            solver.damp(**self._damping(stage.name))
+            while solver.clock < stage.end_step:
+                if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
+                    return False
+                solver.advance(min(stage.end_step - solver.clock, self.look_steps), self.sample_steps, self.sample)
+        solver.last_sample(self.sample)
+        return True
+
+    def _relaxation(self, local):
+        """How static solutions are found: by adaptive damping, or by so much local damping."""
+        return {"adaptive": ADAPTIVE_DAMPING} if self.settings.relaxation == "adaptive" else {"local": local}
+
+    def _damping(self, stage):
+        """Local damping while settling, that of the settings otherwise: both at once are unstable at this step."""
+        if self.settings.loading.drives_top:
+            return self._relaxation(self.settings.loading.local_damping)
+        if stage == "settling":
+            return {"local": LOCAL_DAMPING}
+        return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
+
+    # --- one sample -----------------------------------------------------------------------------
+
+    def sample(self):
+        """Write one sample of everything, and move a pushed top on; False where the run has to end."""
+        base = self._base_now()
+        now = self._last = self.solver.instant(base)
+        motion, top = self._motion(now), self._top(now)
+        self.writer.append(self.stage, {
+            "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
+            "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
+            "base_shear_n": now.base_shear_n, "top_force_n": now.top_force_n, **self._energies(now, motion),
+        }, now.opening, now.slip, now.state)
+        if self._samples % SNAPSHOT_SAMPLES == 0:
+            self.writer.snapshot(self.time, motion)
+        self._write_events(self.solver.drain_events())
+        if self.collapsed_at_s is None and has_collapsed(self.layout, motion):
+            self.collapsed_at_s = self.time
+        if self._top_velocities is not None:
+            self.solver.push(self._top_velocities[min(self._samples, len(self._top_velocities) - 1)])
+        self._samples += 1
+        return self.collapsed_at_s is None
+
+    def _energies(self, now, motion):
+        """Energies since time zero [J].  Damping that the solver cannot tell is what is missing in the balance
+        while the wall settles or is pushed; in any other stage there is none."""
+        zero = self._zero
+        energies = {
+            "kinetic_energy_j": now.kinetic_j, "elastic_energy_j": now.elastic_j - zero.elastic_j,
+            "gravity_energy_j": GRAVITY * float(self.layout.bodies.mass @ motion[:, 1]),
+            "friction_energy_j": now.friction_j - zero.friction_j,
+            "fracture_energy_j": now.fracture_j - zero.fracture_j,
+        }
+        damped = now.damping_j
+        if damped is None:
+            balance = sum(energies.values()) - now.input_j
+            if self.stage == "settling" or self.settings.loading.drives_top:
+                self._damped_j = self._balance_j - balance
+            else:
+                self._balance_j = balance + self._damped_j
+            damped = self._damped_j
+        return {**energies, "input_energy_j": now.input_j, "damping_energy_j": damped}
+
+    def _motion(self, now):
+        """Displacement of the bodies since time zero, (n_bodies, 3) [m, m, rad]."""
+        return now.displacement - self._zero.displacement
+
+    def _top(self, now):
+        """Mean displacement of the top course over the piers since time zero [m]."""
+        return float(self._motion(now)[self.layout.drift_bodies, 0].mean())
+
+    def _base_now(self):
+        """Acceleration of the base in this step, (2,) [m/s2]."""
+        step = self.solver.clock
+        return self.base[step] if step < len(self.base) else np.zeros(2)
+
+    def _write_events(self, events, first_step=0):
+        """Write what a solver drained; first_step: of its clock's zero, since time zero."""
+        for step, *event in events:
+            self.writer.event((first_step + step) * self.solver.time_step, *event)

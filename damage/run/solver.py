@@ -1,0 +1,92 @@
+"""What a run asks of a solver: a few verbs, and instants."""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+NO_MOTION = np.zeros((0, 2))
+"""Acceleration of a base that stands still."""
+
+
+class Instant(NamedTuple):
+    """A wall at one instant, positions and forces of the same time.
+
+    displacement: (n_bodies, 3) since the wall was built [m, m, rad]; opening, slip: (n_joints,) [m];
+    state: (n_joints,) bits BROKEN and AT_LIMIT; base_shear_n [N]; top_force_n [N], NaN where nothing is held;
+    energies [J]: kinetic and elastic, and those that came in or were dissipated since `start`;
+    damping_j: None where the solver cannot tell it: then the run infers it from the balance.
+    """
+
+    displacement: np.ndarray
+    opening: np.ndarray
+    slip: np.ndarray
+    state: np.ndarray
+    base_shear_n: float
+    top_force_n: float
+    kinetic_j: float
+    elastic_j: float
+    input_j: float
+    friction_j: float
+    fracture_j: float
+    damping_j: float | None
+
+
+class Habits(NamedTuple):
+    """What solvers still do each in their own way; all of it is meant to go.
+
+    sample_multiple: a sample lasts a multiple of so many steps; look_steps: steps between two looks at the static
+    criterion and at interrupts, None for those of a sample; whole_step_ramp: gravity ramps up over whole steps, not
+    over RAMP_S; keeps_velocities: of the static stage, into a quasi-static one.
+    """
+
+    sample_multiple: int
+    look_steps: int | None
+    whole_step_ramp: bool
+    keeps_velocities: bool
+
+
+class Solver(Protocol):
+    """One wall at rest, unloaded; steps are counted by `clock` from the last `start`."""
+
+    habits: Habits
+    time_step: float
+    clock: int
+
+    def start(self, base, gravity):
+        """From this step on move the base by `base` (k, 2) under `gravity` (k,) [m/s2], whose last value stays."""
+
+    def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
+        """From now on damp so, and in no other way: Cundall's local damping, the share that adaptive damping takes
+        [-], damping proportional to mass [1/s] and to stiffness [s]."""
+
+    def shift(self, offsets):
+        """Move the bodies by (n_bodies, 2) [m]."""
+
+    def set_velocities(self, velocities):
+        """(n_bodies, 3) [m/s, m/s, rad/s]."""
+
+    def hold(self, bodies, rotation):
+        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
+
+    def push(self, velocity):
+        """Prescribe the horizontal velocity of the held bodies [m/s]."""
+
+    def advance(self, n_steps, sample_steps=None, on_sample=None):
+        """Take steps.  `on_sample()` is called at time zero and after every `sample_steps` steps, where instants and
+        forces can be read; where it returns False the rest is left."""
+
+    def last_sample(self, on_sample):
+        """Call `on_sample` once more where the last steps ended without."""
+
+    def instant(self, base_acceleration):
+        """The Instant now; base_acceleration: (2,) of this step [m/s2]."""
+
+    def unbalanced_force(self):
+        """Mean resultant on a body, weight included, over the mean contact force [-]."""
+
+    def base_reaction(self):
+        """Vertical force of the wall on the ground [N], downwards positive."""
+
+    def drain_events(self):
+        """Events since the last call, tuples (step since `start`, joint, kind, normal stress, shear stress, opening,
+        slip) as `HistoryWriter.event` takes them."""

@@ -1,0 +1,191 @@
+"""YADE's side of a run: the verbs of `damage.run.solver` for a wall in YADE's scene.
+
+One Python engine works in every step, between the interaction loop and the integration, where positions and forces
+belong to the same instant: it moves the base, logs every break, follows the broken joints, and hands out samples.
+"""
+
+import builtins
+
+import numpy as np
+from yade import O, PyRunner, Vector3, utils
+
+from damage.history.schema import AT_LIMIT, BROKEN
+from damage.index import THRESHOLD
+from damage.run.solver import NO_MOTION, Habits, Instant
+from damage.wall.kinematics import ContactKinematics
+from yade_scripts.joint_tracker import JointTracker
+from yade_scripts.model import build
+from yade_scripts.scene import SceneReader
+
+JOINT_STEPS = 10  # steps between two looks at the broken joints
+
+
+class YadeSolver:
+    """A wall in YADE that a Run can move."""
+
+    habits = Habits(sample_multiple=JOINT_STEPS, look_steps=500, whole_step_ramp=True, keeps_velocities=False)
+
+    def __init__(self, layout, time_step):
+        self.layout, self.time_step = layout, time_step
+        self.model = build(layout, time_step)
+        self.scene = SceneReader(self.model)
+        self.kinematics = ContactKinematics(layout)
+        self.tracker = JointTracker(layout, THRESHOLD)
+        self._base, self._gravity, self._first_step = NO_MOTION, np.zeros(1), 0
+        self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
+        self._sample_steps = self._on_sample = None
+        self._breaks_seen, self._events, self._known = 0, [], (0, None)
+        self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
+        builtins.masonry_solver = self  # where the engine's command can find it
+        O.engines = [*O.engines[:-1], PyRunner(command="masonry_solver.look()", iterPeriod=1), self.model.newton]
+
+    # --- what moves it --------------------------------------------------------------------------
+
+    @property
+    def clock(self):
+        """Steps since `start`."""
+        return O.iter - self._first_step
+
+    def start(self, base, gravity):
+        """From this step on move the base by `base` (k, 2) under `gravity` (k,) [m/s2], whose last value stays."""
+        self._base, self._gravity, self._first_step = base, gravity, O.iter
+
+    def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
+        """From now on damp so; YADE has local damping alone."""
+        if adaptive or alpha or beta:
+            raise NotImplementedError(f"adaptive {adaptive}, alpha {alpha}, beta {beta}: YADE damps locally alone")
+        self.model.newton.damping = local
+
+    def shift(self, offsets):
+        """Move the bodies by (n_bodies, 2) [m]."""
+        for state, (dx, dz) in zip(self.scene.states, offsets):
+            state.pos += Vector3(dx, 0, dz)
+
+    def set_velocities(self, velocities):
+        """(n_bodies, 3) [m/s, m/s, rad/s]."""
+        for state, (vx, vz, turn) in zip(self.scene.states, velocities):
+            state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -turn, 0)
+
+    def hold(self, bodies, rotation):
+        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
+        self._held = bodies
+        for body in bodies:
+            self.scene.states[body].blockedDOFs = "xyXYZ" if rotation else "xyXZ"
+        self.scene.follows[np.ix_(bodies, [0, 2] if rotation else [0])] = 0.0
+
+    def push(self, velocity):
+        """Prescribe the horizontal velocity of the held bodies [m/s]; the jump's work is input."""
+        old, self._velocity = self._velocity, float(velocity)
+        for body in self._held:
+            state = self.scene.states[body]
+            state.vel = (self._velocity, state.vel[1], state.vel[2])
+        mass = float(self.layout.bodies.mass[self._held].sum())
+        self._input_energy += 0.5 * mass * (self._velocity**2 - old**2)
+        self._input_power = self._push_force() * self._velocity
+
+    def advance(self, n_steps, sample_steps=None, on_sample=None):
+        """Take steps, `on_sample()` at time zero and in every one that comes `sample_steps` after the last."""
+        self._sample_steps, self._on_sample = sample_steps, on_sample
+        O.run(n_steps, True)
+
+    def last_sample(self, on_sample):
+        """One step more takes it."""
+        self.advance(1, self._sample_steps, on_sample)
+
+    # --- one step -------------------------------------------------------------------------------
+
+    def look(self):
+        """What the engine does in every step."""
+        step, law = self.clock, self.model.law
+        base = self._base[step] if step < len(self._base) else (0.0, 0.0)
+        gravity = self._gravity[min(step, len(self._gravity) - 1)]
+        self.model.newton.gravity = (-float(base[0]), 0.0, -float(gravity) - float(base[1]))
+        if law.nbTensCracks + law.nbShearCracks != self._breaks_seen:
+            self._log_breaks()
+        if self._on_sample is None:
+            return
+        if step % JOINT_STEPS == 0:
+            self._follow_joints()
+            self._integrate_input(base)
+        if step % self._sample_steps == 0:
+            self._on_sample()
+
+    def _log_breaks(self):
+        law, tracker = self.model.law, self.tracker
+        self._breaks_seen = law.nbTensCracks + law.nbShearCracks
+        new = np.flatnonzero(~self.scene.still_bonded() & ~tracker.broken)
+        _, shear = self.kinematics.displacements(self.scene.motion(), new)
+        for joint, slip in zip(new, shear):
+            opening = self.scene.opening_of(joint)
+            sigma = tracker.normal_stiffness[joint] * opening
+            tau = tracker.shear_stiffness[joint] * slip
+            kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
+            tracker.breaks(joint, kind, sigma, tau)
+            self._events.append((self.clock, int(joint), kind, sigma, tau))
+
+    def _follow_joints(self):
+        broken = np.flatnonzero(self.tracker.broken)
+        if len(broken) == 0:
+            return
+        _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken)
+        opening = np.array([self.scene.opening_of(i) for i in broken])
+        tau = self.scene.shear_stresses(broken)
+        for joint, kind in self.tracker.sample(broken, opening, shear, tau):
+            self._events.append((self.clock, joint, kind, 0.0, 0.0, self.tracker.opening[joint],
+                                 self.tracker.slip[joint]))
+
+    def _bodies_at(self, joints):
+        """Bodies on either side of the joints, kept between looks as long as the joints are."""
+        if len(joints) != self._known[0]:
+            ends = np.concatenate([end[joints] for end in self.kinematics.ends])
+            self._known = len(joints), np.unique(ends[ends < len(self.layout.bodies)])
+        return self._known[1]
+
+    def _integrate_input(self, base):
+        """Work of the pushed top, or of the base's inertia forces in the frame that moves with it, by trapezia."""
+        if self._held is not None:
+            power = self._push_force() * self._velocity
+        else:
+            power = -float(np.dot(base, self._momentum())) if np.any(base) else 0.0
+        time = self.clock * self.time_step
+        self._input_energy += (power + self._input_power) / 2 * (time - self._input_time)
+        self._input_power, self._input_time = power, time
+
+    def _momentum(self):
+        mass = self.scene.mass[:, 0]
+        force = np.array([-self.scene.base_shear(), self.scene.base_reaction()])
+        gravity = np.array(self.model.newton.gravity)[[0, 2]]
+        return mass @ self.scene.velocities()[:, :2] + self.time_step / 2 * (force + mass.sum() * gravity)
+
+    def _push_force(self):
+        """Horizontal force that moves the held bodies [N]: what the joints below hold them back with."""
+        return -sum(O.forces.f(cell, True)[0] for body in self._held for cell in self.scene.members[body])
+
+    # --- what is measured -----------------------------------------------------------------------
+
+    def instant(self, base_acceleration):
+        """The Instant now; base_acceleration: (2,) of this step [m/s2].
+
+        YADE's own sum of what local damping took has the contacts' forces alone, without the weights that balance
+        them: the run infers it.
+        """
+        tracker = self.tracker
+        speed = self.scene.synchronous_velocities(self.time_step / 2, base_acceleration)
+        return Instant(self.scene.motion(), tracker.opening, tracker.slip,
+                       BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit, self.scene.base_shear(),
+                       np.nan if self._held is None else self._push_force(),
+                       0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),
+                       self._input_energy, tracker.friction_energy, tracker.fracture_energy, None)
+
+    def unbalanced_force(self):
+        """Mean resultant on a body over the mean contact force [-], by YADE."""
+        return utils.unbalancedForce()
+
+    def base_reaction(self):
+        """Vertical force of the wall on the ground [N], downwards positive."""
+        return self.scene.base_reaction()
+
+    def drain_events(self):
+        """Events since the last call, tuples as `HistoryWriter.event` takes them, with steps in place of times."""
+        events, self._events = self._events, []
+        return events
