@@ -36,7 +36,9 @@ class ContactKinematics:
         return np.where(head, along_x, along_z), np.where(head, along_z, along_x)
 
     def _point_motion(self, motion, end, select):
-        ux, uz, turn = motion[self.ends[end][select]].T
+        # A copy, row by row: where an output happens to lie right behind a strided input numpy takes another cosine,
+        # which may differ in its last bit, and two runs of one command would not be the same.
+        ux, uz, turn = np.array(motion[self.ends[end][select]].T, order="C")
         rx, rz = self.arms[end][0][select], self.arms[end][1][select]
         cos, sin = np.cos(turn) - 1, np.sin(turn)
         return ux + cos * rx - sin * rz, uz + sin * rx + cos * rz, turn
