@@ -172,8 +172,7 @@ def _mover(case):
         case.rest()
         forces = []
         # The cells pass the step's velocity on to their bonds in the next step.
-        case.run(1, lambda k: forces.extend(scene._resultant(members, state.pos[0])
-                                            for members, state in zip(scene.members, states)))
+        case.run(1, lambda k: forces.extend(scene.resultants()))
         return np.array(forces)
 
     return forces_after

@@ -52,10 +52,16 @@ class SceneReader:
 
     def synchronous_velocities(self, half_step, base_acceleration):
         """Velocities at the instant of the positions: v(t - dt/2) + dt/2 a(t)."""
-        forces = np.array([self._resultant(members, state.pos[0]) for members, state in
-                           zip(self.members, self.states)])
         field = (-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0)
-        return self.velocities() + half_step * self.follows * (forces / self.mass + field)
+        return self.velocities() + half_step * self.follows * (self.resultants() / self.mass + field)
+
+    def resultants(self):
+        """Forces and moment of the contacts on every body: (n_bodies, 3) [N, N, N m]."""
+        return np.array([self._resultant(members, state.pos[0]) for members, state in zip(self.members, self.states)])
+
+    def contact_forces(self):
+        """Size of the force in every contact (n_contacts,) [N]."""
+        return np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
 
     def _resultant(self, members, x_centre):
         """Force along x and z [N] and moment [N m] of the contacts on a clump; rotations are small."""

@@ -7,7 +7,7 @@ belong to the same instant: it moves the base, logs every break, follows the bro
 import builtins
 
 import numpy as np
-from yade import O, PyRunner, Vector3, utils
+from yade import O, PyRunner, Vector3
 
 from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
@@ -177,9 +177,9 @@ class YadeSolver:
                        0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),
                        self._input_energy, tracker.friction_energy, tracker.fracture_energy, None)
 
-    def unbalanced_force(self):
-        """Mean resultant on a body over the mean contact force [-], by YADE."""
-        return utils.unbalancedForce()
+    def forces(self):
+        """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact, (n_contacts,) [N]."""
+        return self.scene.resultants(), self.scene.contact_forces()
 
     def base_reaction(self):
         """Vertical force of the wall on the ground [N], downwards positive."""

@@ -59,6 +59,11 @@ class ReferenceSolver(ReferenceWall):
                        self.push_force(), self.kinetic_energy(base_acceleration), self.elastic_energy(),
                        input_j, friction_j, fracture_j, damping_j)
 
+    def forces(self):
+        """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact, (n_contacts,) [N]."""
+        joints = self.system.joints
+        return self.force[:-1], np.hypot(joints["sigma"], joints["tau"]) * self.layout.contacts.area
+
     def base_reaction(self):
         """Vertical force of the wall on the ground [N], downwards positive."""
         return self.base_force()[1]

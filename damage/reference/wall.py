@@ -143,14 +143,6 @@ class ReferenceWall:
         ground = self.system.place[-1]
         return float(ground["fx"]), float(-ground["fz"])
 
-    def unbalanced_force(self):
-        """Mean resultant on a body, weight included, over the mean contact force [-]."""
-        mass, force = self.layout.bodies.mass, self.force[:-1]
-        resultant = np.hypot(force[:, 0], force[:, 1] - GRAVITY * mass)
-        joints = self.system.joints
-        contact = np.hypot(joints["sigma"], joints["tau"]) * self.layout.contacts.area
-        return float(resultant.mean() / contact.mean())
-
     def kinetic_energy(self, base_acceleration=(0.0, 0.0)):
         """At the instant of the places: velocities are carried half a step on [J]."""
         x, z = base_acceleration

@@ -14,7 +14,7 @@ from damage.run.settings import (
     SAMPLE_S,
 )
 from damage.run.solver import NO_MOTION
-from damage.run.watch import has_collapsed, index_now
+from damage.run.watch import has_collapsed, index_now, unbalanced_force
 from damage.units import GRAVITY
 
 
@@ -69,14 +69,14 @@ class Run:
         while self.keep_going(self, self.time):
             solver.advance(self.look_steps)
             held = self.time - RAMP_S
-            if held >= HOLD_S and (solver.unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
+            if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
                 break
         else:
             return False
         events, now = solver.drain_events(), solver.instant(np.zeros(2))
         self.writer.static_stage(
             base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
-            unbalanced_force=solver.unbalanced_force(), broken_joints=int(np.sum(now.state > 0)),
+            unbalanced_force=self._unbalanced_force(), broken_joints=int(np.sum(now.state > 0)),
             duration_s=self.time)
         self._write_events(events, first_step=-solver.clock)
         return True
@@ -116,6 +116,9 @@ class Run:
                 solver.advance(min(stage.end_step - solver.clock, self.look_steps), self.sample_steps, self.sample)
         solver.last_sample(self.sample)
         return True
+
+    def _unbalanced_force(self):
+        return unbalanced_force(self.layout, *self.solver.forces())
 
     def _relaxation(self, local):
         """How static solutions are found: by adaptive damping, or by so much local damping."""

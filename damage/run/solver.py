@@ -81,8 +81,8 @@ class Solver(Protocol):
     def instant(self, base_acceleration):
         """The Instant now; base_acceleration: (2,) of this step [m/s2]."""
 
-    def unbalanced_force(self):
-        """Mean resultant on a body, weight included, over the mean contact force [-]."""
+    def forces(self):
+        """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact, (n_contacts,) [N]."""
 
     def base_reaction(self):
         """Vertical force of the wall on the ground [N], downwards positive."""

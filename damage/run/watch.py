@@ -1,8 +1,9 @@
-"""What every solver looks at while it runs: the index of this instant, and whether a brick fell."""
+"""What a run looks at while it goes on: the index of this instant, whether a wall is at rest, whether a brick fell."""
 
 import numpy as np
 
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
+from damage.units import GRAVITY
 
 
 def index_now(layout, drift_ratio, opening, slip):
@@ -16,3 +17,12 @@ def has_collapsed(layout, motion):
     """Whether a brick has dropped by half its height; motion: (n_bodies, 3) since the static stage."""
     bricks = slice(0, layout.n_bricks)
     return bool(np.any(-motion[bricks, 1] > layout.bodies.height[bricks] / 2))
+
+
+def unbalanced_force(layout, on_bodies, in_contacts):
+    """Mean resultant on a body, weight included, over the mean contact force [-].
+
+    on_bodies: forces of the contacts, (n_bodies, 3) [N, N, N m]; in_contacts: (n_contacts,) [N].
+    """
+    resultant = np.hypot(on_bodies[:, 0], on_bodies[:, 1] - GRAVITY * layout.bodies.mass)
+    return float(resultant.mean() / in_contacts.mean())
