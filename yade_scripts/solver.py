@@ -1,7 +1,8 @@
 """YADE's side of a run: the verbs of `damage.run.solver` for a wall in YADE's scene.
 
-One Python engine works in every step, between the interaction loop and the integration, where positions and forces
-belong to the same instant: it moves the base, logs every break, follows the broken joints, and hands out samples.
+A step integrates first and then works out the forces, so that it ends where positions and forces belong to the same
+instant.  There one Python engine logs every break, follows the broken joints, hands out samples and sets the field that
+the next step integrates.
 """
 
 import builtins
@@ -31,24 +32,23 @@ class YadeSolver:
         self.scene = SceneReader(self.model)
         self.kinematics = ContactKinematics(layout)
         self.tracker = JointTracker(layout, THRESHOLD)
-        self._base, self._gravity, self._first_step = NO_MOTION, np.zeros(1), 0
+        self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
         self._sample_steps = self._on_sample = None
         self._breaks_seen, self._events, self._known = 0, [], (0, None)
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
+        self.clock = 0  # steps since `start`
         builtins.masonry_solver = self  # where the engine's command can find it
-        O.engines = [*O.engines[:-1], PyRunner(command="masonry_solver.look()", iterPeriod=1), self.model.newton]
+        O.engines = [self.model.newton, *O.engines[:-1], PyRunner(command="masonry_solver.look()", iterPeriod=1)]
+        self.model.newton.warnNoForceReset = False  # they are, after they were integrated
+        O.step()  # without a field nothing moves: the forces at the start
 
     # --- what moves it --------------------------------------------------------------------------
 
-    @property
-    def clock(self):
-        """Steps since `start`."""
-        return O.iter - self._first_step
-
     def start(self, base, gravity):
         """From this step on move the base by `base` (k, 2) under `gravity` (k,) [m/s2], whose last value stays."""
-        self._base, self._gravity, self._first_step = base, gravity, O.iter
+        self._base, self._gravity, self.clock = base, gravity, 0
+        self._set_field()
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
         """From now on damp so; YADE has local damping alone."""
@@ -84,30 +84,39 @@ class YadeSolver:
         self._input_power = self._push_force() * self._velocity
 
     def advance(self, n_steps, sample_steps=None, on_sample=None):
-        """Take steps, `on_sample()` at time zero and in every one that comes `sample_steps` after the last."""
+        """Take steps, `on_sample()` at time zero and after every `sample_steps`."""
         self._sample_steps, self._on_sample = sample_steps, on_sample
+        if on_sample and self.clock == 0:
+            self._observe()
         O.run(n_steps, True)
-
-    def last_sample(self, on_sample):
-        """One step more takes it."""
-        self.advance(1, self._sample_steps, on_sample)
 
     # --- one step -------------------------------------------------------------------------------
 
     def look(self):
-        """What the engine does in every step."""
-        step, law = self.clock, self.model.law
-        base = self._base[step] if step < len(self._base) else (0.0, 0.0)
-        gravity = self._gravity[min(step, len(self._gravity) - 1)]
-        self.model.newton.gravity = (-float(base[0]), 0.0, -float(gravity) - float(base[1]))
+        """What the engine does at the end of every step."""
+        law = self.model.law
+        self.clock += 1
+        self._set_field()
         if law.nbTensCracks + law.nbShearCracks != self._breaks_seen:
             self._log_breaks()
-        if self._on_sample is None:
-            return
-        if step % JOINT_STEPS == 0:
+        if self._on_sample:
+            self._observe()
+
+    def _set_field(self):
+        """The acceleration of all masses in the next step, in the frame of the base."""
+        ax, az = self._base_now()
+        gravity = self._gravity[min(self.clock, len(self._gravity) - 1)]
+        self.model.newton.gravity = (-float(ax), 0.0, -float(gravity) - float(az))
+
+    def _base_now(self):
+        return self._base[self.clock] if self.clock < len(self._base) else (0.0, 0.0)
+
+    def _observe(self):
+        """Follow the broken joints and the energy that comes in; hand out a sample where one is due."""
+        if self.clock % JOINT_STEPS == 0:
             self._follow_joints()
-            self._integrate_input(base)
-        if step % self._sample_steps == 0:
+            self._integrate_input(self._base_now())
+        if self.clock % self._sample_steps == 0:
             self._on_sample()
 
     def _log_breaks(self):

@@ -49,9 +49,6 @@ class ReferenceSolver(ReferenceWall):
             self.run(min(sample_steps - self.clock % sample_steps, end - self.clock))
             goes_on = self.clock % sample_steps > 0 or on_sample()
 
-    def last_sample(self, on_sample):
-        """Nothing is left: samples are taken after their steps."""
-
     def instant(self, base_acceleration):
         """The Instant now; base_acceleration: (2,) of this step [m/s2]."""
         input_j, friction_j, fracture_j, damping_j = self.energy.tolist()

@@ -114,7 +114,6 @@ class Run:
                 if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
                     return False
                 solver.advance(min(stage.end_step - solver.clock, self.look_steps), self.sample_steps, self.sample)
-        solver.last_sample(self.sample)
         return True
 
     def _unbalanced_force(self):

@@ -75,9 +75,6 @@ class Solver(Protocol):
         """Take steps.  `on_sample()` is called at time zero and after every `sample_steps` steps, where instants and
         forces can be read; where it returns False the rest is left."""
 
-    def last_sample(self, on_sample):
-        """Call `on_sample` once more where the last steps ended without."""
-
     def instant(self, base_acceleration):
         """The Instant now; base_acceleration: (2,) of this step [m/s2]."""
 
