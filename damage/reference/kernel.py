@@ -136,8 +136,8 @@ def contact_forces(system, constants, step, dt, keep=True):
         turn = (b.sin - a.sin) + (b.sin * a.cos1 - a.sin * b.cos1)
         # Normal force, shear force and couple of the pair's springs, or of the law.
         widest = middle + pair.reach * abs(turn)
-        if (pair.broken == 0 and not by_law and widest <= pair.tension
-                and abs(shear) + pair.ratio * widest < pair.cohesion):
+        if (pair.broken == 0 and not by_law
+                and joint_law.stays_elastic(widest, shear, pair.tension, pair.cohesion, pair.ratio)):
             normal, along = pair.kn * middle + pair.first * turn, pair.ks * shear
             couple = pair.first * middle + pair.second * turn
         else:
@@ -166,7 +166,7 @@ def springs(contacts, pair, middle, shear, turn, friction):
         if 0.0 < opening <= contact.idle and contact.tau0 == 0.0:  # stays open: no force
             contact.shear0 = shear
             continue
-        elastic &= (sigma <= contact.ft) & (abs(tau) < contact.cohesion - sigma * friction)
+        elastic &= joint_law.stays_elastic(sigma, tau, contact.ft, contact.cohesion, friction)
         normal += sigma
         along += tau
         couple += sigma * contact.offset

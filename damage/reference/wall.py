@@ -11,7 +11,7 @@ from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
 from damage.reference import kernel
 from damage.units import GRAVITY
-from damage.wall.joint_law import SHEAR, TENSION, elastic_energy
+from damage.wall.joint_law import SHEAR, TENSION, LawParameters, elastic_energy, elastic_range
 from damage.wall.layout import GROUND, HEAD
 
 STEP_FACTOR = 0.643
@@ -225,9 +225,9 @@ def _sum_springs(pairs, contacts, friction):
         pairs[name] = np.add.reduceat(values, start)
     pairs["reach"] = np.maximum.reduceat(np.abs(offset), start)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = kn / ks * friction
-        pairs["tension"] = np.minimum.reduceat(contacts["ft"] / kn, start)
-        pairs["cohesion"] = np.minimum.reduceat(contacts["cohesion"] / ks, start)
+        opening, slide, ratio = elastic_range(LawParameters(kn, ks, contacts["ft"], contacts["cohesion"], friction))
+        pairs["tension"] = np.minimum.reduceat(opening, start)
+        pairs["cohesion"] = np.minimum.reduceat(slide, start)
     pairs["ratio"] = ratio[start]
     # The outermost opening decides for all only where they slide alike; elsewhere each is looked at.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
