@@ -27,28 +27,75 @@ OPENED, SLIPPED = 3, 4  # event kinds beside joint_law's TENSION and SHEAR
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)  # entries of `energy` [J]
 
 
-def _row(reals, **others):
-    return np.dtype([(name, np.float64) for name in reals.split()] + list(others.items()), align=True)
+REAL, INDEX, FLAG, BITS = np.float64, np.uint32, np.bool_, np.uint8
 
 
-# Bodies a and b and the arms from their centres to the middle of their contacts [m]; the springs of all contacts
-# together: kn, ks, sums of kn offset and kn offset^2 [N/m, N, N m]; where none can break: opening at the outermost
-# offset (reach) up to `tension`, slide plus ratio times that opening below `cohesion` [m]; contacts start to stop - 1;
-# head joint or not; whether one is broken.
-PAIR = _row("ax az bx bz kn ks first second reach tension cohesion ratio", a=np.uint32, b=np.uint32, start=np.uint32,
-            stop=np.uint32, head=np.uint32, broken=np.uint32)
-# Offset from the pair's middle, along +x in bed and -z in head joints [m]; stiffnesses times area [N/m];
-# strengths left times area [N], zero once broken; shear displacement [m] and force [N] of the last step once
-# broken, zero before; opening [m] up to which an open contact needs no law, below zero until it is broken.
-CONTACT = _row("offset kn ks ft cohesion shear0 tau0 idle")
-# For readers: opening (also negative) and shear displacement [m], stresses [Pa], all of the last step of
-# a run; plastic slip [m]; area [m2]; flags; bits of first passings (1 opened, 2 slipped).
-JOINT = _row("opening shear sigma tau slip area", broken=np.bool_, at_limit=np.bool_, passed=np.uint8)
-# Displacement [m], cos - 1 and sin of the rotation, force [N], moment [N m], rotation [rad].
-PLACE = _row("x z cos1 sin fx fz moment turn")
-# Velocity half a step ago [m/s], [rad/s]; mass [kg], inertia [kg m2]; their inverses by which x, z and
-# rotation follow their forces, zero where the velocity is prescribed.
-MOTION = _row("vx vz spin mass inertia free_x free_z free_turn")
+def _row(*fields):
+    """The dtype of a table's row from its fields: (name, type, unit, meaning)."""
+    return np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
+
+
+PAIR = _row(
+    ("ax", REAL, "m", "arm from the centre of body a to the middle of the contacts, along x"),
+    ("az", REAL, "m", "the same along z"),
+    ("bx", REAL, "m", "arm from the centre of body b, along x"),
+    ("bz", REAL, "m", "the same along z"),
+    ("kn", REAL, "N/m", "normal stiffness of all contacts together"),
+    ("ks", REAL, "N/m", "shear stiffness of all contacts together"),
+    ("kn_offset", REAL, "N", "sum of kn offset over the contacts"),
+    ("kn_offset2", REAL, "N m", "sum of kn offset^2"),
+    ("reach", REAL, "m", "offset of the outermost contact"),
+    ("largest_opening", REAL, "m", "opening at the reach up to which no contact can break"),
+    ("largest_slide", REAL, "m", "shear displacement below which none can, at no opening"),
+    ("slide_loss", REAL, "-", "by how much an opening at the reach lowers the largest slide"),
+    ("a", INDEX, "-", "row of body a"),
+    ("b", INDEX, "-", "row of body b"),
+    ("start", INDEX, "-", "row of the first contact"),
+    ("stop", INDEX, "-", "row after the last one"),
+    ("head", INDEX, "-", "1 for a head joint, 0 for a bed joint"),
+    ("broken", INDEX, "-", "1 once a contact is broken"),
+)
+CONTACT = _row(
+    ("offset", REAL, "m", "from the pair's middle, along +x in bed and -z in head joints"),
+    ("kn", REAL, "N/m", "normal stiffness times area"),
+    ("ks", REAL, "N/m", "shear stiffness times area"),
+    ("tensile_force", REAL, "N", "tensile strength left times area, zero once broken"),
+    ("cohesive_force", REAL, "N", "cohesion left times area, zero once broken"),
+    ("shear0", REAL, "m", "shear displacement of the last step once broken, zero before"),
+    ("tau0", REAL, "N", "shear force of the last step once broken, zero before"),
+    ("idle", REAL, "m", "opening up to which an open contact needs no law, below zero until it is broken"),
+)
+JOINT = _row(  # beside its contact; the first four are those of a run's last step (`read_joints`)
+    ("opening", REAL, "m", "normal displacement, also negative"),
+    ("shear", REAL, "m", "shear displacement"),
+    ("sigma", REAL, "Pa", "normal stress, tension positive"),
+    ("tau", REAL, "Pa", "shear stress"),
+    ("slip", REAL, "m", "plastic slip while closed, signed"),
+    ("area", REAL, "m2", ""),
+    ("broken", FLAG, "-", "the bond is gone"),
+    ("at_limit", FLAG, "-", "has failed in shear or slid, ever"),
+    ("passed", BITS, "-", "first passings of the threshold: 1 opened, 2 slipped"),
+)
+PLACE = _row(  # of a body
+    ("x", REAL, "m", "displacement since the wall was built"),
+    ("z", REAL, "m", "the same, upwards"),
+    ("cos1", REAL, "-", "cosine of the rotation, less 1"),
+    ("sin", REAL, "-", "sine of the rotation"),
+    ("fx", REAL, "N", "force of the contacts along x"),
+    ("fz", REAL, "N", "force along z"),
+    ("moment", REAL, "N m", "about the centre, from x towards z"),
+    ("turn", REAL, "rad", "rotation, from x towards z"),
+)
+MOTION = _row(  # of a body; velocities are those half a step ago
+    ("vx", REAL, "m/s", ""),
+    ("vz", REAL, "m/s", ""),
+    ("spin", REAL, "rad/s", ""),
+    ("mass", REAL, "kg", ""),
+    ("inertia", REAL, "kg m2", "about the centre"),
+    ("inverse_mass_x", REAL, "1/kg", "by which x follows its force; zero where vx is prescribed"),
+    ("inverse_mass_z", REAL, "1/kg", "by which z follows its force; zero where vz is prescribed"),
+    ("inverse_inertia", REAL, "1/(kg m2)", "by which the rotation follows; zero where spin is prescribed"),
+)
 
 # Fused multiply-adds, which round once instead of twice, are all the freedom given, and neither springs
 # nor law have it: to the last bit they agree with each other, and a contact at its limit stays there.
@@ -137,9 +184,9 @@ def contact_forces(system, constants, step, dt, keep=True):
         # Normal force, shear force and couple of the pair's springs, or of the law.
         widest = middle + pair.reach * abs(turn)
         if (pair.broken == 0 and not by_law
-                and joint_law.stays_elastic(widest, shear, pair.tension, pair.cohesion, pair.ratio)):
-            normal, along = pair.kn * middle + pair.first * turn, pair.ks * shear
-            couple = pair.first * middle + pair.second * turn
+                and joint_law.stays_elastic(widest, shear, pair.largest_opening, pair.largest_slide, pair.slide_loss)):
+            normal, along = pair.kn * middle + pair.kn_offset * turn, pair.ks * shear
+            couple = pair.kn_offset * middle + pair.kn_offset2 * turn
         else:
             normal, along, couple, elastic = springs(contacts, pair, middle, shear, turn, friction)
             if by_law or not elastic:
@@ -166,7 +213,7 @@ def springs(contacts, pair, middle, shear, turn, friction):
         if 0.0 < opening <= contact.idle and contact.tau0 == 0.0:  # stays open: no force
             contact.shear0 = shear
             continue
-        elastic &= joint_law.stays_elastic(sigma, tau, contact.ft, contact.cohesion, friction)
+        elastic &= joint_law.stays_elastic(sigma, tau, contact.tensile_force, contact.cohesive_force, friction)
         normal += sigma
         along += tau
         couple += sigma * contact.offset
@@ -185,7 +232,7 @@ def remember(contacts, pair, shear):
     """Keep the shear force of broken contacts that stick: sliding works against the last one."""
     for i in range(pair.start, pair.stop):
         contact = contacts[i]
-        if contact.ft == 0.0:
+        if contact.tensile_force == 0.0:
             contact.tau0, contact.shear0 = contact.tau0 + contact.ks * (shear - contact.shear0), shear
 
 
@@ -199,7 +246,7 @@ def joint_forces(system, constants, step, dt, pair, middle, shear, turn):
         new, event = judge(contact, joint, opening, shear, constants.friction)
         if new.broken:
             log_joint(system, constants, step, i, event, opening, sigma, tau, new)
-            contact.ft = contact.cohesion = 0.0
+            contact.tensile_force = contact.cohesive_force = 0.0
             contact.shear0, contact.tau0 = shear, new.shear_stress
             pair.broken = 1
         sigma, tau = new.normal_stress, new.shear_stress
@@ -219,7 +266,7 @@ def joint_forces(system, constants, step, dt, pair, middle, shear, turn):
 @_exactly
 def judge(contact, joint, opening, shear, friction):
     """The joint law of one contact, with the shear displacement since it last changed the contact."""
-    law = LawParameters(contact.kn, contact.ks, contact.ft, contact.cohesion, friction)
+    law = LawParameters(contact.kn, contact.ks, contact.tensile_force, contact.cohesive_force, friction)
     old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0)
     return joint_law.advance(opening, shear - contact.shear0, old, law)
 
@@ -238,18 +285,18 @@ def integrate(system, constants, field_x, field_z, ax, az, dt):
         at, to = place[k], motion[k]
         old_x, old_z, old_spin = to.vx, to.vz, to.spin
         # A prescribed velocity stays.
-        rate_x = at.fx * to.free_x - field_x if to.free_x > 0.0 else 0.0
-        rate_z = at.fz * to.free_z - field_z if to.free_z > 0.0 else 0.0
-        rate_turn = at.moment * to.free_turn
+        rate_x = at.fx * to.inverse_mass_x - field_x if to.inverse_mass_x > 0.0 else 0.0
+        rate_z = at.fz * to.inverse_mass_z - field_z if to.inverse_mass_z > 0.0 else 0.0
+        rate_turn = at.moment * to.inverse_inertia
         if damped:
-            taken_x = resistance(old_x, rate_x, alpha, local) if to.free_x > 0.0 else 0.0
-            taken_z = resistance(old_z, rate_z, alpha, local) if to.free_z > 0.0 else 0.0
-            taken_turn = resistance(old_spin, rate_turn, alpha, local) if to.free_turn > 0.0 else 0.0
+            taken_x = resistance(old_x, rate_x, alpha, local) if to.inverse_mass_x > 0.0 else 0.0
+            taken_z = resistance(old_z, rate_z, alpha, local) if to.inverse_mass_z > 0.0 else 0.0
+            taken_turn = resistance(old_spin, rate_turn, alpha, local) if to.inverse_inertia > 0.0 else 0.0
             rate_x, rate_z, rate_turn = rate_x - taken_x, rate_z - taken_z, rate_turn - taken_turn
             lost += (to.mass * (taken_x * (old_x + 0.5 * dt * rate_x) + taken_z * (old_z + 0.5 * dt * rate_z))
                      + to.inertia * taken_turn * (old_spin + 0.5 * dt * rate_turn))
         to.vx, to.vz, to.spin = old_x + dt * rate_x, old_z + dt * rate_z, old_spin + dt * rate_turn
-        if to.free_x > 0.0:
+        if to.inverse_mass_x > 0.0:
             momentum_x += to.mass * (old_x + to.vx)
         else:  # what moves it works against its force
             pushed -= at.fx * to.vx
@@ -289,9 +336,9 @@ def kinetic_energy(system, field_x, field_z, dt):
     place, motion, total = system.place, system.motion, 0.0
     for k in range(len(place) - 1):
         at, to = place[k], motion[k]
-        vx = to.vx + 0.5 * dt * (at.fx * to.free_x - field_x) if to.free_x > 0.0 else to.vx
-        vz = to.vz + 0.5 * dt * (at.fz * to.free_z - field_z) if to.free_z > 0.0 else to.vz
-        spin = to.spin + 0.5 * dt * at.moment * to.free_turn
+        vx = to.vx + 0.5 * dt * (at.fx * to.inverse_mass_x - field_x) if to.inverse_mass_x > 0.0 else to.vx
+        vz = to.vz + 0.5 * dt * (at.fz * to.inverse_mass_z - field_z) if to.inverse_mass_z > 0.0 else to.vz
+        spin = to.spin + 0.5 * dt * at.moment * to.inverse_inertia
         total += 0.5 * (to.mass * (vx * vx + vz * vz) + to.inertia * spin * spin)
     return total
 

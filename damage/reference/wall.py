@@ -125,8 +125,8 @@ class ReferenceWall:
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
         self._held = bodies
         motion = self.system.motion
-        for free, velocity in (("free_x", "vx"), *([("free_turn", "spin")] if rotation else [])):
-            motion[free][bodies] = motion[velocity][bodies] = 0.0
+        for inverse, velocity in (("inverse_mass_x", "vx"), *([("inverse_inertia", "spin")] if rotation else [])):
+            motion[inverse][bodies] = motion[velocity][bodies] = 0.0
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the jump's work is input."""
@@ -191,11 +191,11 @@ def _make_system(layout):
     return kernel.System(
         pairs=pairs,
         contacts=_table(kernel.CONTACT, n, offset=offset, kn=contacts.normal_stiffness * area,
-                        ks=contacts.shear_stiffness * area, ft=contacts.tensile_strength * area,
-                        cohesion=contacts.cohesion * area, idle=np.full(n, -1.0)),
+                        ks=contacts.shear_stiffness * area, tensile_force=contacts.tensile_strength * area,
+                        cohesive_force=contacts.cohesion * area, idle=np.full(n, -1.0)),
         joints=_table(kernel.JOINT, n, area=area), place=np.zeros(m + 1, kernel.PLACE),
-        motion=_table(kernel.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, free_x=1 / bodies.mass,
-                      free_z=1 / bodies.mass, free_turn=1 / bodies.inertia),
+        motion=_table(kernel.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, inverse_mass_x=1 / bodies.mass,
+                      inverse_mass_z=1 / bodies.mass, inverse_inertia=1 / bodies.inertia),
         energy=np.zeros(4), events=np.zeros((_CAPACITY, 3), np.int64), values=np.zeros((_CAPACITY, 4)),
         n_events=np.zeros(1, np.int64), relaxation=np.zeros(2))
 
@@ -221,17 +221,18 @@ def _sum_springs(pairs, contacts, friction):
     """Write into the pairs what their contacts do as long as none of them can break."""
     start = pairs["start"]
     kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
-    for name, values in (("kn", kn), ("ks", ks), ("first", kn * offset), ("second", kn * offset**2)):
+    for name, values in (("kn", kn), ("ks", ks), ("kn_offset", kn * offset), ("kn_offset2", kn * offset**2)):
         pairs[name] = np.add.reduceat(values, start)
     pairs["reach"] = np.maximum.reduceat(np.abs(offset), start)
     with np.errstate(divide="ignore", invalid="ignore"):
-        opening, slide, ratio = elastic_range(LawParameters(kn, ks, contacts["ft"], contacts["cohesion"], friction))
-        pairs["tension"] = np.minimum.reduceat(opening, start)
-        pairs["cohesion"] = np.minimum.reduceat(slide, start)
-    pairs["ratio"] = ratio[start]
+        opening, slide, ratio = elastic_range(
+            LawParameters(kn, ks, contacts["tensile_force"], contacts["cohesive_force"], friction))
+        pairs["largest_opening"] = np.minimum.reduceat(opening, start)
+        pairs["largest_slide"] = np.minimum.reduceat(slide, start)
+    pairs["slide_loss"] = ratio[start]
     # The outermost opening decides for all only where they slide alike; elsewhere each is looked at.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
-    pairs["tension"][~np.logical_and.reduceat(alike, start)] = -np.inf
+    pairs["largest_opening"][~np.logical_and.reduceat(alike, start)] = -np.inf
 
 
 def choose_time_step(settings, critical_s):
