@@ -87,7 +87,7 @@ class ReferenceWall:
     def run(self, n_steps):
         """Advance; before and afterwards forces and stresses belong to the present places."""
         step = self.step - self.first_step
-        kernel.run_steps(self.system, self._constants(), self.base, self.gravity, step, n_steps, self.time_step)
+        kernel.run_steps(self.system, self._constants(), self.base, self.gravity, step, n_steps)
         self.step += n_steps
         if not np.isfinite(self.system.place["fx"].sum()):
             raise FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
@@ -97,7 +97,8 @@ class ReferenceWall:
         """Forces and stresses, to be called where places or contacts were changed by hand."""
         constants = self._constants()
         _sum_springs(self.system.pairs, self.system.contacts, constants.friction)
-        kernel.contact_forces(self.system, constants, self.step - self.first_step, self.time_step, True)
+        kernel.contact_forces(self.system, constants, self.step - self.first_step, True)
+        kernel.read_joints(self.system)
 
     def start(self, base, gravity=None):
         """From this step on move the base by `base` (k, 2) [m/s2] under `gravity` (k,) [m/s2]."""
@@ -109,7 +110,7 @@ class ReferenceWall:
         if self.adaptive_damping == 0.0:
             self.system.relaxation[:] = 0.0
         joint = self.layout.wall.joint
-        return kernel.Constants(float(np.tan(joint.friction_angle)), THRESHOLD, self.layout.n_joints,
+        return kernel.Constants(self.time_step, float(np.tan(joint.friction_angle)), THRESHOLD,
                                 self.local_damping, self.alpha, self.beta, self.adaptive_damping)
 
     def drain_events(self):
