@@ -7,7 +7,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, elastic_energy
+from damage.wall.joint_law import (
+    INTACT,
+    SHEAR,
+    TENSION,
+    ContactState,
+    LawParameters,
+    advance,
+    elastic_energy,
+    elastic_range,
+    stays_elastic,
+    strength_left,
+)
 
 KN, KS, FT, C, MU = 6.557e10, 2.687e10, 0.21e6, 0.24e6, math.tan(math.radians(32))
 LAW = LawParameters(KN, KS, FT, C, MU)
@@ -169,3 +180,30 @@ def test_stress_never_leaves_the_strength_envelope(targets):
         limit = (0.0 if state.broken else C) - state.normal_stress * MU
         assert abs(state.shear_stress) <= limit * (1 + 1e-12) + 1e-6
         assert not (state.broken and state.normal_stress > 0)
+
+
+near_the_strengths = st.tuples(st.floats(-2.0, 2.0), st.floats(-4.0, 4.0), st.booleans(), st.floats(-0.5, 0.5))
+
+
+@settings(max_examples=300, deadline=None)
+@given(near_the_strengths)
+def test_the_elastic_domain_is_where_the_law_changes_nothing_but_stresses(place):
+    """Opening over f_t/k_n, shear over c/k_s, and a shear stress that a broken contact still holds over c."""
+    opening, shear, broken, held = place
+    opening, shear = opening * FT / KN, shear * C / KS
+    state = ContactState(shear_stress=held * C if broken else 0.0, broken=broken, slip=1e-5)
+    sigma, trial = KN * opening, state.shear_stress + KS * shear
+    new, event = advance(opening, shear, state, LAW)
+    if stays_elastic(sigma, trial, *strength_left(broken, LAW), MU):
+        assert event == INTACT and new == state._replace(normal_stress=sigma, shear_stress=trial)
+    else:
+        assert event != INTACT or abs(new.shear_stress) < abs(trial) or new.normal_stress < sigma or trial == 0.0
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.floats(-2.0, 1.5), st.floats(-3.0, 3.0))
+def test_the_elastic_range_is_the_domain_in_displacements(opening, shear):
+    opening, shear = opening * FT / KN, shear * C / KS
+    in_stresses = stays_elastic(KN * opening, KS * shear, FT, C, MU)
+    on_the_edge = (math.isclose(KN * opening, FT) or math.isclose(abs(KS * shear), C - KN * opening * MU))
+    assert on_the_edge or stays_elastic(opening, shear, *elastic_range(LAW)) == in_stresses

@@ -12,7 +12,7 @@ from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.run.watch import unbalanced_force
-from damage.wall.layout import lay_out
+from damage.wall.layout import GROUND, lay_out
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
 
@@ -132,6 +132,24 @@ def test_forces_twice_at_the_same_places_change_nothing():
     for old, new in zip(before, [solver.system.joints, solver.system.contacts, solver.system.place]):
         assert np.array_equal(old, new)
     assert np.array_equal(energy, solver.energy)
+
+
+def test_what_is_read_of_the_joints_balances_the_forces_on_the_ground():
+    """Sums of the stresses that readers see, a run's last step: of an elastic wall, a cracking one, a damped one."""
+    for joint, beta in ((STRONG, 0.0), (WEAK, 0.0), (WEAK, 1e-7)):
+        solver = small_solver(joint)
+        settle(solver)
+        solver.start(np.tile([8.0, 0.0], (20_000, 1)))
+        solver.run(2990)
+        solver.beta = beta
+        solver.run(10)
+        assert (solver.system.joints["broken"].sum() > 0) == (joint is WEAK)
+        contacts, joints = solver.layout.contacts, solver.system.joints
+        force = np.array([joints["tau"] @ (contacts.area * (contacts.first == GROUND)),
+                          joints["sigma"] @ (contacts.area * (contacts.first == GROUND))])
+        ground = solver.force[-1, :2]
+        # Axes turn with the lowest bricks; damping adds what the readings do not have.
+        assert_allclose(force, ground, rtol=0, atol=(1e-2 if beta == 0.0 else 0.2) * np.abs(ground).max())
 
 
 def test_energy_of_an_intact_wall_is_kept_over_100_000_steps():
@@ -259,12 +277,13 @@ def test_a_whole_pair_as_one_spring_is_its_contacts_one_by_one():
     for strain in (0.1, 0.5, 1.0, 2.0):
         shortcut, by_contact = (small_solver(cells=4) for _ in range(2))
         motion = np.random.default_rng(3).normal(0, strain * 2e-6, (len(shortcut.layout.bodies), 3)) * [1, 1, 10]
-        for solver, keep in ((shortcut, False), (by_contact, True)):
+        for solver, singly in ((shortcut, False), (by_contact, True)):
             for name, column in zip(("x", "z", "turn"), motion.T):
                 solver.system.place[name][:-1] = column
             solver.system.place["cos1"][:-1] = np.cos(motion[:, 2]) - 1
             solver.system.place["sin"][:-1] = np.sin(motion[:, 2])
-            kernel.contact_forces(solver.system, solver._constants(), 0, solver.time_step, keep)
+            kernel.contact_forces(solver.system, solver._constants(), 0, singly)
+            kernel.read_joints(solver.system)
         scale = np.abs(by_contact.force).max(axis=0)
         assert_allclose(shortcut.force / scale, by_contact.force / scale, rtol=0, atol=1e-9)
         assert np.array_equal(shortcut.system.joints["broken"], by_contact.system.joints["broken"])

@@ -11,8 +11,12 @@ is exact, and the geometry is worked out once a pair, not once a contact.
 
 The joint law is homogeneous in the area: given stiffnesses and strengths times area, it returns forces
 and energies.  Between two of its decisions a contact is a linear spring, which changes no state; so
-only springs beyond what is left of their strength are shown to the law.  And a pair that is whole and
-whose outermost opening leaves all its springs within their strength is one spring and a couple.
+only pairs with a spring beyond what is left of its strength are shown to the law.  And a pair that is
+whole and whose outermost opening leaves all its springs within their strength is one spring and a
+couple.  Where that ends `joint_law.stays_elastic` says, for contacts and for pairs.
+
+A step is: `integrate`; `contact_forces`, which for every pair asks for its relative motion, chooses how
+its forces are found, and pushes both bodies; after the last one, `read_joints`.
 """
 
 from typing import NamedTuple
@@ -27,33 +31,83 @@ OPENED, SLIPPED = 3, 4  # event kinds beside joint_law's TENSION and SHEAR
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)  # entries of `energy` [J]
 
 
-def _row(reals, **others):
-    return np.dtype([(name, np.float64) for name in reals.split()] + list(others.items()), align=True)
+REAL, INDEX, FLAG, BITS = np.float64, np.uint32, np.bool_, np.uint8
 
 
-# Bodies a and b and the arms from their centres to the middle of their contacts [m]; the springs of all contacts
-# together: kn, ks, sums of kn offset and kn offset^2 [N/m, N, N m]; where none can break: opening at the outermost
-# offset (reach) up to `tension`, slide plus ratio times that opening below `cohesion` [m]; contacts start to stop - 1;
-# head joint or not; whether one is broken.
-PAIR = _row("ax az bx bz kn ks first second reach tension cohesion ratio", a=np.uint32, b=np.uint32, start=np.uint32,
-            stop=np.uint32, head=np.uint32, broken=np.uint32)
-# Offset from the pair's middle, along +x in bed and -z in head joints [m]; stiffnesses times area [N/m];
-# strengths left times area [N], zero once broken; shear displacement [m] and force [N] of the last step once
-# broken, zero before; opening [m] up to which an open contact needs no law, below zero until it is broken.
-CONTACT = _row("offset kn ks ft cohesion shear0 tau0 idle")
-# For readers: opening (also negative) and shear displacement [m], stresses [Pa], all of the last step of
-# a run; plastic slip [m]; area [m2]; flags; bits of first passings (1 opened, 2 slipped).
-JOINT = _row("opening shear sigma tau slip area", broken=np.bool_, at_limit=np.bool_, passed=np.uint8)
-# Displacement [m], cos - 1 and sin of the rotation, force [N], moment [N m], rotation [rad].
-PLACE = _row("x z cos1 sin fx fz moment turn")
-# Velocity half a step ago [m/s], [rad/s]; mass [kg], inertia [kg m2]; their inverses by which x, z and
-# rotation follow their forces, zero where the velocity is prescribed.
-MOTION = _row("vx vz spin mass inertia free_x free_z free_turn")
+def _row(*fields):
+    """The dtype of a table's row from its fields: (name, type, unit, meaning)."""
+    return np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
 
-# Fused multiply-adds, which round once instead of twice, are all the freedom given, and neither springs
-# nor law have it: to the last bit they agree with each other, and a contact at its limit stays there.
+
+PAIR = _row(
+    ("ax", REAL, "m", "arm from the centre of body a to the middle of the contacts, along x"),
+    ("az", REAL, "m", "the same along z"),
+    ("bx", REAL, "m", "arm from the centre of body b, along x"),
+    ("bz", REAL, "m", "the same along z"),
+    ("kn", REAL, "N/m", "normal stiffness of all contacts together"),
+    ("ks", REAL, "N/m", "shear stiffness of all contacts together"),
+    ("kn_offset", REAL, "N", "sum of kn offset over the contacts"),
+    ("kn_offset2", REAL, "N m", "sum of kn offset^2"),
+    ("reach", REAL, "m", "offset of the outermost contact"),
+    ("largest_opening", REAL, "m", "opening at the reach up to which no contact can break"),
+    ("largest_slide", REAL, "m", "shear displacement below which none can, at no opening"),
+    ("slide_loss", REAL, "-", "by how much an opening at the reach lowers the largest slide"),
+    ("a", INDEX, "-", "row of body a"),
+    ("b", INDEX, "-", "row of body b"),
+    ("start", INDEX, "-", "row of the first contact"),
+    ("stop", INDEX, "-", "row after the last one"),
+    ("head", INDEX, "-", "1 for a head joint, 0 for a bed joint"),
+    ("broken", INDEX, "-", "1 once a contact is broken"),
+)
+CONTACT = _row(
+    ("offset", REAL, "m", "from the pair's middle, along +x in bed and -z in head joints"),
+    ("kn", REAL, "N/m", "normal stiffness times area"),
+    ("ks", REAL, "N/m", "shear stiffness times area"),
+    ("tensile_force", REAL, "N", "tensile strength left times area, zero once broken"),
+    ("cohesive_force", REAL, "N", "cohesion left times area, zero once broken"),
+    ("shear0", REAL, "m", "shear displacement of the last step once broken, zero before"),
+    ("tau0", REAL, "N", "shear force of the last step once broken, zero before"),
+    ("idle", REAL, "m", "opening up to which an open contact needs no law, below zero until it is broken"),
+)
+JOINT = _row(  # beside its contact; the first four are those of a run's last step (`read_joints`)
+    ("opening", REAL, "m", "normal displacement, also negative"),
+    ("shear", REAL, "m", "shear displacement"),
+    ("sigma", REAL, "Pa", "normal stress, tension positive"),
+    ("tau", REAL, "Pa", "shear stress"),
+    ("slip", REAL, "m", "plastic slip while closed, signed"),
+    ("area", REAL, "m2", ""),
+    ("broken", FLAG, "-", "the bond is gone"),
+    ("at_limit", FLAG, "-", "has failed in shear or slid, ever"),
+    ("passed", BITS, "-", "first passings of the threshold: 1 opened, 2 slipped"),
+)
+PLACE = _row(  # of a body
+    ("x", REAL, "m", "displacement since the wall was built"),
+    ("z", REAL, "m", "the same, upwards"),
+    ("cos1", REAL, "-", "cosine of the rotation, less 1"),
+    ("sin", REAL, "-", "sine of the rotation"),
+    ("fx", REAL, "N", "force of the contacts along x"),
+    ("fz", REAL, "N", "force along z"),
+    ("moment", REAL, "N m", "about the centre, from x towards z"),
+    ("turn", REAL, "rad", "rotation, from x towards z"),
+)
+MOTION = _row(  # of a body; velocities are those half a step ago
+    ("vx", REAL, "m/s", ""),
+    ("vz", REAL, "m/s", ""),
+    ("spin", REAL, "rad/s", ""),
+    ("mass", REAL, "kg", ""),
+    ("inertia", REAL, "kg m2", "about the centre"),
+    ("inverse_mass_x", REAL, "1/kg", "by which x follows its force; zero where vx is prescribed"),
+    ("inverse_mass_z", REAL, "1/kg", "by which z follows its force; zero where vz is prescribed"),
+    ("inverse_inertia", REAL, "1/(kg m2)", "by which the rotation follows; zero where spin is prescribed"),
+)
+
+# Fused multiply-adds, which round once instead of twice, are all the freedom given; numba hands it on to whatever
+# these functions call, the joint law too.  Numba's cache looks at this file only: after a change of the law delete
+# the folder __pycache__ beside it.
 _compile = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
-_exactly = njit(cache=True, error_model="numpy", nogil=True)
+# Small functions that numba puts into their callers: compiled alone they would be slower, and multiply-adds would be
+# fused in other places.  They take rows of tables, no System: handing one on counts references in every pair.
+_inline = njit(inline="always", error_model="numpy", nogil=True, fastmath={"contract"})
 
 
 class System(NamedTuple):
@@ -78,21 +132,61 @@ class System(NamedTuple):
 
 
 class Constants(NamedTuple):
-    """friction = tan(phi); threshold [m] of first passings; n_joints: contacts from there on are glue;
-    local: Cundall's damping [-]; alpha [1/s], beta [s]: damping proportional to mass, to stiffness;
-    adaptive: share of the change of kinetic energy that adaptive damping takes [-]."""
+    """dt [s]; friction = tan(phi); threshold [m] of first passings; local: Cundall's damping [-];
+    alpha [1/s], beta [s]: damping proportional to mass, to stiffness; adaptive: share of the change of
+    kinetic energy that adaptive damping takes [-]."""
 
+    dt: float
     friction: float
     threshold: float
-    n_joints: int
     local: float
     alpha: float
     beta: float
     adaptive: float
 
 
+class Gap(NamedTuple):
+    """How far the bodies of a pair have moved apart: opening and shear displacement [m] of the middle of their
+    contacts along the mean axes, and the sine of the rotation of b against a [-], by which the line opens."""
+
+    middle: float
+    shear: float
+    turn: float
+
+
+class Frame(NamedTuple):
+    """Mean axes of a pair, n across the joint and t along it [-]; their length squared, below one where bodies turn
+    against each other; arms from both centres to where the forces act, halfway between the middle's places [m]."""
+
+    nx: float
+    nz: float
+    tx: float
+    tz: float
+    length2: float
+    arm_ax: float
+    arm_az: float
+    arm_bx: float
+    arm_bz: float
+
+
+class Forces(NamedTuple):
+    """What the contacts of a pair do on a, along the mean axes: normal and shear force [N], couple [N m]."""
+
+    normal: float
+    along: float
+    couple: float
+
+
+class Trial(NamedTuple):
+    """A contact while it stays elastic: opening [m], normal and shear force [N]."""
+
+    opening: float
+    sigma: float
+    tau: float
+
+
 @_compile
-def run_steps(system, constants, base, gravity, first_step, n_steps, dt):
+def run_steps(system, constants, base, gravity, first_step, n_steps):
     """Advance `n_steps` steps from places whose forces are known; afterwards they are known again.
 
     base: (k, 2) base acceleration by step [m/s2], zero beyond its end; gravity: (k,) [m/s2] by step,
@@ -102,135 +196,215 @@ def run_steps(system, constants, base, gravity, first_step, n_steps, dt):
     for step in range(first_step, first_step + n_steps):
         ax = base[step, 0] if step < len(base) else 0.0
         az = base[step, 1] if step < len(base) else 0.0
-        integrate(system, constants, ax, az + gravity[min(step, len(gravity) - 1)], ax, az, dt)
+        integrate(system, constants, ax, az, gravity[min(step, len(gravity) - 1)])
         if constants.adaptive > 0.0:
-            adapt(system, constants, dt)
-        contact_forces(system, constants, step + 1, dt, step == first_step + n_steps - 1)
+            adapt(system, constants)
+        contact_forces(system, constants, step + 1, step == first_step + n_steps - 1)
+    read_joints(system)
 
 
 @_compile
-def contact_forces(system, constants, step, dt, keep=True):
-    """Forces on every body at the present places; calling it twice changes nothing.
+def contact_forces(system, constants, step, singly):
+    """Forces [N, N m] on every body at the present places, into `place`; calling it twice changes nothing.
 
-    keep: write opening, shear displacement and stresses of every contact into `joints`.
+    Each pair goes the shortest way that is right: as one spring, by its springs, or by the joint law.
+    singly: none as one spring, so that forces are the sums of what `read_joints` then reads, to the last bit.
     """
-    pairs, contacts, place, friction = system.pairs, system.contacts, system.place, constants.friction
-    by_law = keep or constants.beta > 0.0
-    for k in range(len(place)):
-        body = place[k]
-        body.fx = body.fz = body.moment = 0.0
+    pairs, contacts, place = system.pairs, system.contacts, system.place
+    damped = constants.beta > 0.0
+    singly |= damped
+    clear_forces(place)
     for p in range(len(pairs)):
         pair = pairs[p]
         a, b = place[pair.a], place[pair.b]
-        # How the middle moves with either body, and how far its two places are apart.
-        dax, daz = a.cos1 * pair.ax - a.sin * pair.az, a.sin * pair.ax + a.cos1 * pair.az
-        dbx, dbz = b.cos1 * pair.bx - b.sin * pair.bz, b.sin * pair.bx + b.cos1 * pair.bz
-        dx, dz = (b.x - a.x) + (dbx - dax), (b.z - a.z) + (dbz - daz)
-        # Normal n and tangent t, turned by the mean rotation; opening and shear displacement.
-        c, s = 1.0 + 0.5 * (a.cos1 + b.cos1), 0.5 * (a.sin + b.sin)
-        if pair.head:
-            nx, nz, tx, tz = c, s, -s, c
+        frame, gap = relative_motion(pair, a, b)
+        if pair.broken == 0 and not singly and stays_whole(pair, gap):
+            forces = whole_pair(pair, gap)
         else:
-            nx, nz, tx, tz = -s, c, c, s
-        middle, shear = nx * dx + nz * dz, tx * dx + tz * dz
-        turn = (b.sin - a.sin) + (b.sin * a.cos1 - a.sin * b.cos1)
-        # Normal force, shear force and couple of the pair's springs, or of the law.
-        widest = middle + pair.reach * abs(turn)
-        if (pair.broken == 0 and not by_law and widest <= pair.tension
-                and abs(shear) + pair.ratio * widest < pair.cohesion):
-            normal, along = pair.kn * middle + pair.first * turn, pair.ks * shear
-            couple = pair.first * middle + pair.second * turn
-        else:
-            normal, along, couple, elastic = springs(contacts, pair, middle, shear, turn, friction)
-            if by_law or not elastic:
-                normal, along, couple = joint_forces(system, constants, step, dt, pair, middle, shear, turn)
+            forces, elastic = springs(contacts, pair, gap, constants.friction)
+            if damped or not elastic:
+                forces = joint_forces(system, constants, step, pair, gap)
             elif pair.broken:
-                remember(contacts, pair, shear)
-        # Force on a, its opposite on b, halfway between the middle's two places.
-        fx, fz, couple = nx * normal + tx * along, nz * normal + tz * along, couple * (c * c + s * s)
-        a.fx += fx
-        a.fz += fz
-        a.moment += (pair.ax + dax + 0.5 * dx) * fz - (pair.az + daz + 0.5 * dz) * fx + couple
-        b.fx -= fx
-        b.fz -= fz
-        b.moment -= (pair.bx + dbx - 0.5 * dx) * fz - (pair.bz + dbz - 0.5 * dz) * fx + couple
+                remember(contacts, pair, gap.shear)
+        push(a, b, frame, forces)
 
 
 @_compile
-def springs(contacts, pair, middle, shear, turn, friction):
-    """Normal force, shear force and couple of a pair's springs, and whether none is beyond its strength."""
+def read_joints(system):
+    """Opening, shear displacement [m] and stresses [Pa] of all contacts at the present places, into `joints`.
+
+    After `contact_forces` every contact is a spring from where the law has left it, so that no law is needed.
+    """
+    pairs, contacts, joints, place = system.pairs, system.contacts, system.joints, system.place
+    for p in range(len(pairs)):
+        pair = pairs[p]
+        _, gap = relative_motion(pair, place[pair.a], place[pair.b])
+        for i in range(pair.start, pair.stop):
+            opening, sigma, tau = spring(contacts[i], gap)
+            if stays_open(contacts[i], opening):
+                sigma = tau = 0.0
+            keep_stresses(joints[i], opening, gap.shear, sigma, tau)
+
+
+@_compile
+def clear_forces(place):
+    """Zero forces [N] and moments [N m] of all bodies."""
+    for k in range(len(place)):
+        body = place[k]
+        body.fx = body.fz = body.moment = 0.0
+
+
+@_inline
+def relative_motion(pair, a, b):
+    """Mean axes of a pair (Frame) and how far its bodies a and b have moved apart along them (Gap) [m]."""
+    # How the middle moves with either body, and how far its two places are apart.
+    dax, daz = a.cos1 * pair.ax - a.sin * pair.az, a.sin * pair.ax + a.cos1 * pair.az
+    dbx, dbz = b.cos1 * pair.bx - b.sin * pair.bz, b.sin * pair.bx + b.cos1 * pair.bz
+    dx, dz = (b.x - a.x) + (dbx - dax), (b.z - a.z) + (dbz - daz)
+    # Normal n and tangent t, turned by the mean rotation.
+    c, s = 1.0 + 0.5 * (a.cos1 + b.cos1), 0.5 * (a.sin + b.sin)
+    if pair.head:
+        nx, nz, tx, tz = c, s, -s, c
+    else:
+        nx, nz, tx, tz = -s, c, c, s
+    turn = (b.sin - a.sin) + (b.sin * a.cos1 - a.sin * b.cos1)
+    frame = Frame(nx, nz, tx, tz, c * c + s * s, pair.ax + dax + 0.5 * dx, pair.az + daz + 0.5 * dz,
+                  pair.bx + dbx - 0.5 * dx, pair.bz + dbz - 0.5 * dz)
+    return frame, Gap(nx * dx + nz * dz, tx * dx + tz * dz, turn)
+
+
+@_inline
+def push(a, b, frame, forces):
+    """Add the forces of a pair [N, N m] to body a, and their opposite to b."""
+    fx = frame.nx * forces.normal + frame.tx * forces.along
+    fz = frame.nz * forces.normal + frame.tz * forces.along
+    couple = forces.couple * frame.length2
+    a.fx += fx
+    a.fz += fz
+    a.moment += frame.arm_ax * fz - frame.arm_az * fx + couple
+    b.fx -= fx
+    b.fz -= fz
+    b.moment -= frame.arm_bx * fz - frame.arm_bz * fx + couple
+
+
+@_inline
+def stays_whole(pair, gap):
+    """Whether the outermost opening [m] leaves all contacts of a pair within their strengths."""
+    widest = gap.middle + pair.reach * abs(gap.turn)
+    return joint_law.stays_elastic(widest, gap.shear, pair.largest_opening, pair.largest_slide, pair.slide_loss)
+
+
+@_inline
+def whole_pair(pair, gap):
+    """Forces of all springs of a pair together [N, N m]."""
+    return Forces(pair.kn * gap.middle + pair.kn_offset * gap.turn, pair.ks * gap.shear,
+                  pair.kn_offset * gap.middle + pair.kn_offset2 * gap.turn)
+
+
+@_compile
+def springs(contacts, pair, gap, friction):
+    """Forces of a pair's springs one by one [N, N m], and whether none is beyond its strength."""
     normal, along, couple, elastic = 0.0, 0.0, 0.0, True
     for i in range(pair.start, pair.stop):
         contact = contacts[i]
-        opening, sigma, tau = spring(contact, middle, shear, turn)
-        if 0.0 < opening <= contact.idle and contact.tau0 == 0.0:  # stays open: no force
-            contact.shear0 = shear
+        trial = spring(contact, gap)
+        if stays_open(contact, trial.opening):
+            contact.shear0 = gap.shear
             continue
-        elastic &= (sigma <= contact.ft) & (abs(tau) < contact.cohesion - sigma * friction)
-        normal += sigma
-        along += tau
-        couple += sigma * contact.offset
-    return normal, along, couple, elastic
+        elastic &= joint_law.stays_elastic(trial.sigma, trial.tau, contact.tensile_force, contact.cohesive_force,
+                                           friction)
+        normal += trial.sigma
+        along += trial.tau
+        couple += trial.sigma * contact.offset
+    return Forces(normal, along, couple), elastic
 
 
-@_exactly
-def spring(contact, middle, shear, turn):
-    """Opening, normal force and shear force of a contact while it stays elastic."""
-    opening = middle + contact.offset * turn
-    return opening, contact.kn * opening, contact.tau0 + contact.ks * (shear - contact.shear0)
+@_compile
+def keep_stresses(joint, opening, shear, sigma, tau):
+    """Write opening, shear displacement [m] and the forces [N] as stresses [Pa] of a contact."""
+    joint.opening, joint.shear = opening, shear
+    joint.sigma, joint.tau = sigma / joint.area, tau / joint.area
 
 
-@_exactly
+@_compile
+def spring(contact, gap):
+    """A contact as a spring from where the law has left it (Trial) [m, N, N]."""
+    opening = gap.middle + contact.offset * gap.turn
+    return Trial(opening, contact.kn * opening, contact.tau0 + contact.ks * (gap.shear - contact.shear0))
+
+
+@_compile
+def stays_open(contact, opening):
+    """Whether a broken contact with this opening [m] is open, has no force, and needs no law."""
+    return 0.0 < opening <= contact.idle and contact.tau0 == 0.0
+
+
+@_compile
 def remember(contacts, pair, shear):
-    """Keep the shear force of broken contacts that stick: sliding works against the last one."""
+    """Keep the shear force [N] of broken contacts that stick at a shear displacement [m]: sliding works against
+    the last one."""
     for i in range(pair.start, pair.stop):
         contact = contacts[i]
-        if contact.ft == 0.0:
+        if contact.tensile_force == 0.0:
             contact.tau0, contact.shear0 = contact.tau0 + contact.ks * (shear - contact.shear0), shear
 
 
 @_compile
-def joint_forces(system, constants, step, dt, pair, middle, shear, turn):
-    """The joint law for the contacts of a pair: their normal force, shear force and couple."""
+def joint_forces(system, constants, step, pair, gap):
+    """Forces of a pair's contacts by the joint law [N, N m]."""
     normal = along = couple = 0.0
     for i in range(pair.start, pair.stop):
         contact, joint = system.contacts[i], system.joints[i]
-        opening, sigma, tau = spring(contact, middle, shear, turn)
-        new, event = judge(contact, joint, opening, shear, constants.friction)
+        trial = spring(contact, gap)
+        new, event = judge(contact, joint, trial.opening, gap.shear, constants.friction)
         if new.broken:
-            log_joint(system, constants, step, i, event, opening, sigma, tau, new)
-            contact.ft = contact.cohesion = 0.0
-            contact.shear0, contact.tau0 = shear, new.shear_stress
+            log_joint(system, constants, step, i, trial, new, event)
             pair.broken = 1
         sigma, tau = new.normal_stress, new.shear_stress
-        if constants.beta > 0.0 and event == INTACT:
-            rate_sigma = constants.beta / dt * (sigma - joint.sigma * joint.area)
-            rate_tau = constants.beta / dt * (tau - joint.tau * joint.area)
-            system.energy[DAMPING] += rate_sigma * (opening - joint.opening) + rate_tau * (shear - joint.shear)
-            sigma, tau = sigma + rate_sigma, tau + rate_tau
-        joint.opening, joint.shear = opening, shear
-        joint.sigma, joint.tau = new.normal_stress / joint.area, new.shear_stress / joint.area
+        if constants.beta > 0.0:
+            if event == INTACT:
+                sigma, tau = damp(system.energy, joint, constants.beta / constants.dt, trial.opening, gap.shear,
+                                  sigma, tau)
+            keep_stresses(joint, trial.opening, gap.shear, new.normal_stress, new.shear_stress)
         normal += sigma
         along += tau
         couple += sigma * contact.offset
-    return normal, along, couple
-
-
-@_exactly
-def judge(contact, joint, opening, shear, friction):
-    """The joint law of one contact, with the shear displacement since it last changed the contact."""
-    law = LawParameters(contact.kn, contact.ks, contact.ft, contact.cohesion, friction)
-    old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0)
-    return joint_law.advance(opening, shear - contact.shear0, old, law)
+    return Forces(normal, along, couple)
 
 
 @_compile
-def integrate(system, constants, field_x, field_z, ax, az, dt):
-    """Central differences: velocities half a step on, displacements a whole one.
+def judge(contact, joint, opening, shear, friction):
+    """Show a contact at this opening and shear displacement [m] to the joint law, and keep what it leaves of it.
 
-    field: downward and backward acceleration of all masses; ax, az: the base's part of it.
+    Returns what `joint_law.advance` does, in forces [N] and works [J]."""
+    law = LawParameters(contact.kn, contact.ks, contact.tensile_force, contact.cohesive_force, friction)
+    old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0)
+    new, event = joint_law.advance(opening, shear - contact.shear0, old, law)
+    if new.broken:
+        contact.tensile_force, contact.cohesive_force = joint_law.strength_left(new.broken, law)
+        contact.shear0, contact.tau0 = shear, new.shear_stress
+    return new, event
+
+
+@_compile
+def damp(energy, joint, rate, opening, shear, sigma, tau):
+    """Add damping proportional to stiffness to the forces of a contact [N]; its work is lost.
+
+    rate: beta over the time step [-]; the stresses and displacements of the last step are those in `joint`."""
+    rate_sigma = rate * (sigma - joint.sigma * joint.area)
+    rate_tau = rate * (tau - joint.tau * joint.area)
+    energy[DAMPING] += rate_sigma * (opening - joint.opening) + rate_tau * (shear - joint.shear)
+    return sigma + rate_sigma, tau + rate_tau
+
+
+@_compile
+def integrate(system, constants, ax, az, gravity):
+    """Central differences: velocities half a step on, displacements a whole one; input and damping work [J].
+
+    ax, az: acceleration of the base [m/s2], which acts on all masses backwards; gravity [m/s2].
     """
-    place, motion, local = system.place, system.motion, constants.local
+    place, motion, local, dt = system.place, system.motion, constants.local, constants.dt
+    field_z = az + gravity
     alpha = constants.alpha + system.relaxation[0]
     damped = alpha > 0.0 or local > 0.0
     lost = momentum_x = momentum_z = pushed = 0.0
@@ -238,18 +412,18 @@ def integrate(system, constants, field_x, field_z, ax, az, dt):
         at, to = place[k], motion[k]
         old_x, old_z, old_spin = to.vx, to.vz, to.spin
         # A prescribed velocity stays.
-        rate_x = at.fx * to.free_x - field_x if to.free_x > 0.0 else 0.0
-        rate_z = at.fz * to.free_z - field_z if to.free_z > 0.0 else 0.0
-        rate_turn = at.moment * to.free_turn
+        rate_x = at.fx * to.inverse_mass_x - ax if to.inverse_mass_x > 0.0 else 0.0
+        rate_z = at.fz * to.inverse_mass_z - field_z if to.inverse_mass_z > 0.0 else 0.0
+        rate_turn = at.moment * to.inverse_inertia
         if damped:
-            taken_x = resistance(old_x, rate_x, alpha, local) if to.free_x > 0.0 else 0.0
-            taken_z = resistance(old_z, rate_z, alpha, local) if to.free_z > 0.0 else 0.0
-            taken_turn = resistance(old_spin, rate_turn, alpha, local) if to.free_turn > 0.0 else 0.0
+            taken_x = resistance(old_x, rate_x, alpha, local) if to.inverse_mass_x > 0.0 else 0.0
+            taken_z = resistance(old_z, rate_z, alpha, local) if to.inverse_mass_z > 0.0 else 0.0
+            taken_turn = resistance(old_spin, rate_turn, alpha, local) if to.inverse_inertia > 0.0 else 0.0
             rate_x, rate_z, rate_turn = rate_x - taken_x, rate_z - taken_z, rate_turn - taken_turn
             lost += (to.mass * (taken_x * (old_x + 0.5 * dt * rate_x) + taken_z * (old_z + 0.5 * dt * rate_z))
                      + to.inertia * taken_turn * (old_spin + 0.5 * dt * rate_turn))
         to.vx, to.vz, to.spin = old_x + dt * rate_x, old_z + dt * rate_z, old_spin + dt * rate_turn
-        if to.free_x > 0.0:
+        if to.inverse_mass_x > 0.0:
             momentum_x += to.mass * (old_x + to.vx)
         else:  # what moves it works against its force
             pushed -= at.fx * to.vx
@@ -264,16 +438,17 @@ def integrate(system, constants, field_x, field_z, ax, az, dt):
 
 @_compile
 def resistance(velocity, rate, alpha, local):
-    """Deceleration by damping proportional to mass and by local damping, which is against the motion."""
+    """Deceleration by damping proportional to mass (alpha [1/s]) and by local damping [-], which is against the
+    motion: of a velocity [m/s or rad/s] that changes at a rate [m/s2 or rad/s2]."""
     sign = 1.0 if velocity > 0.0 else (-1.0 if velocity < 0.0 else 0.0)
     return alpha * velocity + local * abs(rate) * sign
 
 
 @_compile
-def adapt(system, constants, dt):
+def adapt(system, constants):
     """Adaptive global damping, for static solutions (Cundall's, as in UDEC): it takes a constant share of
-    the rate at which the kinetic energy changes, and so follows whichever mode still moves."""
-    motion, old = system.motion, system.relaxation[1]
+    the rate at which the kinetic energy [J] changes, and so follows whichever mode still moves."""
+    motion, old, dt = system.motion, system.relaxation[1], constants.dt
     kinetic = 0.0
     for k in range(len(motion) - 1):
         to = motion[k]
@@ -285,20 +460,23 @@ def adapt(system, constants, dt):
 
 @_compile
 def kinetic_energy(system, field_x, field_z, dt):
-    """At the instant of the places, to which velocities are carried half a step on [J]."""
+    """At the instant of the places, to which velocities are carried half a step on [J].
+
+    field_x, field_z: backward and downward acceleration of all masses [m/s2]; dt: time step [s].
+    """
     place, motion, total = system.place, system.motion, 0.0
     for k in range(len(place) - 1):
         at, to = place[k], motion[k]
-        vx = to.vx + 0.5 * dt * (at.fx * to.free_x - field_x) if to.free_x > 0.0 else to.vx
-        vz = to.vz + 0.5 * dt * (at.fz * to.free_z - field_z) if to.free_z > 0.0 else to.vz
-        spin = to.spin + 0.5 * dt * at.moment * to.free_turn
+        vx = to.vx + 0.5 * dt * (at.fx * to.inverse_mass_x - field_x) if to.inverse_mass_x > 0.0 else to.vx
+        vz = to.vz + 0.5 * dt * (at.fz * to.inverse_mass_z - field_z) if to.inverse_mass_z > 0.0 else to.vz
+        spin = to.spin + 0.5 * dt * at.moment * to.inverse_inertia
         total += 0.5 * (to.mass * (vx * vx + vz * vz) + to.inertia * spin * spin)
     return total
 
 
 @_compile
 def rotation(angle):
-    """cos(angle) - 1 and sin(angle); by series where their remainder is below 1e-17."""
+    """cos(angle) - 1 and sin(angle) of an angle [rad]; by series where their remainder is below 1e-17."""
     square = angle * angle
     if square < 1e-4:  # constants in brackets: a product is cheaper than a division
         return (-0.5 * square * (1.0 - square * (1 / 12) * (1.0 - square * (1 / 30))),
@@ -306,30 +484,32 @@ def rotation(angle):
     return np.cos(angle) - 1.0, np.sin(angle)
 
 
-@_exactly
-def log_joint(system, constants, step, i, event, opening, sigma, trial, new):
-    """Keep the flags and the slip of a broken contact; log its work, its break and first passings."""
+@_compile
+def log_joint(system, constants, step, i, trial, new, event):
+    """Keep the flags and the slip [m] of a broken contact; log its work [J], its break and first passings."""
     contact, joint = system.contacts[i], system.joints[i]
     joint.slip, joint.broken, joint.at_limit = new.slip, True, new.at_limit
     system.energy[FRICTION] += new.friction_work
     system.energy[FRACTURE] += new.fracture_work
     passed = int(joint.passed)
-    opens = opening > constants.threshold and not passed & 1
+    opens = trial.opening > constants.threshold and not passed & 1
     slips = abs(new.slip) > constants.threshold and not passed & 2
     if event != INTACT or opens or slips:
         joint.passed = passed + opens + 2 * slips
-        log_events(system.events, system.values, system.n_events, step, i, event, opens, slips,
-                   sigma / joint.area, trial / joint.area, max(opening, 0.0), new.slip)
+        values = trial.sigma / joint.area, trial.tau / joint.area, max(trial.opening, 0.0), new.slip
+        for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):
+            if happens:
+                log_event(system, step, i, kind, values)
     contact.idle = np.inf if int(joint.passed) & 1 else constants.threshold
 
 
-@_exactly
-def log_events(events, values, n_events, step, joint, event, opens, slips, sigma, tau, opening, slip):
-    """Append events; those that do not fit are counted all the same, so that the caller sees it."""
-    for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):
-        if happens:
-            n = n_events[0]
-            n_events[0] += 1
-            if n < len(events):
-                events[n, 0], events[n, 1], events[n, 2] = step, joint, kind
-                values[n, 0], values[n, 1], values[n, 2], values[n, 3] = sigma, tau, opening, slip
+@_compile
+def log_event(system, step, joint, kind, values):
+    """Append an event with its stresses [Pa], opening and slip [m]; those that do not fit are counted all the same,
+    so that the caller sees it."""
+    n = system.n_events[0]
+    system.n_events[0] += 1
+    if n < len(system.events):
+        system.events[n, 0], system.events[n, 1], system.events[n, 2] = step, joint, kind
+        for k, value in enumerate(values):
+            system.values[n, k] = value

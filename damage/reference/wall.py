@@ -10,7 +10,7 @@ from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
 from damage.reference import kernel
 from damage.units import GRAVITY
-from damage.wall.joint_law import elastic_energy
+from damage.wall.joint_law import LawParameters, elastic_energy, elastic_range
 from damage.wall.layout import GROUND, HEAD
 
 _CAPACITY = 100_000  # events between two drains of the log
@@ -83,7 +83,7 @@ class ReferenceWall:
     def run(self, n_steps):
         """Advance; before and afterwards forces and stresses belong to the present places."""
         step = self.step - self.first_step
-        kernel.run_steps(self.system, self._constants(), self.base, self.gravity, step, n_steps, self.time_step)
+        kernel.run_steps(self.system, self._constants(), self.base, self.gravity, step, n_steps)
         self.step += n_steps
         if not np.isfinite(self.system.place["fx"].sum()):
             raise FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
@@ -93,7 +93,8 @@ class ReferenceWall:
         """Forces and stresses, to be called where places or contacts were changed by hand."""
         constants = self._constants()
         _sum_springs(self.system.pairs, self.system.contacts, constants.friction)
-        kernel.contact_forces(self.system, constants, self.step - self.first_step, self.time_step, True)
+        kernel.contact_forces(self.system, constants, self.step - self.first_step, True)
+        kernel.read_joints(self.system)
 
     def start(self, base, gravity=None):
         """From this step on move the base by `base` (k, 2) [m/s2] under `gravity` (k,) [m/s2]."""
@@ -105,7 +106,7 @@ class ReferenceWall:
         if self.adaptive_damping == 0.0:
             self.system.relaxation[:] = 0.0
         joint = self.layout.wall.joint
-        return kernel.Constants(float(np.tan(joint.friction_angle)), THRESHOLD, self.layout.n_joints,
+        return kernel.Constants(self.time_step, float(np.tan(joint.friction_angle)), THRESHOLD,
                                 self.local_damping, self.alpha, self.beta, self.adaptive_damping)
 
     def drain_events(self):
@@ -121,8 +122,8 @@ class ReferenceWall:
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
         self._held = bodies
         motion = self.system.motion
-        for free, velocity in (("free_x", "vx"), *([("free_turn", "spin")] if rotation else [])):
-            motion[free][bodies] = motion[velocity][bodies] = 0.0
+        for inverse, velocity in (("inverse_mass_x", "vx"), *([("inverse_inertia", "spin")] if rotation else [])):
+            motion[inverse][bodies] = motion[velocity][bodies] = 0.0
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the jump's work is input."""
@@ -179,11 +180,11 @@ def _make_system(layout):
     return kernel.System(
         pairs=pairs,
         contacts=_table(kernel.CONTACT, n, offset=offset, kn=contacts.normal_stiffness * area,
-                        ks=contacts.shear_stiffness * area, ft=contacts.tensile_strength * area,
-                        cohesion=contacts.cohesion * area, idle=np.full(n, -1.0)),
+                        ks=contacts.shear_stiffness * area, tensile_force=contacts.tensile_strength * area,
+                        cohesive_force=contacts.cohesion * area, idle=np.full(n, -1.0)),
         joints=_table(kernel.JOINT, n, area=area), place=np.zeros(m + 1, kernel.PLACE),
-        motion=_table(kernel.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, free_x=1 / bodies.mass,
-                      free_z=1 / bodies.mass, free_turn=1 / bodies.inertia),
+        motion=_table(kernel.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, inverse_mass_x=1 / bodies.mass,
+                      inverse_mass_z=1 / bodies.mass, inverse_inertia=1 / bodies.inertia),
         energy=np.zeros(4), events=np.zeros((_CAPACITY, 3), np.int64), values=np.zeros((_CAPACITY, 4)),
         n_events=np.zeros(1, np.int64), relaxation=np.zeros(2))
 
@@ -209,14 +210,15 @@ def _sum_springs(pairs, contacts, friction):
     """Write into the pairs what their contacts do as long as none of them can break."""
     start = pairs["start"]
     kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
-    for name, values in (("kn", kn), ("ks", ks), ("first", kn * offset), ("second", kn * offset**2)):
+    for name, values in (("kn", kn), ("ks", ks), ("kn_offset", kn * offset), ("kn_offset2", kn * offset**2)):
         pairs[name] = np.add.reduceat(values, start)
     pairs["reach"] = np.maximum.reduceat(np.abs(offset), start)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = kn / ks * friction
-        pairs["tension"] = np.minimum.reduceat(contacts["ft"] / kn, start)
-        pairs["cohesion"] = np.minimum.reduceat(contacts["cohesion"] / ks, start)
-    pairs["ratio"] = ratio[start]
+        opening, slide, ratio = elastic_range(
+            LawParameters(kn, ks, contacts["tensile_force"], contacts["cohesive_force"], friction))
+        pairs["largest_opening"] = np.minimum.reduceat(opening, start)
+        pairs["largest_slide"] = np.minimum.reduceat(slide, start)
+    pairs["slide_loss"] = ratio[start]
     # The outermost opening decides for all only where they slide alike; elsewhere each is looked at.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
-    pairs["tension"][~np.logical_and.reduceat(alike, start)] = -np.inf
+    pairs["largest_opening"][~np.logical_and.reduceat(alike, start)] = -np.inf

@@ -43,6 +43,33 @@ class ContactState(NamedTuple):
 
 
 @register_jitable
+def stays_elastic(normal_stress, shear_stress, tensile_strength, cohesion, friction):
+    """Whether a contact with these elastic stresses is within its strengths, equations (10) and (11), so that
+    `advance` would change nothing but stresses.
+
+    Strengths are those it has left (`strength_left`).  All may be forces instead of stresses [N], or, with what
+    `elastic_range` returns, opening and shear displacement [m].
+    """
+    return (normal_stress <= tensile_strength) & (abs(shear_stress) < cohesion - normal_stress * friction)
+
+
+@register_jitable
+def elastic_range(parameters):
+    """The strengths as displacements: `stays_elastic(opening, shear, *elastic_range(parameters))` of a contact that
+    never failed.  Largest opening [m], slide [m] and its loss per opening [-]; parameters may be arrays."""
+    kn, ks, strength, cohesion, friction = parameters
+    return strength / kn, cohesion / ks, kn / ks * friction
+
+
+@register_jitable
+def strength_left(broken, parameters):
+    """Tensile strength and cohesion that are left [Pa]: a brittle bond has both or neither."""
+    if broken:
+        return 0.0, 0.0
+    return parameters.tensile_strength, parameters.cohesion
+
+
+@register_jitable
 def advance(opening, shear_increment, state, parameters):
     """Advance one contact by one step.
 
@@ -50,13 +77,16 @@ def advance(opening, shear_increment, state, parameters):
     shear_increment [m]: shear displacement during the step.
     Returns (new ContactState, INTACT | TENSION | SHEAR).
     """
-    kn, ks, strength, cohesion, friction = parameters
+    kn, ks, _, _, friction = parameters
     slip, broken, at_limit = state.slip, state.broken, state.at_limit
     friction_work, fracture_work = state.friction_work, state.fracture_work
+    strength, cohesion = strength_left(broken, parameters)
     sigma = kn * opening  # (7)
     trial = state.shear_stress + ks * shear_increment  # (8)
-    event = INTACT
+    if stays_elastic(sigma, trial, strength, cohesion, friction):  # (10), (11)
+        return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work), INTACT
 
+    event = INTACT
     if not broken and sigma > strength:  # (10)
         fracture_work += elastic_energy(sigma, trial, kn, ks)
         broken, event = True, TENSION
@@ -64,16 +94,14 @@ def advance(opening, shear_increment, state, parameters):
         if event == INTACT:  # what shear it still held slides off as it opens
             friction_work += max(0.5 * state.shear_stress * trial / ks, 0.0)
         return ContactState(0.0, 0.0, slip, broken, at_limit, friction_work, fracture_work), event
-
-    limit = -sigma * friction if broken else cohesion - sigma * friction  # (11)
-    if abs(trial) < limit or (broken and trial == 0.0):
+    if broken and trial == 0.0:  # closes without shear
         return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work), event
 
+    limit = -sigma * friction
     if not broken:
         if opening > 0.0:  # a bond under tension that fails in shear is open at once
             fracture_work += elastic_energy(sigma, trial, kn, ks)
             return ContactState(0.0, 0.0, slip, True, True, friction_work, fracture_work), SHEAR
-        limit = -sigma * friction
         broken, event = True, SHEAR
         fracture_work += 0.5 * (abs(trial) - limit) ** 2 / ks
         friction_work += limit * (abs(trial) - limit) / ks
