@@ -63,9 +63,8 @@ class Run:
         """The static stage; True when the wall came to rest, False when interrupted."""
         solver, dt = self.solver, self.solver.time_step
         n = round(RAMP_S / dt)
-        share = np.arange(n + 1) / n if solver.habits.whole_step_ramp else np.arange(n + 1) * dt / RAMP_S
         solver.damp(**self._relaxation(LOCAL_DAMPING))
-        solver.start(NO_MOTION, GRAVITY * np.minimum(1.0, share))
+        solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n))
         while self.keep_going(self, self.time):
             solver.advance(self.look_steps)
             held = self.time - RAMP_S
