@@ -17,6 +17,9 @@ from damage.run.solver import NO_MOTION
 from damage.run.watch import has_collapsed, index_now, unbalanced_force
 from damage.units import GRAVITY
 
+LOOK_STEPS = 500
+"""Steps between two looks at the static criterion, at progress and interrupts."""
+
 
 class Run:
     """The stages of a run, in order: `settle_under_gravity`, `start`, `run_all`.
@@ -32,7 +35,6 @@ class Run:
         self.stage, self.collapsed_at_s, self._samples = "static", None, 0
         multiple = solver.habits.sample_multiple
         self.sample_steps = multiple * max(1, round(SAMPLE_S / solver.time_step / multiple))
-        self.look_steps = solver.habits.look_steps or self.sample_steps
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self.base, self._top_velocities = NO_MOTION, None
         self._zero = self._last = None  # instants: of time zero, of the last sample
@@ -66,7 +68,7 @@ class Run:
         solver.damp(**self._relaxation(LOCAL_DAMPING))
         solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n))
         while self.keep_going(self, self.time):
-            solver.advance(self.look_steps)
+            solver.advance(LOOK_STEPS)
             held = self.time - RAMP_S
             if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
                 break
@@ -112,7 +114,7 @@ class Run:
             while solver.clock < stage.end_step:
                 if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
                     return False
-                solver.advance(min(stage.end_step - solver.clock, self.look_steps), self.sample_steps, self.sample)
+                solver.advance(min(stage.end_step - solver.clock, LOOK_STEPS), self.sample_steps, self.sample)
         return True
 
     def _unbalanced_force(self):

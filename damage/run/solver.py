@@ -34,12 +34,11 @@ class Instant(NamedTuple):
 class Habits(NamedTuple):
     """What solvers still do each in their own way; all of it is meant to go.
 
-    sample_multiple: a sample lasts a multiple of so many steps; look_steps: steps between two looks at the static
-    criterion and at interrupts, None for those of a sample; keeps_velocities: of the static stage, into a quasi-static one.
+    sample_multiple: a sample lasts a multiple of so many steps; keeps_velocities: of the static stage, into a
+    quasi-static one.
     """
 
     sample_multiple: int
-    look_steps: int | None
     keeps_velocities: bool
 
 
