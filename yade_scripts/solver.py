@@ -24,7 +24,7 @@ JOINT_STEPS = 10  # steps between two looks at the broken joints
 class YadeSolver:
     """A wall in YADE that a Run can move."""
 
-    habits = Habits(sample_multiple=JOINT_STEPS, keeps_velocities=False)
+    habits = Habits(sample_multiple=JOINT_STEPS)
 
     def __init__(self, layout, time_step):
         self.layout, self.time_step = layout, time_step

@@ -13,7 +13,7 @@ EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "s
 class ReferenceSolver(ReferenceWall):
     """A ReferenceWall that a Run can move."""
 
-    habits = Habits(sample_multiple=1, keeps_velocities=True)
+    habits = Habits(sample_multiple=1)
 
     @property
     def clock(self):

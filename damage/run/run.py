@@ -89,8 +89,7 @@ class Run:
         """
         solver, loading = self.solver, self.settings.loading
         self.base = schedule.base_acceleration(self.settings, self.stages, solver.time_step)
-        if not (loading.drives_top and solver.habits.keeps_velocities):
-            solver.set_velocities(loading.initial_velocity_m_s * first_mode)
+        solver.set_velocities(loading.initial_velocity_m_s * first_mode)
         solver.start(self.base, np.array([GRAVITY]))
         if loading.drives_top:
             solver.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")

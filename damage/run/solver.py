@@ -34,12 +34,10 @@ class Instant(NamedTuple):
 class Habits(NamedTuple):
     """What solvers still do each in their own way; all of it is meant to go.
 
-    sample_multiple: a sample lasts a multiple of so many steps; keeps_velocities: of the static stage, into a
-    quasi-static one.
+    sample_multiple: a sample lasts a multiple of so many steps.
     """
 
     sample_multiple: int
-    keeps_velocities: bool
 
 
 class Solver(Protocol):
