@@ -12,19 +12,16 @@ from yade import O, PyRunner, Vector3
 
 from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
-from damage.run.solver import NO_MOTION, Habits, Instant
+from damage.run.schedule import JOINT_STEPS
+from damage.run.solver import NO_MOTION, Instant
 from damage.wall.kinematics import ContactKinematics
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 
-JOINT_STEPS = 10  # steps between two looks at the broken joints
-
 
 class YadeSolver:
     """A wall in YADE that a Run can move."""
-
-    habits = Habits(sample_multiple=JOINT_STEPS)
 
     def __init__(self, layout, time_step):
         self.layout, self.time_step = layout, time_step

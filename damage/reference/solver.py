@@ -4,7 +4,7 @@ import numpy as np
 
 from damage.reference.kernel import OPENED, SLIPPED
 from damage.reference.wall import ReferenceWall
-from damage.run.solver import Habits, Instant
+from damage.run.solver import Instant
 from damage.wall.joint_law import SHEAR, TENSION
 
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
@@ -12,8 +12,6 @@ EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "s
 
 class ReferenceSolver(ReferenceWall):
     """A ReferenceWall that a Run can move."""
-
-    habits = Habits(sample_multiple=1)
 
     @property
     def clock(self):

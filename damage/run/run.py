@@ -11,7 +11,6 @@ from damage.run.settings import (
     HOLD_S,
     LOCAL_DAMPING,
     RAMP_S,
-    SAMPLE_S,
 )
 from damage.run.solver import NO_MOTION
 from damage.run.watch import has_collapsed, index_now, unbalanced_force
@@ -33,8 +32,7 @@ class Run:
         self.layout, self.settings, self.solver = layout, settings, solver
         self.writer, self.keep_going = writer, keep_going
         self.stage, self.collapsed_at_s, self._samples = "static", None, 0
-        multiple = solver.habits.sample_multiple
-        self.sample_steps = multiple * max(1, round(SAMPLE_S / solver.time_step / multiple))
+        self.sample_steps = schedule.sample_steps(solver.time_step)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self.base, self._top_velocities = NO_MOTION, None
         self._zero = self._last = None  # instants: of time zero, of the last sample

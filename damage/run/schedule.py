@@ -9,10 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import LOCAL_DAMPING, SETTLE_S
+from damage.run.settings import LOCAL_DAMPING, SAMPLE_S, SETTLE_S
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
+
+JOINT_STEPS = 10
+"""A sample lasts a multiple of so many steps: a solver may look at its broken joints less often than in every step."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,15 @@ def choose_time_step(settings, critical_s):
         raise InputError(f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
                          f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one")
     return settings.time_step_s
+
+
+def sample_steps(time_step):
+    """Steps between two samples, nearest to SAMPLE_S; time_step [s].
+
+    >>> sample_steps(3e-5)
+    70
+    """
+    return JOINT_STEPS * max(1, round(SAMPLE_S / time_step / JOINT_STEPS))
 
 
 def stages(settings, layout, time_step, sample_steps):

@@ -31,19 +31,9 @@ class Instant(NamedTuple):
     damping_j: float | None
 
 
-class Habits(NamedTuple):
-    """What solvers still do each in their own way; all of it is meant to go.
-
-    sample_multiple: a sample lasts a multiple of so many steps.
-    """
-
-    sample_multiple: int
-
-
 class Solver(Protocol):
     """One wall at rest, unloaded; steps are counted by `clock` from the last `start`."""
 
-    habits: Habits
     time_step: float
     clock: int
 
