@@ -81,7 +81,7 @@ class YadeSolver:
         self._input_power = self._push_force() * self._velocity
 
     def advance(self, n_steps, sample_steps=None, on_sample=None):
-        """Take steps, `on_sample()` at time zero and after every `sample_steps`."""
+        """Take steps, `on_sample()` at time zero and after every `sample_steps`, until it returns False."""
         self._sample_steps, self._on_sample = sample_steps, on_sample
         if on_sample and self.clock == 0:
             self._observe()
@@ -113,8 +113,8 @@ class YadeSolver:
         if self.clock % JOINT_STEPS == 0:
             self._follow_joints()
             self._integrate_input(self._base_now())
-        if self.clock % self._sample_steps == 0:
-            self._on_sample()
+        if self.clock % self._sample_steps == 0 and not self._on_sample():
+            self._on_sample = None
 
     def _log_breaks(self):
         law, tracker = self.model.law, self.tracker

@@ -36,6 +36,7 @@ class Run:
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self.base, self._top_velocities = NO_MOTION, None
         self._zero = self._last = None  # instants: of time zero, of the last sample
+        self._last_s = 0.0  # time of that sample
         self._balance_j = self._damped_j = 0.0
         if settings.perturb_m > 0:
             random = np.random.default_rng(settings.seed)
@@ -100,7 +101,7 @@ class Run:
         """All stages; True unless interrupted (a collapse is an end, too)."""
         finished = self._run_stages()
         self._write_events(self.solver.drain_events())
-        self.writer.snapshot(self.time, self._motion(self.solver.instant(self._base_now())))
+        self.writer.snapshot(self._last_s, self._motion(self._last))
         return finished or self.collapsed_at_s is not None
 
     def _run_stages(self):
@@ -135,6 +136,7 @@ class Run:
         """Write one sample of everything, and move a pushed top on; False where the run has to end."""
         base = self._base_now()
         now = self._last = self.solver.instant(base)
+        self._last_s = self.time
         motion, top = self._motion(now), self._top(now)
         self.writer.append(self.stage, {
             "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],

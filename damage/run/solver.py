@@ -58,7 +58,7 @@ class Solver(Protocol):
 
     def advance(self, n_steps, sample_steps=None, on_sample=None):
         """Take steps.  `on_sample()` is called at time zero and after every `sample_steps` steps, where instants and
-        forces can be read; where it returns False the rest is left."""
+        forces can be read, until it returns False."""
 
     def instant(self, base_acceleration):
         """The Instant now; base_acceleration: (2,) of this step [m/s2]."""
