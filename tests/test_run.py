@@ -1,0 +1,182 @@
+"""The story of a run, told to a solver that only keeps its clock: stages, samples, ends, what is written of them."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from small_history import small_layout
+
+from damage.history.reader import read_history
+from damage.history.writer import HistoryWriter
+from damage.run.options import parse_run
+from damage.run.run import LOOK_STEPS, Run
+from damage.run.settings import HOLD_AT_MOST_S, LOCAL_DAMPING, RAMP_S
+from damage.run.solver import Instant
+from damage.units import GRAVITY
+
+DT = 1e-3  # [s]; a sample then lasts ten steps
+SHAKEN = ["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3"]
+
+
+class Clockwork:
+    """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a test says."""
+
+    def __init__(self, layout, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0):
+        self.layout, self.time_step, self.clock = layout, DT, 0
+        self.unbalanced, self.falls_at_step = unbalanced, falls_at_step
+        self.kinetic_j, self.damping_j = kinetic_j, damping_j
+        self.log, self.events = [], []
+
+    def start(self, base, gravity):
+        self.clock, self.base, self.gravity = 0, base, gravity
+        self.log.append("start")
+
+    def damp(self, **how):
+        self.log.append(how)
+
+    def shift(self, offsets):
+        self.log.append(offsets)
+
+    def set_velocities(self, velocities):
+        self.velocities = velocities
+
+    def hold(self, bodies, rotation):
+        self.log.append(("hold", rotation))
+
+    def push(self, velocity):
+        self.log.append(("push", velocity))
+
+    def advance(self, n_steps, sample_steps=None, on_sample=None):
+        end, goes_on = self.clock + n_steps, on_sample is None or self.clock > 0 or on_sample()
+        while goes_on and self.clock < end:
+            self.clock += 1
+            goes_on = on_sample is None or self.clock % sample_steps > 0 or on_sample()
+
+    def instant(self, base_acceleration):
+        displacement, n = np.zeros((len(self.layout.bodies), 3)), self.layout.n_joints
+        if self.falls_at_step is not None and self.clock >= self.falls_at_step:
+            displacement[0, 1] = -1.0
+        return Instant(displacement, np.zeros(n), np.zeros(n), np.zeros(n, int), 0.0, np.nan,
+                       self.kinetic_j(self.clock), 0.0, 0.0, 0.0, 0.0, self.damping_j)
+
+    def forces(self):
+        weight = np.column_stack([np.zeros_like(self.layout.bodies.mass), GRAVITY * self.layout.bodies.mass,
+                                  np.zeros_like(self.layout.bodies.mass)])
+        return weight + [self.unbalanced, 0.0, 0.0], np.ones(len(self.layout.contacts))
+
+    def base_reaction(self):
+        return 1.0
+
+    def drain_events(self):
+        events, self.events = self.events, []
+        return events
+
+
+@pytest.fixture
+def tell(tmp_path):
+    """tell(words, keep_going, **of the Clockwork): runs it; returns (finished, Run, Clockwork, History)."""
+    def run(words=SHAKEN, keep_going=lambda run, time_s: True, solver="yade", **clockwork):
+        layout = small_layout()
+        settings = parse_run(list(words), "test", solver)
+        fake = Clockwork(layout, **clockwork)
+        path = tmp_path / "run.h5"
+        writer = HistoryWriter(path, layout, solver="yade", parameters={
+            "loading": settings.loading.describe(), "wall": layout.wall.describe(), "model": {}}, versions={}, overwrite=True)
+        told = Run(layout, settings, fake, writer, keep_going)
+        finished = told.settle_under_gravity()
+        if finished:
+            told.start(np.ones((len(layout.bodies), 3)))
+            finished = told.run_all()
+        writer.finish("complete" if finished else "interrupted", told.collapsed_at_s)
+        return finished, told, fake, read_history(path)
+
+    return run
+
+
+def test_stages_bear_their_names_up_to_their_last_sample(tell):
+    finished, run, _, history = tell()
+    assert finished
+    ends = history.series.groupby("stage", observed=True)["time_s"].max()
+    assert_allclose(ends[["motion", "rest", "settling"]], [0.2, 0.5, 1.0])
+    assert_allclose(history.series["time_s"], np.arange(101) * 10 * DT)
+    assert_allclose(run.duration_s, 1.0)
+
+
+def test_static_stage_ramps_gravity_up_and_ends_at_a_look_with_the_wall_at_rest(tell):
+    _, _, fake, history = tell()
+    assert history.static["duration_s"] == LOOK_STEPS * DT
+    assert fake.log[:2] == [{"local": LOCAL_DAMPING}, "start"]
+
+
+def test_static_stage_that_finds_no_rest_gives_up_and_says_so(tell):
+    _, _, _, history = tell(unbalanced=1.0)
+    assert_allclose(history.static["duration_s"], RAMP_S + HOLD_AT_MOST_S, atol=LOOK_STEPS * DT)
+    assert history.static["duration_s"] > RAMP_S + HOLD_AT_MOST_S
+    assert_allclose(history.static["unbalanced_force"], 1.0)
+
+
+def test_gravity_comes_in_whole_steps_and_stays(tell):
+    ramps = []
+    tell(keep_going=lambda run, time_s: ramps.append(run.solver.gravity) or True)
+    assert_allclose(ramps[0], GRAVITY * np.arange(201) / 200)
+    assert_allclose(ramps[-1], [GRAVITY])
+
+
+def test_settling_is_damped_and_the_motion_is_not(tell):
+    _, _, fake, _ = tell(["--rest", "0.1", "--beta", "1e-6"], solver="reference")
+    assert [how for how in fake.log if isinstance(how, dict)] == [
+        {"adaptive": 1.0}, *2 * [{"alpha": 0.0, "beta": 1e-6}], {"local": LOCAL_DAMPING}]
+
+
+def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(tell):
+    _, run, fake, history = tell(["--pushover", "0.02", "--speed", "0.01", "--boundary", "fixed"])
+    assert ("hold", True) in fake.log
+    velocities = [what[1] for what in fake.log if isinstance(what, tuple) and what[0] == "push"]
+    loading, height = run.settings.loading, run.layout.pushed_height
+    assert_allclose(velocities[:-1], loading.velocities(10 * DT, height))
+    assert len(velocities) == len(history.series)
+    assert_allclose(np.sum(velocities[:-1]) * 10 * DT, 0.02 / 100 * height)
+
+
+def test_collapse_is_an_end_and_the_last_sample(tell):
+    finished, run, _, history = tell(falls_at_step=195)
+    assert finished and history.collapsed_at_s == run.collapsed_at_s == pytest.approx(0.2)
+    assert history.series["time_s"].iloc[-1] == history.collapsed_at_s
+    assert history.snapshot_time_s[-1] == history.collapsed_at_s
+    assert history.displacement[-1, 0, 1] == -1.0
+
+
+@pytest.mark.parametrize("until_s, samples", [(-1.0, 0), (0.3, 51)])
+def test_interrupt_ends_at_the_next_look_and_keeps_what_was_seen(tell, until_s, samples):
+    """Before time zero no sample exists; later the steps up to the look are kept."""
+    finished, run, _, history = tell(keep_going=lambda run, time_s: run.stage == "static" and until_s > 0
+                                     or time_s < until_s)
+    assert not finished and history.status == "interrupted"
+    assert len(history.series) == samples
+
+
+def test_damping_that_a_solver_cannot_tell_is_what_the_balance_lacks_in_settling(tell):
+    """10 J that swing away before settling are an error, which stays one; 3 J that go in settling were damped."""
+    _, _, _, history = tell(kinetic_j=lambda step: 10.0 if step <= 250 else 6.0 if step <= 700 else 3.0, damping_j=None)
+    damped = history.series.set_index(history.series["time_s"].round(3))["damping_energy_j"]
+    assert damped[0.5] == 0.0
+    assert_allclose([damped[0.6], damped[1.0]], [0.0, 3.0])
+
+
+def test_events_count_from_time_zero(tell):
+    def break_one(run, time_s):
+        if run.solver.clock in (0, LOOK_STEPS):
+            run.solver.events.append((run.solver.clock, 0, "tension", 1.0, 2.0, 0.0, 0.0))
+        return True
+
+    _, _, _, history = tell(keep_going=break_one)
+    # One at the start of the static stage, which lasted one look; one at time zero; one a look later.
+    assert_allclose(history.events["time_s"], [-LOOK_STEPS * DT, 0.0, LOOK_STEPS * DT])
+
+
+def test_offsets_are_drawn_with_the_seed(tell):
+    offsets = []
+    for seed in (1, 1, 2):
+        _, _, fake, _ = tell([*SHAKEN, "--perturb", "1e-9", "--seed", str(seed)])
+        offsets.append(fake.log[0])
+    assert np.array_equal(offsets[0], offsets[1]) and not np.array_equal(offsets[0], offsets[2])
+    assert_allclose(np.std(offsets[0]), 1e-9, rtol=0.3)
