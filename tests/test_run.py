@@ -80,7 +80,8 @@ def tell(tmp_path):
         fake = Clockwork(layout, **clockwork)
         path = tmp_path / "run.h5"
         writer = HistoryWriter(path, layout, solver="yade", parameters={
-            "loading": settings.loading.describe(), "wall": layout.wall.describe(), "model": {}}, versions={}, overwrite=True)
+            "loading": settings.loading.describe(), "wall": layout.wall.describe(), "model": {}},
+            versions={}, overwrite=True)
         told = Run(layout, settings, fake, writer, keep_going)
         finished = told.settle_under_gravity()
         if finished:
