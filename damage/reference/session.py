@@ -23,4 +23,3 @@ def run_reference(arguments):
     if wall.startswith("-"):
         wall, options = "walls/NAME.py", ["--help"]
     return run_session(SOLVER, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
-
