@@ -245,7 +245,7 @@ class Batches:
         self.calls.write_text("")
         process = subprocess.Popen(self.command(study), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    **self.options())
-        wait_until(lambda: self.calls.read_text())
+        wait_until(self.calls.read_text)
         return process
 
 
@@ -291,8 +291,8 @@ class TestBatch:
         assert (done.returncode, calls) == (1, ["1", "2", "3"])
         logs = batches.out / "logs"
         assert f"failed: fails_yade; see {logs / 'fails_yade.log'}" in done.stderr
-        assert f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} " \
-               "(error: the history is marked unfinished" in done.stderr
+        told = f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} (error: the history is marked unfinished"
+        assert told in done.stderr
         assert "good" not in done.stderr
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["run"]) == ["good_yade"]
         assert [path.name for path in (batches.out / "runs").glob("*.h5") if ".part." not in path.name] == [
