@@ -175,35 +175,15 @@ def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command)
     assert summarise(history)["residual"] is None
 
 
-def test_a_second_run_does_not_touch_the_first(small_wall, tmp_path, yade_command):
+def test_perturbed_bricks_change_the_result_only_within_reason(shaken, small_wall, tmp_path, yade_command):
+    """Beside the same run unperturbed, for two thirds of a cycle: later breaks pull the two apart."""
     out = tmp_path / "small.h5"
-    words = (small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--out", out, "--no-pictures")
-    assert yade_command(*words).returncode == 0
-    before = out.read_bytes()
-    again = yade_command(*words)
-    assert again.returncode == 2 and "--overwrite" in again.stderr
-    assert out.read_bytes() == before
-
-
-def test_without_out_a_second_run_takes_a_name_of_its_own(small_wall, tmp_path, yade_command):
-    words = (small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--no-pictures")
-    for _ in range(2):
-        assert yade_command(*words, cwd=tmp_path).returncode == 0
-    names = sorted(path.name for path in (tmp_path / "results").iterdir())
-    stem = "small_harmonic_0.03s_0.1g_1cycles_yade"
-    assert names == [f"{stem}.h5", f"{stem}_2.h5"]
-
-
-def test_perturbed_bricks_change_the_result_only_within_reason(small_wall, tmp_path, yade_command):
-    drifts = []
-    for seed in (1, 2):
-        out = tmp_path / f"{seed}.h5"
-        done = yade_command(small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--out", out,
-                            "--perturb", 1e-9, "--seed", seed, "--no-pictures")
-        assert done.returncode == 0, done.stderr
-        drifts.append(damage.read_history(out).series.drift_ratio.to_numpy())
+    done = yade_command(small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out,
+                        "--perturb", 1e-9, "--no-pictures")
+    assert done.returncode == 0, done.stderr
+    drifts = [run.series.drift_ratio.to_numpy()[:10] for run in (shaken[0], damage.read_history(out))]
     assert np.any(drifts[0] != drifts[1])
-    assert_allclose(drifts[0], drifts[1], atol=1e-3 * np.abs(drifts[0]).max())
+    assert_allclose(drifts[0], drifts[1], atol=1e-4 * np.abs(drifts[0]).max())
 
 
 def test_help_names_every_option(small_wall, yade_command):
