@@ -1,4 +1,4 @@
-"""Whole runs in YADE through the real command: periods, static stage, energy, damage, interrupts."""
+"""Whole runs in YADE through the real command: energy, damage, interrupts."""
 
 import os
 import re
@@ -19,9 +19,6 @@ from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
 pytestmark = pytest.mark.yade
-
-BANDS = {"solid": (0.058, 0.066), "symmetric": (0.185, 0.205), "asymmetric": (0.160, 0.180)}  # [s]
-REST = {"solid": 0.5, "symmetric": 3.0, "asymmetric": 1.0}  # [s]; 3 s are 100 000 steps
 
 # A pier with a door beside it, small enough for a run of seconds; its opening asks for cut bricks.
 SMALL_WALL = '''
@@ -44,37 +41,6 @@ def small_wall(tmp_path_factory):
     path = tmp_path_factory.mktemp("walls") / "small.py"
     path.write_text(SMALL_WALL.format(repository=str(REPOSITORY)))
     return path
-
-
-@pytest.fixture(scope="module", params=REST)
-def free_vibration(request, yade_command, tmp_path_factory):
-    out = tmp_path_factory.mktemp("free") / f"{request.param}.h5"
-    done = yade_command(REPOSITORY / f"walls/{request.param}.py", "--free-vibration", "--rest",
-                        REST[request.param], "--out", out, "--no-pictures")
-    assert done.returncode == 0, done.stdout + done.stderr
-    return damage.read_history(out)
-
-
-class TestIntactWall:
-    def test_static_stage_carries_the_weight_at_rest_and_unbroken(self, free_vibration):
-        static = free_vibration.static
-        assert_allclose(static["base_reaction_n"], static["weight_n"], rtol=1e-3)
-        assert static["unbalanced_force"] < 1e-5
-        assert static["broken_joints"] == 0 and len(free_vibration.events) == 0
-
-    def test_period_lies_in_its_band_and_agrees_with_the_eigenvalue(self, free_vibration):
-        low, high = BANDS[free_vibration.wall]
-        period = summarise(free_vibration)["period_s"]
-        assert low < period < high
-        # The eigenvalue knows no P-delta, which softens the wall by about W / (k h) = 0.4 %.
-        assert_allclose(period, free_vibration.parameters["eigen_period_s"], rtol=5e-3)
-
-    def test_energy_of_the_kick_is_kept(self, free_vibration):
-        assert energy_error(free_vibration.series) < 5e-3
-
-    def test_joints_report_no_damage(self, free_vibration):
-        assert free_vibration.index().DI_open.max() == 0 and free_vibration.index().DI_slip.max() == 0
-        assert not free_vibration.at_limit.any()
 
 
 def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp_path):

@@ -22,15 +22,14 @@ def _exit_saved(status, leave=os._exit):
 
 
 class _EngineTracing:
-    """On the first import of yade_scripts, where YADE is there: what its PyRunners run is traced, too."""
+    """On the first import of yade_scripts within YADE: what its PyRunners run is traced, too."""
 
     def __init__(self):
         self.tracer = None
 
     def find_spec(self, name, path=None, target=None):
-        if name == "yade_scripts":
-            import yade
-
+        if name == "yade_scripts" and "yade" in sys.modules:
+            yade = sys.modules["yade"]
             plain = yade.PyRunner
             sys.meta_path.remove(self)
             sys.trace_engine = self.trace
