@@ -55,7 +55,7 @@ while [ $# -gt 0 ]; do
         --out=* | --solver=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
         -j?*) set -- -j "${1#-j}" "${@:2}" ;;
         -j | --out | --solver)
-            [ $# -ge 2 ] && [ -n "$2" ] || fail "$1 without a value: expected one after it; see --help"
+            [ -n "${2:-}" ] || fail "$1 without a value: expected one after it; see --help"
             case $1 in
                 -j) jobs=$2 ;;
                 --out) out=$2 ;;

@@ -3,18 +3,22 @@
 #
 #     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
 #     source scripts/environment.sh test    # also pytest with xdist, hypothesis and, where it can be had, obspy
+#     source scripts/environment.sh coverage    # also coverage
+#     source scripts/environment.sh gates   # a Python with the packages and pytest, shellcheck, ruff
 #
 # A machine may have another python3 first on its path, without the packages; YADE uses Debian's.  So
 # the interpreter is the first of $PYTHON, /usr/bin/python3 and python3 on PATH that imports them all.
 # What is missing comes from Debian's packages if this user may install them (root, or sudo without a
 # password); otherwise they are named and the status is 3.  MASONRY_NO_INSTALL=1 forbids installing.
-# obspy, for tests of miniSEED only, comes from PyPI into .venv, on top of Debian's packages.
+# obspy, for tests of miniSEED only, and ruff come from PyPI into .venv, on top of Debian's packages.
 #
-# Exports PYTHON, PYTHONPATH (the repository), PYTHONNOUSERSITE and MPLBACKEND.
+# Exports PYTHON, PYTHONPATH (the repository), PYTHONNOUSERSITE and MPLBACKEND; for gates also RUFF.
 # SYSTEM_PYTHON stands in for /usr/bin/python3 on systems that keep it elsewhere.
 
 _env_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 _env_obspy_versions="obspy>=1.4.1,<1.5"  # later ones ask for a newer numpy than Debian 12's
+_env_ruff_version=0.17.6  # as in pyproject.toml: other versions find other faults
+_env_programs=(yade)
 
 _env_say() { printf '%s\n' "$*" >&2; }
 
@@ -50,10 +54,19 @@ _env_find_python() {
     return 1
 }
 
-# Names the Debian packages that are missing for the modules $@, and yade.
+_env_has_programs() {
+    local program
+    for program in "${_env_programs[@]}"; do
+        [ -n "$(type -P "$program")" ] || return 1
+    done
+}
+
+# Names the Debian packages that are missing for the modules $@, and for the programs.
 _env_missing_packages() {
-    local module
-    [ -n "$(type -P yade)" ] || echo yade
+    local module program
+    for program in "${_env_programs[@]}"; do
+        [ -n "$(type -P "$program")" ] || echo "$program"
+    done
     for module in $(_env_missing_modules "$(type -P "$SYSTEM_PYTHON" || true)" "$@"); do
         case $module in
             snakemake) echo snakemake ;;
@@ -88,16 +101,16 @@ _env_install() {
     return 1
 }
 
-# Sets PYTHON and makes sure of yade, for the modules $@; status 3 when that cannot be done.
+# Sets PYTHON and makes sure of the programs, for the modules $@; status 3 when that cannot be done.
 _env_provide() {
-    if _env_find_python "$@" && [ -n "$(type -P yade)" ]; then
+    if _env_find_python "$@" && _env_has_programs; then
         return 0
     fi
     local packages
     mapfile -t packages < <(_env_missing_packages "$@")
     if [ "${#packages[@]}" -gt 0 ] && _env_may_install && _env_install "${packages[@]}"; then
         hash -r
-        if _env_find_python "$@" && [ -n "$(type -P yade)" ]; then
+        if _env_find_python "$@" && _env_has_programs; then
             return 0
         fi
         mapfile -t packages < <(_env_missing_packages "$@")
@@ -116,32 +129,32 @@ for name in sys.argv[1:]:
 ' numpy scipy pandas h5py matplotlib numba
 }
 
-# Makes .venv with obspy on top of the packages of $PYTHON, or says why not (status 1).
-_env_make_venv() {
-    local venv=$1 constraints told
+# Adds $2, of the versions $3, to the environment $1 on top of the packages of $PYTHON, or says why not (status 1).
+_env_add_to_venv() {
+    local venv=$1 name=$2 versions=$3 constraints told
     if [ -n "${MASONRY_NO_INSTALL:-}" ]; then
-        _env_say "obspy is missing and MASONRY_NO_INSTALL is set"
+        _env_say "$name is missing and MASONRY_NO_INSTALL is set"
         return 1
     fi
     if [ -e "$venv" ] && ! grep -qs '^include-system-site-packages = true' "$venv/pyvenv.cfg"; then
-        _env_say "obspy is missing; .venv is not of this script's making and is left alone"
+        _env_say "$name is missing; .venv is not of this script's making and is left alone"
         return 1
     fi
     if ! "$PYTHON" -c 'import ensurepip' 2>/dev/null && _env_may_install; then
         _env_install python3-venv || true
     fi
-    _env_say "installing obspy into .venv"
+    _env_say "installing $name into .venv"
     constraints=$(mktemp) || return 1
     if _env_constraints >"$constraints" &&
         told=$("$PYTHON" -m venv --system-site-packages "$venv" 2>&1) &&
         told=$("$venv/bin/python" -m pip install --quiet --only-binary :all: --retries 1 --timeout 20 \
-            --constraint "$constraints" "$_env_obspy_versions" 2>&1) &&
+            --constraint "$constraints" "$versions" 2>&1) &&
         [ -z "$(compgen -G "$venv/lib/python3*/site-packages/numpy")" ]; then
         rm -f "$constraints"
         return 0
     fi
     rm -f "$constraints"
-    _env_say "obspy could not be installed: $(tail -n 1 <<<"${told:-unknown reason}")"
+    _env_say "$name could not be installed: $(tail -n 1 <<<"${told:-unknown reason}")"
     return 1
 }
 
@@ -152,20 +165,38 @@ _env_add_obspy() {
         return 0
     fi
     if _env_has_modules "$venv/bin/python" obspy "$@" ||
-        { _env_make_venv "$venv" && _env_has_modules "$venv/bin/python" obspy "$@"; }; then
+        { _env_add_to_venv "$venv" obspy "$_env_obspy_versions" && _env_has_modules "$venv/bin/python" obspy "$@"; }; then
         PYTHON=$venv/bin/python
     else
         _env_say "tests of miniSEED are skipped: they need obspy"
     fi
 }
 
+# Sets RUFF to .venv's ruff of the fixed version; status 3 when it cannot be had.
+_env_find_ruff() {
+    RUFF=$_env_root/.venv/bin/ruff
+    _env_ruff_is_there || _env_add_to_venv "$_env_root/.venv" ruff "ruff==$_env_ruff_version" || true
+    if ! _env_ruff_is_there; then
+        _env_say "error: missing on this machine: ruff $_env_ruff_version"
+        return 3
+    fi
+    export RUFF
+}
+
+_env_ruff_is_there() { [ "$("$RUFF" --version 2>/dev/null)" = "ruff $_env_ruff_version" ]; }
+
 _env_main() {
-    local modules=(numpy scipy pandas h5py matplotlib numba snakemake)
+    local modules=(numpy scipy pandas h5py matplotlib numba)
     case ${1:-run} in
-        run) ;;
-        test) modules+=(pytest xdist hypothesis) ;;
+        run) modules+=(snakemake) ;;
+        test) modules+=(snakemake pytest xdist hypothesis) ;;
+        coverage) modules+=(snakemake pytest xdist hypothesis coverage) ;;
+        gates)
+            modules+=(pytest)
+            _env_programs=(shellcheck)
+            ;;
         *)
-            _env_say "error: environment.sh $1: expected run or test; mend the call"
+            _env_say "error: environment.sh $1: expected run, test, coverage or gates; mend the call"
             return 2
             ;;
     esac
@@ -173,9 +204,10 @@ _env_main() {
     unset PYTHONHOME
     export PYTHONPATH=$_env_root PYTHONNOUSERSITE=1 MPLBACKEND=Agg
     _env_provide "${modules[@]}" || return
-    if [ "${1:-run}" = test ]; then
-        _env_add_obspy "${modules[@]}"
-    fi
+    case ${1:-run} in
+        test | coverage) _env_add_obspy "${modules[@]}" ;;
+        gates) _env_find_ruff || return ;;
+    esac
     export PYTHON
 }
 

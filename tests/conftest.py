@@ -13,6 +13,14 @@ from damage.wall.file import load_wall
 REPOSITORY = Path(__file__).resolve().parents[1]
 
 
+FIRST = ("test_yade_free.py", "test_yade_run.py")
+
+
+def pytest_collection_modifyitems(items):
+    """Files that take longest come first: at the end they would keep one core busy and leave the others idle."""
+    items.sort(key=lambda item: item.path.name not in FIRST)
+
+
 @pytest.fixture(scope="session", params=["solid", "symmetric", "asymmetric"])
 def shipped_wall(request):
     return load_wall(REPOSITORY / "walls" / f"{request.param}.py")

@@ -6,7 +6,9 @@
 #     bash tests/run.sh -m long                       # what takes minutes each
 #     bash tests/run.sh tests/test_study.py -k quick
 #
-# Files run side by side, one for each of at most four cores; -n 0 runs them one after the other.
+# Files run side by side, one for each of at most four cores, the longest first; -n 0 runs them one after the other.
+# Lint, import order, the examples in docstrings and the like are not among them: bash scripts/gates.sh.
+# What they leave uncovered: bash scripts/coverage.sh.
 # The exit status is pytest's; 3 when something that the tests need is missing.
 set -euo pipefail
 

@@ -25,6 +25,7 @@ ROOMS = [
     ("tests",),
 ]
 GROUND = ROOMS[0]  # small modules: they may import one another
+LONGEST = 60  # lines of a function
 RANK = {room: rank for rank, line in enumerate(ROOMS) for room in line}
 
 
@@ -43,6 +44,11 @@ def read_modules():
     # Scripts of one folder import each other by their bare names.
     bare = {name.rpartition(".")[2]: name for name in names if name.startswith(("tests.", "workflow."))}
     return {name: set(_imports(REPOSITORY / path, names, bare)) for name, path in names.items()}
+
+
+def _source(name):
+    path = REPOSITORY / name.replace(".", "/")
+    return (path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).read_text()
 
 
 def _imports(path, known, bare):
@@ -103,6 +109,21 @@ def test_every_folder_with_python_has_its_room():
                           capture_output=True, text=True, check=True)
     folders = {line.split("/")[0] for line in done.stdout.split() if "/" in line}
     assert folders == {room.partition(".")[0] for room in RANK}
+
+
+def long_functions(source):
+    """Names of functions over LONGEST lines in a module's source; ruff counts statements and branches only."""
+    return [node.name for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef)
+            and node.end_lineno - node.lineno >= LONGEST]
+
+
+def test_no_function_is_longer_than_a_screen():
+    assert {name: long for name in MODULES if (long := long_functions(_source(name)))} == {}
+
+
+def test_a_long_function_is_found():
+    body = "".join(f"    x = {k}\n" for k in range(LONGEST))
+    assert long_functions(f"def long():\n{body}\n\ndef short():\n{body[:-12]}") == ["long"]
 
 
 def test_damage_imports_without_yade():

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -132,7 +133,7 @@ class TestMissing:
     def test_an_unknown_group_is_refused(self, machine):
         done = machine.source("everything")
         assert done.returncode == 2
-        assert done.stderr == "error: environment.sh everything: expected run or test; mend the call\n"
+        assert done.stderr == "error: environment.sh everything: expected run, test, coverage or gates; mend the call\n"
 
 
 OS_RELEASE = Path("/etc/os-release")
@@ -212,6 +213,37 @@ class TestObspy:
         inside = machine.stub("python", f'PYTHONPATH={has} exec {sys.executable} "$@"',
                               machine.repository / ".venv" / "bin")
         assert machine.source("test").stdout.strip() == str(inside)
+
+
+class TestGates:
+    """shellcheck and ruff, and no YADE."""
+
+    @pytest.fixture
+    def bare(self, machine):
+        (machine.bin / "yade").unlink()
+        machine.stub("shellcheck", "exit 0")
+        return machine
+
+    def test_ruff_is_fetched_only_where_that_is_allowed(self, bare):
+        done = bare.source("gates")
+        assert (done.returncode, done.stdout) == (3, "")
+        assert done.stderr.splitlines()[0] == "ruff is missing and MASONRY_NO_INSTALL is set"
+        assert done.stderr.splitlines()[1].startswith("error: missing on this machine: ruff ")
+
+    def test_only_ruff_of_the_fixed_version_is_taken(self, bare):
+        version = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["tool"]["ruff"]["required-version"]
+        (bare.repository / ".venv" / "bin").mkdir(parents=True)
+        ruff = bare.stub("ruff", "echo ruff 0.0.1", bare.repository / ".venv" / "bin")
+        assert bare.source("gates").returncode == 3
+        write_script(ruff, f"echo ruff {version.removeprefix('==')}")
+        done = bare.source("gates", then='echo "$RUFF"')
+        assert (done.returncode, done.stdout.strip()) == (0, str(ruff)), done.stderr
+
+    def test_a_missing_shellcheck_is_named(self, bare):
+        (bare.bin / "shellcheck").unlink()
+        done = bare.source("gates")
+        assert done.returncode == 3
+        assert done.stderr.splitlines()[0] == "error: missing on this machine: shellcheck"
 
 
 def run_all(*words, **variables):

@@ -90,7 +90,7 @@ def test_tension_of_a_stone_on_its_two_ends():
 def test_table_and_picture():
     steps = np.linspace(0, 0.02, 30)
     curve = Push(steps, 1e6 * steps, 1e8 * steps)
-    pushes = {name: (curve, curve) for name in LOADS_N}
+    pushes = dict.fromkeys(LOADS_N, (curve, curve))
     assert "| measured, two walls [kN] | 21.5 and 22.7 | 72.2 and 68.6 |" in table(pushes)
     draw(pushes).canvas.draw()
 

@@ -49,7 +49,7 @@ CASES = {
     "free vibration": {"stages": ("rest",) * 16 + ("settling",) * 5, "loading": "free_vibration",
                        "drift": 1.02e-5 * np.sin(np.arange(21)), "row": {"input_energy_j": 0.0}},
     "collapsed": {"stages": ("motion",) * 21, "collapsed_at_s": 0.2, "drift": 0.05 * np.arange(21) / 20,
-                  "opening": {k: 0.02 for k in range(20)}, "row": {"base_acceleration_z_m_s2": 0.1}},
+                  "opening": dict.fromkeys(range(20), 0.02), "row": {"base_acceleration_z_m_s2": 0.1}},
 }
 
 

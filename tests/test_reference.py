@@ -112,12 +112,13 @@ def test_a_free_wall_keeps_momentum_and_angular_momentum():
         return np.array([bodies.mass @ vx, bodies.mass @ vz,
                          bodies.mass @ (x * vz - z * vx) + bodies.inertia @ spin])
 
-    before = momenta()
+    before, started = momenta(), solver.velocity
     solver.run(3000)
+    # The joints have long passed the momenta of single bricks on.
+    assert np.linalg.norm(solver.velocity - started) > np.linalg.norm(started)
     assert_allclose(momenta()[:2], before[:2], rtol=1e-9)
     # Angular momentum is kept but for the scheme's second order in the step.
     assert_allclose(momenta()[2], before[2], rtol=1e-4)
-    assert np.abs(solver.velocity).max() > 0
 
 
 def test_forces_twice_at_the_same_places_change_nothing():
@@ -255,9 +256,9 @@ class TestSymmetricWall:
             assert runs["shaken"].series[column].iloc[-1] > 0
         assert runs["beta"].series["damping_energy_j"].iloc[-1] > 0
 
-    def test_damage_is_that_of_the_settled_exploration(self, runs):
-        """0.112 was explored for five cycles; three reach most of it, scatter is +-0.03."""
-        assert_allclose(summarise(runs["shaken"])["max"]["DI"], 0.10, atol=0.03)
+    def test_damage_is_that_of_the_harmonic_study(self, runs):
+        """docs/tables/harmonic_points.csv: 0.0921, five perturbed members 0.0919 to 0.0922."""
+        assert_allclose(summarise(runs["shaken"])["max"]["DI"], 0.0921, atol=5e-4)
 
     def test_every_break_is_an_event(self, runs):
         events = runs["shaken"].events
@@ -265,10 +266,14 @@ class TestSymmetricWall:
         assert set(breaks.joint) == set(np.flatnonzero(runs["shaken"].broken[-1]))
 
 
-def test_a_step_above_the_stable_one_is_refused(capsys, tmp_path):
-    status = run_reference(["walls/symmetric.py", "--dt", "4.6e-5", "--out", str(tmp_path / "a.h5")])
-    assert status == 2 and "stable" in capsys.readouterr().err
-    assert not (tmp_path / "a.h5").exists()
+def test_without_out_a_second_run_takes_a_name_of_its_own(tmp_path, monkeypatch):
+    (tmp_path / "tiny.py").write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('tiny', 0.45, 0.15)\n")
+    monkeypatch.chdir(tmp_path)
+    for _ in range(2):
+        assert run_reference(["tiny.py", "--harmonic", "0.03", "0.1", "--cycles", "1", "--rest", "0",
+                              "--no-pictures"]) == 0
+    stem = "tiny_harmonic_0.03s_0.1g_1cycles_reference"
+    assert sorted(path.name for path in (tmp_path / "results").iterdir()) == [f"{stem}.h5", f"{stem}_2.h5"]
 
 
 def test_a_whole_pair_as_one_spring_is_its_contacts_one_by_one():

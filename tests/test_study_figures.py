@@ -190,7 +190,6 @@ class TestOverTime:
         assert np.ptp(red.get_xdata()) == pytest.approx(0.06, abs=0.0101)  # whole samples of 10 ms inside it
         assert "T = 0.06 s" in text(figure)
 
-
     def test_a_collapse_and_no_cycle(self, tmp_path):
         write_study(tmp_path / "harmonic", harmonic_rows()[:2])
         for path in (tmp_path / "harmonic" / "runs").iterdir():
@@ -242,7 +241,7 @@ class TestIda:
     def test_residuals_against_pga(self, ida):
         ax = panel(residual_against_pga(ida), "BGAR")
         rows = ida.reference[ida.reference["record"] == "BGAR_HGE"]
-        x, median, low, high = medians(ax, BLUE)
+        x, median, _, high = medians(ax, BLUE)
         assert_allclose(x, rows["pga_g"], atol=0.01 * 0.2)
         assert_allclose(median, rows["residual_DI_slip"])
         assert_allclose(high, rows["residual_DI_slip_max"])

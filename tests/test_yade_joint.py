@@ -85,7 +85,7 @@ def test_shear_peak_and_residual(driven, name):
 
 
 def test_reclosing_bears_pressure_at_once_and_shear_from_zero(driven):
-    path, yade, law = driven["reclose"]
+    path, yade, _ = driven["reclose"]
     is_open = (np.arange(len(path)) > 20) & (path[:, 0] > 0)
     assert np.all(yade[is_open] == 0.0)
     closed = (path[:, 0] < 0) & (np.arange(len(path)) > 600)

@@ -1,4 +1,4 @@
-"""Whole runs in YADE through the real command: periods, static stage, energy, damage, interrupts."""
+"""Whole runs in YADE through the real command: energy, damage, interrupts."""
 
 import os
 import re
@@ -19,9 +19,6 @@ from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
 pytestmark = pytest.mark.yade
-
-BANDS = {"solid": (0.058, 0.066), "symmetric": (0.185, 0.205), "asymmetric": (0.160, 0.180)}  # [s]
-REST = {"solid": 0.5, "symmetric": 3.0, "asymmetric": 1.0}  # [s]; 3 s are 100 000 steps
 
 # A pier with a door beside it, small enough for a run of seconds; its opening asks for cut bricks.
 SMALL_WALL = '''
@@ -44,37 +41,6 @@ def small_wall(tmp_path_factory):
     path = tmp_path_factory.mktemp("walls") / "small.py"
     path.write_text(SMALL_WALL.format(repository=str(REPOSITORY)))
     return path
-
-
-@pytest.fixture(scope="module", params=REST)
-def free_vibration(request, yade_command, tmp_path_factory):
-    out = tmp_path_factory.mktemp("free") / f"{request.param}.h5"
-    done = yade_command(REPOSITORY / f"walls/{request.param}.py", "--free-vibration", "--rest",
-                        REST[request.param], "--out", out, "--no-pictures")
-    assert done.returncode == 0, done.stdout + done.stderr
-    return damage.read_history(out)
-
-
-class TestIntactWall:
-    def test_static_stage_carries_the_weight_at_rest_and_unbroken(self, free_vibration):
-        static = free_vibration.static
-        assert_allclose(static["base_reaction_n"], static["weight_n"], rtol=1e-3)
-        assert static["unbalanced_force"] < 1e-5
-        assert static["broken_joints"] == 0 and len(free_vibration.events) == 0
-
-    def test_period_lies_in_its_band_and_agrees_with_the_eigenvalue(self, free_vibration):
-        low, high = BANDS[free_vibration.wall]
-        period = summarise(free_vibration)["period_s"]
-        assert low < period < high
-        # The eigenvalue knows no P-delta, which softens the wall by about W / (k h) = 0.4 %.
-        assert_allclose(period, free_vibration.parameters["eigen_period_s"], rtol=5e-3)
-
-    def test_energy_of_the_kick_is_kept(self, free_vibration):
-        assert energy_error(free_vibration.series) < 5e-3
-
-    def test_joints_report_no_damage(self, free_vibration):
-        assert free_vibration.index().DI_open.max() == 0 and free_vibration.index().DI_slip.max() == 0
-        assert not free_vibration.at_limit.any()
 
 
 def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp_path):
@@ -175,35 +141,15 @@ def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command)
     assert summarise(history)["residual"] is None
 
 
-def test_a_second_run_does_not_touch_the_first(small_wall, tmp_path, yade_command):
+def test_perturbed_bricks_change_the_result_only_within_reason(shaken, small_wall, tmp_path, yade_command):
+    """Beside the same run unperturbed, for two thirds of a cycle: later breaks pull the two apart."""
     out = tmp_path / "small.h5"
-    words = (small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--out", out, "--no-pictures")
-    assert yade_command(*words).returncode == 0
-    before = out.read_bytes()
-    again = yade_command(*words)
-    assert again.returncode == 2 and "--overwrite" in again.stderr
-    assert out.read_bytes() == before
-
-
-def test_without_out_a_second_run_takes_a_name_of_its_own(small_wall, tmp_path, yade_command):
-    words = (small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--no-pictures")
-    for _ in range(2):
-        assert yade_command(*words, cwd=tmp_path).returncode == 0
-    names = sorted(path.name for path in (tmp_path / "results").iterdir())
-    stem = "small_harmonic_0.03s_0.1g_1cycles_yade"
-    assert names == [f"{stem}.h5", f"{stem}_2.h5"]
-
-
-def test_perturbed_bricks_change_the_result_only_within_reason(small_wall, tmp_path, yade_command):
-    drifts = []
-    for seed in (1, 2):
-        out = tmp_path / f"{seed}.h5"
-        done = yade_command(small_wall, "--harmonic", 0.03, 0.1, "--cycles", 1, "--rest", 0, "--out", out,
-                            "--perturb", 1e-9, "--seed", seed, "--no-pictures")
-        assert done.returncode == 0, done.stderr
-        drifts.append(damage.read_history(out).series.drift_ratio.to_numpy())
+    done = yade_command(small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out,
+                        "--perturb", 1e-9, "--no-pictures")
+    assert done.returncode == 0, done.stderr
+    drifts = [run.series.drift_ratio.to_numpy()[:10] for run in (shaken[0], damage.read_history(out))]
     assert np.any(drifts[0] != drifts[1])
-    assert_allclose(drifts[0], drifts[1], atol=1e-3 * np.abs(drifts[0]).max())
+    assert_allclose(drifts[0], drifts[1], atol=1e-4 * np.abs(drifts[0]).max())
 
 
 def test_help_names_every_option(small_wall, yade_command):

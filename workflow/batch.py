@@ -95,7 +95,7 @@ def _lock(lock, folder):
 
 def load_name(path):
     """The name in a study file that a batch kept, None where there is none."""
-    found = re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text(encoding="utf-8"), re.M) \
+    found = re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text(encoding="utf-8"), re.MULTILINE) \
         if path.is_file() else None
     return found and found[1]
 

@@ -374,4 +374,3 @@ JUDGES = {
     "P17c": _undecidable("no force-displacement curve of the test is published as numbers"),
     "P17d": _undecidable("compare the pictures of the validation study with figure 5"),
 }
-

@@ -22,4 +22,3 @@ def run_reference(arguments):
     if wall.startswith("-"):
         wall, options = "walls/NAME.py", ["--help"]
     return run_session(BACKEND, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
-

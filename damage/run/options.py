@@ -122,7 +122,7 @@ def _add_run(group, solver):
 _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"), "speed": ("pushover", "cyclic"),
             "damping": ("pushover", "cyclic"),
             "sequence": ("harmonic", "record"),
-            **{name: ("record",) for name in ("scale", "window", "vertical", "baseline", "band")}}
+            **dict.fromkeys(("scale", "window", "vertical", "baseline", "band"), ("record",))}
 
 
 def _loading(parsed):

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# The gates: what must hold before the tests are worth running.  All of them, or one, on these files.
+#
+#     bash scripts/gates.sh                       # all, in half a minute
+#     bash scripts/gates.sh lint damage/index.py
+#
+#     lint        ruff, with the rules of pyproject.toml
+#     shell       shellcheck
+#     imports     folder order is import order; the lengths of functions
+#     doctests    the examples in docstrings
+#     documents   generated parts of documents are what the tables and the code make of them
+#
+# The exit status is 1 when a gate is shut, and 3 when something that they need is missing.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+gates=(lint shell imports doctests documents)
+
+lint() { "$RUFF" check --no-cache --quiet --output-format concise "$@"; }
+
+shell() {
+    local scripts=("$@")
+    [ $# -gt 0 ] || mapfile -t scripts < <(git ls-files -co --exclude-standard '*.sh' .ci/run)
+    shellcheck --external-sources "${scripts[@]}"
+}
+
+quiet_pytest() { "$PYTHON" -m pytest -qq --no-header --tb=short -p no:cacheprovider "$@"; }
+
+imports() { quiet_pytest "${@:-tests/test_architecture.py}"; }
+
+doctests() { quiet_pytest --doctest-modules "${@:-damage}"; }
+
+documents() { "$PYTHON" scripts/documents.py "$@"; }
+
+# Runs one gate and tells how it went.
+pass() {
+    local start=$SECONDS told
+    if told=$("$@" 2>&1); then
+        printf '%-10s open, %d s\n' "$1" $((SECONDS - start))
+    else
+        printf '%s\n%-10s SHUT\n' "$told" "$1"
+        return 1
+    fi
+}
+
+if [ $# -gt 0 ] && [[ " ${gates[*]} " != *" $1 "* ]]; then
+    echo "error: no gate $1: expected one of ${gates[*]}" >&2
+    exit 2
+fi
+# shellcheck source=scripts/environment.sh
+source "$root/scripts/environment.sh" gates
+[ $# -gt 0 ] || cd "$root"
+status=0
+if [ $# -gt 0 ]; then
+    pass "$@" || status=1
+else
+    for gate in "${gates[@]}"; do
+        pass "$gate" || status=1
+    done
+fi
+exit "$status"

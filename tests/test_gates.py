@@ -1,0 +1,96 @@
+"""Each gate is shut by a fault seeded in a copy."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+
+GATES = REPOSITORY / "scripts" / "gates.sh"
+
+
+def pass_gate(gate, *words, folder=REPOSITORY):
+    """Run one gate; skips where it lacks something, for a test installs nothing."""
+    done = subprocess.run(["bash", GATES, gate, *words], cwd=folder, capture_output=True, text=True,
+                          env={**os.environ, "MASONRY_NO_INSTALL": "1"})
+    if done.returncode == 3:
+        pytest.skip(f"{done.stderr.splitlines()[-1]}; bash scripts/gates.sh gets it")
+    return done
+
+
+def seeded(path, folder, old, new):
+    """A copy of a repository's file in a folder, with one piece of its text changed; returns its path."""
+    copy = folder / path
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    if not copy.exists():
+        shutil.copy(REPOSITORY / path, copy)
+    text = copy.read_text(encoding="utf-8")
+    assert old in text
+    copy.write_text(text.replace(old, new, 1), encoding="utf-8")
+    return copy
+
+
+def assert_shut(done, *told):
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert done.stdout.endswith("SHUT\n")
+    for fault in told:
+        assert fault in done.stdout
+
+
+def test_lint(tmp_path):
+    for old, new in (("import pandas as pd\n", "import os\nimport pandas as pd\n"), ("    return ", "    return  "),
+                     ("def ", "\n\ndef "), ('"""\n', f'{"x " * 60}x"""\n')):
+        module = seeded("damage/index.py", tmp_path, old, new)
+    with module.open("a") as file:
+        file.write("\n\ndef long(x):\n" + "    x += 1\n" * 50 + "    return x\n")
+    assert_shut(pass_gate("lint", "--config", REPOSITORY / "pyproject.toml", module),
+                "unused-import", "multiple-spaces-after-keyword", "too-many-blank-lines", "line-too-long",
+                "too-many-statements")
+
+
+def test_shell(tmp_path):
+    assert_shut(pass_gate("shell", seeded("tests/run.sh", tmp_path, '"$root"', "$root")), "SC2086")
+
+
+def test_imports(tmp_path):
+    """In a copy of all sources a module of the lowest folder imports one of the highest."""
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.py", "pyproject.toml"], cwd=REPOSITORY,
+                            capture_output=True, text=True, check=True)
+    for path in map(Path, listed.stdout.split()):
+        if (REPOSITORY / path).exists():
+            (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(REPOSITORY / path, tmp_path / path)
+    with (tmp_path / "damage" / "units.py").open("a") as file:
+        file.write("\n\ndef seeded():\n    import damage.run.watch\n")
+    done = pass_gate("imports", "tests/test_architecture.py", "-k", "order_of_rooms", folder=tmp_path)
+    assert_shut(done, "damage.units imports damage.run.watch, which comes after it")
+
+
+def test_doctests(tmp_path):
+    module = tmp_path / "module.py"
+    module.write_text('"""One and one.\n\n>>> 1 + 1\n3\n"""\n')
+    assert_shut(pass_gate("doctests", module, folder=tmp_path), "Expected:\n    3")
+
+
+def test_documents(tmp_path):
+    verdict, points = "docs/paper-verdict.md", "docs/tables/harmonic_points.csv"
+    shutil.copytree(REPOSITORY / "docs" / "tables", tmp_path / "docs" / "tables")
+    seeded(verdict, tmp_path, "| 0.0637 s", "| 0.0737 s")
+    seeded(verdict, tmp_path, "Holds if within", "Holds if about within")
+    seeded("README.md", tmp_path, " claims hold by", " claims held by")
+    assert_shut(pass_gate("documents", tmp_path), f"{verdict}: not as the code writes it",
+                f"{verdict}, P1 yade elastic displacement: ('0.0737 s', 'holds'), but docs/tables say ('0.0637 s'",
+                "README.md: '- YADE, elastic lintel: 25 claims held")
+    shutil.copy(REPOSITORY / verdict, tmp_path / verdict)
+    table = pd.read_csv(tmp_path / points)
+    table.assign(max_DI=0.5 * table["max_DI"]).to_csv(tmp_path / points, index=False)
+    assert_shut(pass_gate("documents", tmp_path), f"{verdict}, P3 reference elastic displacement")
+
+
+def test_an_unknown_gate_is_refused():
+    done = pass_gate("speed")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: no gate speed: expected one of lint")

@@ -1,0 +1,86 @@
+"""The compiled functions run once as plain Python: where coverage sees them, and with the same results."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+
+from damage.reference import kernel
+from damage.reference.wall import ReferenceWall
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Joint, Opening, Wall
+
+WALL = Wall("pier", 0.675, 0.3, [Opening(0.225, 0.225, 0.15)], joint=Joint(tensile_strength=5e3, cohesion=5e4))
+
+
+def shaken(solver):
+    """A wall that settles and is shaken until joints open and slide by more than the threshold."""
+    solver.local_damping = 0.7
+    solver.run(50)
+    solver.local_damping = 0.0
+    time = np.arange(250) * solver.time_step
+    solver.start(np.column_stack([500 * np.sin(1200 * time), -400 * np.cos(2400 * time)]))
+    solver.run(300)
+
+
+def relaxed(solver):
+    solver.adaptive_damping = 1.0
+    solver.run(30)
+
+
+def pushed(solver):
+    solver.hold(solver.layout.pushed_bodies, rotation=True)
+    solver.push(0.5)
+    solver.run(60)
+
+
+def damped(solver):
+    solver.velocity = 0.02
+    solver.run(60)
+
+
+CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-6}}
+
+
+def all_results():
+    """{case and quantity: array} of all CASES."""
+    layout = lay_out(WALL)
+    results = {"rotation": np.array([kernel.rotation(angle) for angle in (0.0, 1e-3, 0.3)])}
+    step = 0.3 * natural_modes(layout).critical_time_step_s
+    for case, options in CASES.items():
+        solver = ReferenceWall(layout, step, **options)
+        case(solver)
+        steps, joints, kinds, values = solver.drain_events()
+        for name, value in {"place": solver.displacement, "velocity": solver.velocity, "force": solver.force,
+                            "slip": solver.slip, "opening": solver.opening, "energy": solver.energy,
+                            "kinetic": solver.kinetic_energy(), "values": values,
+                            "events": np.column_stack([steps, joints, kinds])}.items():
+            results[f"{case.__name__}_{name}"] = value
+    return results
+
+
+def test_plain_python_gives_what_the_compiled_functions_give(tmp_path):
+    """But for fused multiply-adds, which round once instead of twice."""
+    done = subprocess.run([sys.executable, __file__, tmp_path / "plain.npz"], capture_output=True, text=True,
+                          env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(
+                              [str(REPOSITORY), os.environ.get("PYTHONPATH", "")])})
+    assert done.returncode == 0, done.stderr
+    plain, compiled = np.load(tmp_path / "plain.npz"), all_results()
+    assert set(compiled["shaken_events"][:, 2]) == {1, 2, 3, 4}  # tension, shear, opened, slipped
+    for name, value in compiled.items():
+        if name.endswith("events"):
+            assert np.array_equal(plain[name], value), name
+        else:
+            scale = np.max(np.abs(value), initial=0.0) or 1.0
+            assert_allclose(plain[name] / scale, value / scale, rtol=0, atol=1e-8, err_msg=name)
+
+
+if __name__ == "__main__":
+    for name, table in vars(kernel).items():  # rows whose fields are attributes without numba, too
+        if isinstance(table, np.dtype) and table.names:
+            setattr(kernel, name, np.dtype((np.record, table)))
+    np.savez(sys.argv[1], **all_results())

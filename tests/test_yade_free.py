@@ -1,0 +1,42 @@
+"""The three shipped walls in YADE, kicked while intact: static stage, periods, energy.  What takes longest of all."""
+
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+
+import damage
+from damage.measure.energy import energy_error
+from damage.measure.summary import summarise
+
+pytestmark = pytest.mark.yade
+
+REST = {"solid": 0.5, "symmetric": 3.0, "asymmetric": 1.0}  # [s]; 3 s are 100 000 steps
+
+
+@pytest.fixture(scope="module", params=REST)
+def free_vibration(request, yade_command, tmp_path_factory):
+    out = tmp_path_factory.mktemp("free") / f"{request.param}.h5"
+    done = yade_command(REPOSITORY / f"walls/{request.param}.py", "--free-vibration", "--rest",
+                        REST[request.param], "--out", out, "--no-pictures")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return damage.read_history(out)
+
+
+class TestIntactWall:
+    def test_static_stage_carries_the_weight_at_rest_and_unbroken(self, free_vibration):
+        static = free_vibration.static
+        assert_allclose(static["base_reaction_n"], static["weight_n"], rtol=1e-3)
+        assert static["unbalanced_force"] < 1e-5
+        assert static["broken_joints"] == 0 and len(free_vibration.events) == 0
+
+    def test_period_agrees_with_the_eigenvalue(self, free_vibration):
+        period = summarise(free_vibration)["period_s"]
+        # The eigenvalue knows no P-delta, which softens the wall by about W / (k h) = 0.4 %.
+        assert_allclose(period, free_vibration.parameters["eigen_period_s"], rtol=5e-3)
+
+    def test_energy_of_the_kick_is_kept(self, free_vibration):
+        assert energy_error(free_vibration.series) < 5e-3
+
+    def test_joints_report_no_damage(self, free_vibration):
+        assert free_vibration.index().DI_open.max() == 0 and free_vibration.index().DI_slip.max() == 0
+        assert not free_vibration.at_limit.any()
