@@ -103,7 +103,8 @@ def one_round(folders):
     """{wall: [seconds a step, old and new]}, and the number of contacts; in processes of its own, as where the
     tables come to lie in memory is worth some per cent."""
     trees = [Tree(folder) for folder in folders]
-    contacts, *walls = [tree.read() for tree in trees][0].split(";")
+    greetings = [tree.read() for tree in trees]
+    contacts, *walls = greetings[0].split(";")
     result = {}
     for wall in walls:
         pieces = []

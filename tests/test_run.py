@@ -149,8 +149,8 @@ def test_collapse_is_an_end_and_the_last_sample(tell):
 @pytest.mark.parametrize("until_s, samples", [(-1.0, 0), (0.3, 51)])
 def test_interrupt_ends_at_the_next_look_and_keeps_what_was_seen(tell, until_s, samples):
     """Before time zero no sample exists; later the steps up to the look are kept."""
-    finished, run, _, history = tell(keep_going=lambda run, time_s: run.stage == "static" and until_s > 0
-                                     or time_s < until_s)
+    finished, _, _, history = tell(
+        keep_going=lambda run, time_s: (run.stage == "static" and until_s > 0) or time_s < until_s)
     assert not finished and history.status == "interrupted"
     assert len(history.series) == samples
 
