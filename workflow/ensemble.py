@@ -86,7 +86,6 @@ def member(asked, name, number):
     out, part = asked.runs / f"{name}.h5", asked.runs / f"{name}.part.h5"
     if not out.is_file():
         words = [*asked.words, *asked.varied.split(), str(number)]
-        sys.argv = ["damage", "reference", *words]  # the history keeps it as its command
         print(f"--- {name}", flush=True)
         status = run_reference([*words, "--out", str(part), "--overwrite", "--no-pictures"])
         if status != EXIT_OK:

@@ -81,4 +81,4 @@ def _title(first, second):
     joints = compare_joints(first, second)
     kappa = "nothing broke" if joints["kappa"] is None else \
         f"{joints['broke_in_both']} of {joints['broke_in_either']} joints broke in both, kappa {joints['kappa']:.2f}"
-    return f"{first.wall}, {first.parameters['loading']['name']}\n{kappa}"
+    return f"{first.wall}, {first.loading.name}\n{kappa}"

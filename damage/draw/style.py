@@ -63,7 +63,7 @@ def legend_below(figure, handles, columns):
 
 def add_title(figure, history, *more):
     """What ran, how it ended if not as planned, and further lines; the figure grows by their height."""
-    lines = [f"{history.wall}, {history.parameters['loading']['name']} ({history.solver})"]
+    lines = [f"{history.wall}, {history.loading.name} ({history.solver})"]
     if not history.complete:
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:

@@ -32,7 +32,8 @@ class HistoryWriter:
     """Write one run.  Call `append`, `event` and `snapshot` as it goes, `finish` at the end.
 
     path: of the new file; an existing one raises InputError unless `overwrite`.
-    layout: damage.wall.layout.Layout; parameters: JSON-able dictionary of all that defines the run.
+    layout: damage.wall.layout.Layout; parameters: JSON-able dictionary of all that defines the run, and the `command`
+    that asked for it, where that is not this process's own.
     solver: "yade" or "reference"; versions: {software: version}.
     """
 
@@ -124,10 +125,12 @@ def _write_run_attributes(file, layout, solver, parameters, versions):
     file.attrs["schema"] = SCHEMA
     file.attrs["schema_version"] = SCHEMA_VERSION
     run = file.create_group("run")
+    command = parameters.get("command") or " ".join(sys.argv)
+    parameters = {name: value for name, value in parameters.items() if name != "command"}
     versions = {"python": platform.python_version(), "numpy": np.__version__,
                 "h5py": h5py.__version__, "hdf5": h5py.version.hdf5_version, **versions}
     run.attrs.update({
-        "solver": solver, "wall": layout.wall.name, "command": " ".join(sys.argv),
+        "solver": solver, "wall": layout.wall.name, "command": command,
         "created_utc": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{platform.system()} {platform.machine()}",
         "parameters_json": json.dumps(parameters, sort_keys=True),

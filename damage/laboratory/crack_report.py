@@ -67,7 +67,7 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
     if export:
         moments_s = ", ".join(f"{level['time_s']:.6g}" for level in levels)
         write_cracks(export, patterns_of(history, samples, threshold), [
-            f"cracks of {history.wall}, {history.parameters['loading']['name']}, solver {history.solver}, at "
+            f"cracks of {history.wall}, {history.loading.name}, solver {history.solver}, at "
             f"{moments_s} s", f"joints whose width reaches {threshold / MILLIMETRE:g} mm; docs/crack-format.md"])
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
             "total_joint_length_m": total, "levels": levels, "max": largest(levels),

@@ -112,7 +112,7 @@ def figures(history):
         if len(curve) and curve["force_n"].max() > 0:
             sides[name] = bilinear(curve, height)
     cyclic = pushed_loading(history).cycles > 0
-    return {"wall": history.wall, "solver": history.solver, "motion": history.parameters["loading"]["name"],
+    return {"wall": history.wall, "solver": history.solver, "motion": history.loading.name,
             "status": history.status, "cycles": cycles_table(history).to_dict("records") if cyclic else [],
             "bilinear": sides, "first_crack_drift": drift_at_first_crack(history), "failure": mode_shares(history),
             "by_hand_n": hand_capacities(history),

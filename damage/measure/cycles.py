@@ -25,11 +25,11 @@ def cycle_measures(history):
     the motion's period, not the wall's.  None where there is none, and in quasi-static runs.
     """
     names = ("last_cycle_s", "first_free_cycle_s", "period_elongation")
-    if history.parameters["loading"]["kind"] not in ("harmonic", "record"):
+    if not history.loading.shakes_base:
         return dict.fromkeys(names)
     driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
     last, free = driven[-1] if driven else None, free[0] if free else None
-    eigen_period = history.parameters.get("eigen_period_s")
+    eigen_period = history.eigen_period_s
     return dict(zip(names, (last, free, free / eigen_period if free and eigen_period else None)))
 
 
@@ -69,7 +69,7 @@ def cycles_table(history):
     rows = []
     for shock, members in history.series.groupby("shock"):
         mine = values.loc[members.index]
-        for number, (kind, start, end) in enumerate(_cycles(members, history.parameters["loading"]), start=1):
+        for number, (kind, start, end) in enumerate(_cycles(members, history.loading), start=1):
             within = mine[mine["time_s"].between(start, end)].max()
             so_far = mine[mine["time_s"] <= end].max()
             rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
@@ -81,16 +81,13 @@ def cycles_table(history):
 
 def _cycles(series, loading):
     """(kind, start, end) [s] of the cycles of one shock's series that have been gone through whole."""
-    if loading["kind"] not in ("harmonic", "record", "free_vibration"):
+    if loading.drives_top:
         return []
     moving = series[series["stage"] != "settling"]
     time_s = moving["time_s"].to_numpy()
-    found = []
-    if loading["kind"] == "harmonic":
-        edges = time_s[0] + loading["period_s"] * np.arange(loading["cycles"] + 1)
-        half_a_sample = 0.5 * (time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)
-        found = [("driven", start, end) for start, end in zip(edges, edges[1:])
-                 if end <= time_s[-1] + half_a_sample]
+    edges = time_s[0] + loading.cycle_edges_s
+    half_a_sample = 0.5 * (time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)
+    driven = [("driven", start, end) for start, end in zip(edges, edges[1:]) if end <= time_s[-1] + half_a_sample]
     crossings = upward_crossings(time_s, moving["drift_ratio"])
-    crossings = crossings[crossings > _motion_end(moving)] if loading["kind"] != "free_vibration" else crossings
-    return found + [("free", start, end) for start, end in zip(crossings, crossings[1:])]
+    crossings = crossings[crossings > _motion_end(moving)] if loading.shakes_base else crossings
+    return driven + [("free", start, end) for start, end in zip(crossings, crossings[1:])]

@@ -9,7 +9,7 @@ from scipy.integrate import trapezoid
 
 from damage.errors import InputError
 from damage.index import COMPONENTS, THRESHOLD
-from damage.motion.loading import EASE_S, TopDisplacement
+from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
 from damage.wall.layout import CAP_HEIGHT
 
@@ -25,11 +25,9 @@ ULTIMATE_SHARE = 0.8
 
 def pushed_loading(history):
     """The TopDisplacement of a pushed run; InputError for any other."""
-    loading = history.parameters["loading"]
-    if loading["kind"] not in ("pushover", "cyclic"):
-        raise InputError(f"{history.path} is a run under {loading['name']}; give one of --pushover or --cyclic")
-    return TopDisplacement(tuple(loading["amplitudes_pct"]), loading["cycles"], loading["boundary"],
-                           loading["speed_m_s"])
+    if not history.loading.drives_top:
+        raise InputError(f"{history.path} is a run under {history.loading.name}; give one of --pushover or --cyclic")
+    return history.loading
 
 
 def _force_and_drift(history):
@@ -126,15 +124,15 @@ def hand_capacities(history):
     base.  diagonal: bed joints fail in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t / b
     / (1 + 2 mu h / l) with bricks of l by h and b = 1.5 for a parabola of shear stress.
     """
-    wall, fixed = history.parameters["wall"], pushed_loading(history).boundary == "fixed"
-    brick, joint = wall["brick"], wall["joint"]
-    height, area = history.attributes["height_m"], wall["length"] * brick["thickness"]
-    course = brick["density"] * GRAVITY * area * brick["height"]
-    above, weight = wall["precompression"] * area, course * height / brick["height"]
-    arm, friction = wall["length"] / 2 - brick["length"] / 8, float(np.tan(joint["friction_angle"]))
+    wall, fixed = history.masonry_wall, pushed_loading(history).boundary == "fixed"
+    brick, joint = wall.brick, wall.joint
+    height, area = history.attributes["height_m"], wall.length * brick.thickness
+    course = brick.density * GRAVITY * area * brick.height
+    above, weight = wall.precompression * area, course * height / brick.height
+    arm, friction = wall.length / 2 - brick.length / 8, float(np.tan(joint.friction_angle))
     middle = (above + weight / 2) / area
-    stress = (joint["cohesion"] + friction * middle) / (1 + 2 * friction * brick["height"] / brick["length"])
-    rocking = (2 * above + course + weight) * arm / (height - brick["height"]) if fixed else \
+    stress = (joint.cohesion + friction * middle) / (1 + 2 * friction * brick.height / brick.length)
+    rocking = (2 * above + course + weight) * arm / (height - brick.height) if fixed else \
         (above + weight) * arm / (height + CAP_HEIGHT / 2)
     return {"rocking": rocking, "sliding_top": friction * (above + course),
             "sliding_base": friction * (above + weight), "diagonal": stress * area / 1.5}
@@ -151,15 +149,15 @@ def mode_shares(history, sample=None):
     mode: "flexure" where more is opened than slipped, "shear, diagonal" where a third or more of the slipped length
     lies on stairs, else "shear, sliding"; None where no joint is over the threshold of 0.1 mm.
     """
-    joints, brick = history.joints, history.parameters["wall"]["brick"]
+    joints, brick = history.joints, history.masonry_wall.brick
     if sample is None:
         sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))
     opening, slip = history.opening_m[sample], np.abs(history.slip_m[sample])
     length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
     slipped, opened, risers = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD), ~bed & (opening > THRESHOLD)
     x, z = joints["x_m"].to_numpy(), joints["z_m"].to_numpy()
-    beside = (np.abs(x[slipped, None] - x[risers]) < brick["length"] / 2 * (1 - 1e-6)) \
-        & (np.abs(z[slipped, None] - z[risers]) < brick["height"] / 2 * (1 + 1e-6))
+    beside = (np.abs(x[slipped, None] - x[risers]) < brick.length / 2 * (1 - 1e-6)) \
+        & (np.abs(z[slipped, None] - z[risers]) < brick.height / 2 * (1 + 1e-6))
     stairs = float(length[slipped][beside.any(axis=1)].sum())
     shares = {"drift_ratio": float(history.series["drift_ratio"].iloc[sample]),
               "opened_m": float(length[opened].sum()), "slipped_m": float(length[slipped].sum()),

@@ -25,7 +25,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
     cracks = psi_summary(history, threshold)
     return {
-        "wall": history.wall, "solver": history.solver, "motion": history.parameters["loading"]["name"],
+        "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
         "slip": slip, "max": _largest(index), "residual": _last(index, history),
         "max_shear_limit": _largest(latched), "residual_shear_limit": _last(latched, history),
@@ -50,17 +50,13 @@ INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
 
 def _infers_damping(history):
     """Whether the damping energy of the motion itself closes the balance: it then tells no error."""
-    return history.solver == "yade" and _is_pushed(history)
-
-
-def _is_pushed(history):
-    return history.parameters["loading"]["kind"] in ("pushover", "cyclic")
+    return history.solver == "yade" and history.loading.drives_top
 
 
 def _pushed(history):
     """Peak force and stiffnesses of a quasi-static run, None for any other."""
     names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
-    if not _is_pushed(history):
+    if not history.loading.drives_top:
         return dict.fromkeys(names)
     # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
     # the base feels less of the jolts of a prescribed top.

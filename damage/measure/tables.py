@@ -7,6 +7,7 @@
 
 import argparse
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,7 @@ def summary_row(history, run="", point=""):
     del figures["complete"]  # status says it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = figures.pop(key)
-    row |= _record_columns(history) | _motion_columns(history.parameters) | _model_columns(history.parameters)
+    row |= _motion_columns(history) | _model_columns(history)
     for key, value in figures.items():
         if key in _PER_COMPONENT:
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
@@ -42,34 +43,24 @@ def summary_row(history, run="", point=""):
     return row
 
 
-def _record_columns(history):
-    """The record's name, and the horizontal peak acceleration of the motion as it was applied [g]."""
-    motion = history.parameters["loading"]
-    factor = max(abs(one) for one in history.parameters.get("sequence", [1.0]))
-    pga_g = motion.get("amplitude_g", motion.get("pga_g"))
-    if pga_g is None and motion["kind"] == "record":  # of files that do not say it: within a sample of it
-        pga_g, factor = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY, 1.0
-    sa_g = motion.get("sa_0.2_s_g")
-    return {"record": motion.get("horizontal", {}).get("record"), "pga_g": pga_g and pga_g * factor,
-            "sa_0.2_s_g": sa_g and sa_g * max(map(abs, history.parameters.get("sequence", [1.0])))}
+def _motion_columns(history):
+    """What drove the run; accelerations are of the motion as it was applied, at the largest factor of a sequence."""
+    loading, factor = history.loading, max(map(abs, history.sequence))
+    told = loading.as_dict()
+    start, end = told.get("window_s") or (None, None)
+    pga_g = loading.pga_g and loading.pga_g * factor
+    if loading.shakes_base and loading.pga_g is None:  # an older file: within a sample of it
+        pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
+    return {"record": told.get("horizontal", {}).get("record"), "pga_g": pga_g,
+            "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, "motion_period_s": told.get("period_s"),
+            **{name: told.get(name) for name in ("amplitude_g", "cycles", "scale")}, "window_start_s": start,
+            "window_end_s": end, "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
+            "motion_duration_s": told.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
 
 
-def _motion_columns(parameters):
-    motion = parameters["loading"]
-    window = motion.get("window_s") or (None, None)
-    return {"motion_period_s": motion.get("period_s"), "amplitude_g": motion.get("amplitude_g"),
-            "cycles": motion.get("cycles"), "scale": motion.get("scale"), "window_start_s": window[0],
-            "window_end_s": window[1], "vertical": int(motion.get("vertical") is not None),
-            "shocks": len(parameters.get("sequence", [1.0])), "motion_duration_s": motion.get("duration_s"),
-            "rest_s": parameters.get("rest_s")}
-
-
-def _model_columns(parameters):
-    model = parameters.get("model", {})
-    return {**{key: model.get(key) for key in ("lintel", "top", "cells", "contacts", "strength_cov",
-                                           "strength_seed")},
-            **{key: parameters.get(key) for key in ("alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s",
-                                                     "eigen_period_s")}}
+def _model_columns(history):
+    return asdict(history.model) | {name: history.parameters.get(name) for name in (
+        "alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s", "eigen_period_s")}
 
 
 def summary_table(paths):
@@ -97,11 +88,10 @@ def shocks_table(history):
     index, series = history.index(), history.series
     latched = history.index(slip="shear-limit")[["DI_slip", "DI"]].add_suffix("_shear_limit")
     index = index.join(latched)
-    factors = history.parameters.get("sequence", [1.0])
     rows = []
     for shock, members in series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
-        row = {"shock": shock, "factor": factors[shock - 1], "start_s": members["time_s"].iloc[0],
+        row = {"shock": shock, "factor": history.sequence[shock - 1], "start_s": members["time_s"].iloc[0],
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
         mine = index.loc[members.index]

@@ -1,18 +1,18 @@
 """What drives a run: a harmonic base motion, a record, or a push into free vibration.
 
-Each loading has a `name` fit for a file name, the `duration_s` of its driven part, `preferred_step_s`,
-`base_acceleration` and `describe`, and says what it does: `shakes_base`, `drives_top`, and the
-`initial_velocity_m_s` of the wall's top in its first mode [m/s].
+Each is a `Loading` with a `name` fit for a file name; `as_dict` is what a history keeps of it, `loading_from_dict`
+makes the record again.
 """
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from damage.checks import record_from
 from damage.errors import InputError
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.motion.record import (
@@ -28,8 +28,29 @@ from damage.motion.record import (
 from damage.units import GRAVITY
 
 
+class Loading:
+    """What all loadings tell, as it is where nothing moves the base or the top.
+
+    shakes_base, drives_top: whether it does; initial_velocity_m_s: of the wall's top in its first mode at time zero
+    [m/s]; duration_s: of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
+    pga_g, sa_02_s_g: peak of the base's horizontal acceleration, and 5 % spectral acceleration at 0.2 s [g], or None.
+    """
+
+    shakes_base, drives_top, initial_velocity_m_s, duration_s = False, False, 0.0, 0.0
+    cycle_edges_s = np.zeros(0)
+    pga_g = sa_02_s_g = None
+
+    def preferred_step_s(self, max_step_s: float) -> float:
+        """The time step that fits the motion, at most max_step [s]."""
+        return max_step_s
+
+    def base_acceleration(self, time_s) -> np.ndarray:
+        """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s]."""
+        return np.zeros((np.size(time_s), 2))
+
+
 @dataclass(frozen=True)
-class Harmonic:
+class Harmonic(Loading):
     """Horizontal base acceleration: a sine from zero, a whole number of cycles.
 
     period_s: period [s].
@@ -40,7 +61,7 @@ class Harmonic:
     period_s: float
     amplitude_g: float
     cycles: int = 3
-    shakes_base, drives_top, initial_velocity_m_s = True, False, 0.0
+    shakes_base = True
 
     def __post_init__(self):
         if not (math.isfinite(self.period_s) and self.period_s > 0):
@@ -60,6 +81,14 @@ class Harmonic:
         """Time of the last cycle's end [s]."""
         return self.cycles * self.period_s
 
+    @property
+    def cycle_edges_s(self) -> np.ndarray:
+        return self.period_s * np.arange(self.cycles + 1)
+
+    @property
+    def pga_g(self) -> float:
+        return self.amplitude_g
+
     def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings the sine's peaks onto steps [s]."""
         quarter_s = self.period_s / 4
@@ -72,20 +101,15 @@ class Harmonic:
         driven = (time_s >= 0) & (time_s <= self.duration_s)
         return np.column_stack((np.where(driven, sine, 0.0), np.zeros_like(time_s)))
 
-    def describe(self) -> dict:
+    def as_dict(self) -> dict:
         """Everything that defines the motion, fit for JSON."""
-        return {
-            "kind": "harmonic",
-            "name": self.name,
-            "period_s": float(self.period_s),
-            "amplitude_g": float(self.amplitude_g),
-            "cycles": int(self.cycles),
-            "duration_s": float(self.duration_s),
-        }
+        return {"kind": "harmonic", "name": self.name, "period_s": float(self.period_s),
+                "amplitude_g": float(self.amplitude_g), "cycles": int(self.cycles),
+                "duration_s": float(self.duration_s)}
 
 
 @dataclass(frozen=True)
-class Recorded:
+class Recorded(Loading):
     """Base acceleration of a record, after baseline, band-pass, window and scale, in this order.
 
     record: horizontal component.
@@ -102,7 +126,7 @@ class Recorded:
     vertical: Record | None = None
     baseline_order: int | None = None
     band_hz: tuple[float, float] | None = None
-    shakes_base, drives_top, initial_velocity_m_s = True, False, 0.0
+    shakes_base = True
 
     def __post_init__(self):
         for key in ("window_s", "band_hz"):
@@ -163,33 +187,66 @@ class Recorded:
             )
         return acceleration
 
-    def describe(self) -> dict:
-        """Everything that defines the motion, fit for JSON."""
-        return {
-            "kind": "record",
-            "name": self.name,
-            "horizontal": _origin(self.record),
-            "vertical": None if self.vertical is None else _origin(self.vertical),
-            "time_step_s": float(self.record.time_step_s),
-            "scale": float(self.scale),
-            "pga_g": pga_g(self.motion[0]),
-            "sa_0.2_s_g": float(response_spectrum(self.motion[0], [0.2])[0]),
-            "window_s": _floats(self.window_s),
-            "baseline_order": None if self.baseline_order is None else int(self.baseline_order),
-            "band_hz": _floats(self.band_hz),
-            "duration_s": float(self.duration_s),
-        }
+    @property
+    def pga_g(self) -> float:
+        return pga_g(self.motion[0])
+
+    @property
+    def sa_02_s_g(self) -> float:
+        return float(response_spectrum(self.motion[0], [0.2])[0])
+
+    def as_dict(self) -> dict:
+        """Everything that defines the motion but the samples, fit for JSON."""
+        return RecordedMotion(
+            name=self.name, horizontal=_origin(self.record),
+            vertical=None if self.vertical is None else _origin(self.vertical),
+            time_step_s=float(self.record.time_step_s), scale=float(self.scale), pga_g=self.pga_g,
+            sa_02_s_g=self.sa_02_s_g, window_s=_floats(self.window_s),
+            baseline_order=None if self.baseline_order is None else int(self.baseline_order),
+            band_hz=_floats(self.band_hz), duration_s=float(self.duration_s)).as_dict()
 
 
 @dataclass(frozen=True)
-class FreeVibration:
+class RecordedMotion(Loading):
+    """What a history keeps of a `Recorded`: all but the samples, which stay in the record's file.
+
+    horizontal, vertical: {"record": its name, "file": without its folder, "sha256", "start_utc"} of the components;
+    time_step_s: of the record [s]; pga_g, sa_02_s_g: of the motion as it was used [g]; the rest as in `Recorded`.
+    None is what an older file does not say.
+    """
+
+    name: str
+    horizontal: dict = field(default_factory=dict)
+    vertical: dict | None = None
+    time_step_s: float | None = None
+    scale: float | None = None
+    pga_g: float | None = None
+    sa_02_s_g: float | None = None
+    window_s: tuple[float, float] | None = None
+    baseline_order: int | None = None
+    band_hz: tuple[float, float] | None = None
+    duration_s: float | None = None
+    shakes_base = True
+
+    def unscaled(self, record: Record) -> Record:
+        """The horizontal component as it was prepared, at scale 1, made from its record."""
+        return Recorded(record, window_s=self.window_s, baseline_order=self.baseline_order,
+                        band_hz=self.band_hz).motion[0]
+
+    def as_dict(self) -> dict:
+        """The table of which `loading_from_dict` makes this again, fit for JSON."""
+        table = {"kind": "record", **asdict(self)}
+        return table | {"sa_0.2_s_g": table.pop("sa_02_s_g")}
+
+
+@dataclass(frozen=True)
+class FreeVibration(Loading):
     """No base motion: the wall starts with a velocity in the shape of its first mode.
 
     top_velocity_m_s: velocity of the wall's top [m/s].
     """
 
     top_velocity_m_s: float = 1e-3
-    shakes_base, drives_top = False, False
 
     def __post_init__(self):
         if not (math.isfinite(self.top_velocity_m_s) and self.top_velocity_m_s > 0):
@@ -205,27 +262,10 @@ class FreeVibration:
         """Of the top at time zero [m/s]."""
         return self.top_velocity_m_s
 
-    @property
-    def duration_s(self) -> float:
-        """Nothing is driven [s]."""
-        return 0.0
-
-    def preferred_step_s(self, max_step_s: float) -> float:
-        """The largest step itself [s]."""
-        return max_step_s
-
-    def base_acceleration(self, time_s) -> np.ndarray:
-        """Zeros, (n, 2) [m/s2], at times (n,) [s]."""
-        return np.zeros((np.size(time_s), 2))
-
-    def describe(self) -> dict:
+    def as_dict(self) -> dict:
         """Everything that defines the motion, fit for JSON."""
-        return {
-            "kind": "free_vibration",
-            "name": self.name,
-            "top_velocity_m_s": float(self.top_velocity_m_s),
-            "duration_s": self.duration_s,
-        }
+        return {"kind": "free_vibration", "name": self.name, "top_velocity_m_s": float(self.top_velocity_m_s),
+                "duration_s": self.duration_s}
 
 
 BOUNDARIES = ("cantilever", "fixed")
@@ -235,7 +275,7 @@ so that it does not make the wall vibrate."""
 
 
 @dataclass(frozen=True)
-class TopDisplacement:
+class TopDisplacement(Loading):
     """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the base
     stands still.
 
@@ -251,7 +291,7 @@ class TopDisplacement:
     boundary: str = "cantilever"
     speed_m_s: float = 5e-3
     local_damping: float = 0.7
-    shakes_base, drives_top, initial_velocity_m_s = False, True, 0.0
+    drives_top = True
 
     def __post_init__(self):
         if not self.amplitudes_pct or not all(math.isfinite(a) and a > 0 for a in self.amplitudes_pct):
@@ -270,19 +310,6 @@ class TopDisplacement:
         drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
         kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
         return f"{kind}_{self.boundary}"
-
-    @property
-    def duration_s(self) -> float:
-        """The base does not move [s]."""
-        return 0.0
-
-    def preferred_step_s(self, max_step_s: float) -> float:
-        """The largest step itself [s]."""
-        return max_step_s
-
-    def base_acceleration(self, time_s) -> np.ndarray:
-        """Zeros, (n, 2) [m/s2], at times (n,) [s]."""
-        return np.zeros((np.size(time_s), 2))
 
     def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion turns round, for a wall of that height [m]."""
@@ -321,21 +348,25 @@ class TopDisplacement:
         times = np.cumsum(np.column_stack([moves, np.full(len(moves), EASE_S)]))
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
-    def describe(self) -> dict:
+    def as_dict(self) -> dict:
         """Everything that defines the motion, fit for JSON."""
-        return {
-            "kind": "pushover" if self.cycles == 0 else "cyclic",
-            "name": self.name,
-            "amplitudes_pct": [float(a) for a in self.amplitudes_pct],
-            "cycles": int(self.cycles),
-            "boundary": self.boundary,
-            "speed_m_s": float(self.speed_m_s),
-            "ease_s": EASE_S,
-            "local_damping": float(self.local_damping),
-        }
+        return {"kind": "cyclic" if self.cycles else "pushover", "name": self.name,
+                "amplitudes_pct": [float(a) for a in self.amplitudes_pct], "cycles": int(self.cycles),
+                "boundary": self.boundary, "speed_m_s": float(self.speed_m_s), "ease_s": EASE_S,
+                "local_damping": float(self.local_damping)}
 
 
-Loading = Harmonic | Recorded | FreeVibration | TopDisplacement
+_KINDS = {"harmonic": Harmonic, "record": RecordedMotion, "free_vibration": FreeVibration,
+          "pushover": TopDisplacement, "cyclic": TopDisplacement}
+
+
+def loading_from_dict(table: dict) -> Loading:
+    """The record of which a loading's `as_dict` made the table; of a recorded motion all but its samples."""
+    if table.get("kind") not in _KINDS:
+        raise InputError(f"a loading of kind {table.get('kind')!r}: expected one of {', '.join(_KINDS)}; a later "
+                         "version wrote it, update the software")
+    table = {"sa_02_s_g" if name == "sa_0.2_s_g" else name: value for name, value in table.items()}
+    return record_from(_KINDS[table["kind"]], table, derived=("kind", "name", "duration_s", "ease_s"))
 
 
 def _check_simultaneous(record: Record, vertical: Record) -> None:

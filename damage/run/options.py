@@ -32,7 +32,7 @@ def parse_run(arguments, prog, solver):
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
-        pictures=parsed.pictures, view=getattr(parsed, "view", False),
+        pictures=parsed.pictures, view=getattr(parsed, "view", False), command=" ".join([prog, *arguments]),
         model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells,
                            contacts=getattr(parsed, "contacts", "interior"),
                            strength_cov=parsed.strength_cov, strength_seed=parsed.strength_seed))

@@ -29,7 +29,7 @@ class RunSettings:
     with a settling stage; time_step_s: None for the solver's own;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics; relaxation: how static
     solutions are found, one of RELAXATIONS; perturb_m: size of random offsets of the bricks [m]
-    drawn with `seed`; out: history file, None for a name of its own below `results/`.
+    drawn with `seed`; out: history file, None for a name of its own below `results/`; command: what asked for it.
     """
 
     loading: object
@@ -46,6 +46,7 @@ class RunSettings:
     overwrite: bool = False
     pictures: bool = True
     view: bool = False
+    command: str = ""
 
     def __post_init__(self):
         if not self.sequence or not all(map(math.isfinite, self.sequence)):
@@ -61,11 +62,12 @@ class RunSettings:
         """From time zero to the end of the last settling stage [s]."""
         return len(self.sequence) * (self.loading.duration_s + self.rest_s + SETTLE_S)
 
-    def describe(self):
+    def as_dict(self):
         """All parameters as a plain dictionary, for files."""
-        return {"loading": self.loading.describe(), "sequence": [float(factor) for factor in self.sequence],
+        return {"loading": self.loading.as_dict(), "sequence": [float(factor) for factor in self.sequence],
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
-                "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m, "seed": self.seed}
+                "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m, "seed": self.seed,
+                "command": self.command}
 
 
 def rayleigh_factors(ratio, first_hz, second_hz):

@@ -36,7 +36,6 @@ from damage.draw.panels import (
 from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
-from damage.motion.loading import Recorded
 from damage.studies.results import Missing
 from damage.units import GRAVITY
 
@@ -92,10 +91,8 @@ def _synthetic_note(names):
 
 def unscaled_motion(results, point):
     """The record of a point's first run as it was prepared for it, at scale 1."""
-    loading = results.history(point).parameters["loading"]
-    record = read_record(_record_path(loading["horizontal"]))
-    return Recorded(record, window_s=loading["window_s"], baseline_order=loading["baseline_order"],
-                    band_hz=loading["band_hz"]).motion[0]
+    loading = results.history(point).loading
+    return loading.unscaled(read_record(_record_path(loading.horizontal)))
 
 
 def _record_path(origin):

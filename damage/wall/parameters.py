@@ -8,6 +8,7 @@ paper gives a value; `docs/choices.md` gives the source of every other one.
 import math
 from dataclasses import asdict, dataclass, field, replace
 
+from damage.checks import record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
 
@@ -159,9 +160,16 @@ class Wall:
         height = self.brick.height
         return round(opening.sill / height), round((opening.sill + opening.height) / height)
 
-    def describe(self):
+    def as_dict(self):
         """All parameters as a plain dictionary, for files and tables."""
         return asdict(self)
+
+    @classmethod
+    def from_dict(cls, table):
+        """The wall of which `as_dict` made the table."""
+        parts = {name: record_from(kind, table.get(name, {})) for name, kind in (("brick", Brick), ("joint", Joint))}
+        openings = tuple(record_from(Opening, one) for one in table.get("openings", ()))
+        return record_from(cls, table | parts | {"openings": openings})
 
 
 def _check_openings(wall):
