@@ -37,9 +37,9 @@ from damage.draw.style import (
     styled,
 )
 from damage.draw.wall import legend_widths_mm, line_width, wall_shape
-from damage.history.moments import STATES, choose_sample
+from damage.history.moments import STATES, choose_sample, moving
 from damage.index import THRESHOLD
-from damage.measure.energy import DISSIPATED, STORED, energy_error, imbalance
+from damage.measure.energy import DISSIPATED, STORED, energy_error, energy_scale, imbalance
 from damage.units import GRAVITY, MILLIMETRE
 
 JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": BLUE, "opened": ORANGE, "both": BLACK}
@@ -269,11 +269,8 @@ def _known_energies(series):
 
 def _error_scale(series):
     """Factor from J to the imbalance's unit, and that unit, as in `damage.measure.energy.energy_error`."""
-    moving = series[series["stage"] != "settling"]
-    if len(moving) == 0:
-        return 1.0, "J"
-    energy = _known_energies(moving)
-    scale = max(np.abs(energy["input_energy_j"]).max(), energy["kinetic_energy_j"].iloc[0])
+    before = moving(series)
+    scale = energy_scale(_known_energies(before)) if len(before) else 0.0
     return (100 / scale, "%") if scale > 0 else (1.0, "J")
 
 

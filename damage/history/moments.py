@@ -8,7 +8,19 @@ from damage.index import THRESHOLD
 STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
 "both" is opened and slipped."""
+BREAKS, PASSINGS = ("tension", "shear"), ("opened", "slipped")
+"""Kinds of events: a bond breaks; a joint opens or slips by 0.1 mm for the first time."""
 NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
+
+
+def is_moving(series):
+    """Which samples lie before the settling of their shock, whose damping is no part of the model: bool (n_times,)."""
+    return series["stage"] != "settling"
+
+
+def moving(series):
+    """The samples of a series before settling."""
+    return series[is_moving(series)]
 
 
 def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):

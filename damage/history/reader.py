@@ -11,6 +11,7 @@ import pandas as pd
 
 from damage.checks import record_from
 from damage.errors import InputError
+from damage.history.moments import moving
 from damage.history.schema import AT_LIMIT, BROKEN, EVENTS, SCHEMA, SCHEMA_VERSION, STAGES, STATUS
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
@@ -88,6 +89,11 @@ class History:
     def eigen_period_s(self):
         """First period of the intact wall by its eigenvalues [s], None where an old file does not say it."""
         return self.parameters.get("eigen_period_s")
+
+    @property
+    def moving(self):
+        """The series without the settling stages."""
+        return moving(self.series)
 
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
         """The damage index over time: `damage.index.damage_index` of this run."""

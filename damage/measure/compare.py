@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.history.moments import BREAKS
 from damage.index import THRESHOLD
 from damage.measure.summary import summarise
 
@@ -122,7 +123,7 @@ def _common_drift(first, second):
     """
     from scipy.interpolate import CubicSpline
 
-    frames = [history.series[history.series["stage"] != "settling"] for history in (first, second)]
+    frames = [history.moving for history in (first, second)]
     end = min(frame["time_s"].iloc[-1] for frame in frames)
     time = frames[0]["time_s"].to_numpy()
     time = time[time <= end]
@@ -132,7 +133,7 @@ def _common_drift(first, second):
 
 
 def _first_break(history):
-    breaks = history.events[history.events["kind"].isin(["tension", "shear"])]
+    breaks = history.events[history.events["kind"].isin(BREAKS)]
     return float(breaks["time_s"].min()) if len(breaks) else np.inf
 
 
@@ -157,7 +158,7 @@ def joint_states(history, threshold=THRESHOLD):
     state: index of STATES, slipped by the shear limit; broken: bool; first_break_s (NaN: never);
     x_m, z_m. Contact points of one pair of bodies are one joint, so that any discretisation will do.
     """
-    breaks = history.events[history.events["kind"].isin(["tension", "shear"])]
+    breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
     points = pd.DataFrame({
         "opened": (history.opening_m > threshold).any(axis=0), "slipped": history.at_limit.any(axis=0),

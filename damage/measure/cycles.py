@@ -4,6 +4,7 @@
 import numpy as np
 import pandas as pd
 
+from damage.history.moments import moving
 from damage.index import COMPONENTS
 from damage.measure.vibration import upward_crossings
 
@@ -12,8 +13,8 @@ from damage.measure.vibration import upward_crossings
 
 def last_shock(history):
     """The series of the last shock of a History without its settling stage."""
-    series = history.series
-    return series[(series["shock"] == series["shock"].iloc[-1]) & (series["stage"] != "settling")]
+    last = history.series["shock"].iloc[-1]
+    return history.moving[history.moving["shock"] == last]
 
 
 def cycle_measures(history):
@@ -69,7 +70,7 @@ def cycles_table(history):
     rows = []
     for shock, members in history.series.groupby("shock"):
         mine = values.loc[members.index]
-        for number, (kind, start, end) in enumerate(_cycles(members, history.loading), start=1):
+        for number, (kind, start, end) in enumerate(_cycles(moving(members), history.loading), start=1):
             within = mine[mine["time_s"].between(start, end)].max()
             so_far = mine[mine["time_s"] <= end].max()
             rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
@@ -80,14 +81,14 @@ def cycles_table(history):
 
 
 def _cycles(series, loading):
-    """(kind, start, end) [s] of the cycles of one shock's series that have been gone through whole."""
+    """(kind, start, end) [s] of the cycles that have been gone through whole; series: of one shock, without
+    settling."""
     if loading.drives_top:
         return []
-    moving = series[series["stage"] != "settling"]
-    time_s = moving["time_s"].to_numpy()
+    time_s = series["time_s"].to_numpy()
     edges = time_s[0] + loading.cycle_edges_s
     half_a_sample = 0.5 * (time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)
     driven = [("driven", start, end) for start, end in zip(edges, edges[1:]) if end <= time_s[-1] + half_a_sample]
-    crossings = upward_crossings(time_s, moving["drift_ratio"])
-    crossings = crossings[crossings > _motion_end(moving)] if loading.shakes_base else crossings
+    crossings = upward_crossings(time_s, series["drift_ratio"])
+    crossings = crossings[crossings > _motion_end(series)] if loading.shakes_base else crossings
     return driven + [("free", start, end) for start, end in zip(crossings, crossings[1:])]

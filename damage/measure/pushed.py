@@ -8,6 +8,7 @@ import pandas as pd
 from scipy.integrate import trapezoid
 
 from damage.errors import InputError
+from damage.history.moments import PASSINGS
 from damage.index import COMPONENTS, THRESHOLD
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
@@ -68,7 +69,7 @@ def bilinear(curve, height):
 
 def drift_at_first_crack(history):
     """|Drift ratio| at which the first joint opens or slips by 0.1 mm, None where none does."""
-    visible = history.events[history.events["kind"].isin(["opened", "slipped"])]
+    visible = history.events[history.events["kind"].isin(PASSINGS)]
     if len(visible) == 0:
         return None
     return float(np.interp(visible["time_s"].min(), history.series["time_s"], history.series["drift_ratio"].abs()))

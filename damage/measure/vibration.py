@@ -31,8 +31,7 @@ def period_of(history):
     """Natural period [s] of a free-vibration run, None for any other."""
     if not history.loading.initial_velocity_m_s:
         return None
-    moving = history.series[history.series["stage"] != "settling"]
-    return natural_period(moving["time_s"].to_numpy(), moving["drift_ratio"].to_numpy())
+    return natural_period(history.moving["time_s"].to_numpy(), history.moving["drift_ratio"].to_numpy())
 
 
 def natural_period(time_s, displacement):

@@ -179,8 +179,7 @@ def _draw_drift(ax, results, point):
     Only the run that is drawn first has its last cycle marked.
     """
     history = results.history(point)
-    series = history.series[history.series["stage"] != "settling"]
-    time_s, drift_pct = series["time_s"], 100 * series["drift_ratio"]
+    time_s, drift_pct = history.moving["time_s"], 100 * history.moving["drift_ratio"]
     marked = set()
     if history.collapsed_at_s is not None:
         ax.plot(time_s.iloc[-1], drift_pct.iloc[-1], "x", color=VERMILLION, ms=6, zorder=7)
