@@ -6,9 +6,8 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.index import SLIP_CRITERIA
-from damage.run.options import OneLineParser
+from damage.run.options import OneLineParser, add_model_options, model_of
 from damage.units import MILLIMETRE
-from damage.wall.parameters import CONTACT_OPTIONS, TOP_OPTIONS
 
 
 def main(arguments=None):
@@ -114,9 +113,7 @@ def _add_modes(commands):
     command = _add_command(commands, "modes", _modes, "natural periods of a wall with intact joints")
     command.add_argument("wall", type=Path, metavar="walls/NAME.py")
     command.add_argument("--json", action="store_true", help="as JSON")
-    command.add_argument("--top", default="piers", choices=TOP_OPTIONS)
-    command.add_argument("--cells", type=int, default=2, metavar="N")
-    command.add_argument("--contacts", default="interior", choices=CONTACT_OPTIONS)
+    add_model_options(command, ("top", "cells", "contacts"))
     command.add_argument("--out", type=Path, metavar="DIR", help="folder for a picture of the shapes")
 
 
@@ -124,10 +121,8 @@ def _modes(parsed):
     from damage.wall.file import load_wall
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
-    from damage.wall.parameters import ModelOptions
 
-    options = ModelOptions(top=parsed.top, cells=parsed.cells, contacts=parsed.contacts)
-    layout = lay_out(load_wall(parsed.wall), options)
+    layout = lay_out(load_wall(parsed.wall), model_of(parsed))
     modes = natural_modes(layout)
     if parsed.out:
         from damage.draw.modes import modes_picture

@@ -14,9 +14,10 @@ import pandas as pd
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.measure.tables import index_table
+from damage.wall.parameters import USUAL_MODEL
 
 NEEDED = ("point", "solver", "wall", "members")
-MODEL = {"lintel": "elastic", "top": "piers", "cells": 2, "contacts": "interior", "cycles": None, "strength_cov": 0.0}
+MODEL = USUAL_MODEL | {"cycles": None}
 """Columns that say how a point was modelled, whichever solver did it, and what an empty cell stands for."""
 REFERENCE, YADE = "reference", "yade"
 

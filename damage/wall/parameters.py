@@ -6,15 +6,11 @@ paper gives a value; `docs/choices.md` gives the source of every other one.
 """
 
 import math
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 
 from damage.checks import record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
-
-TOP_OPTIONS = ("piers", "uniform", "beam")
-LINTEL_OPTIONS = ("elastic", "none")
-CONTACT_OPTIONS = ("interior", "corners")
 
 
 def _check_numbers(record, positive=(), not_negative=()):
@@ -208,6 +204,16 @@ def _check_opening_apart(wall, opening, other, what):
                          f"({wall.brick.length / 2:g} m) or one course must stay between; move one of them")
 
 
+def _option(default, help_, **more):
+    """A field of ModelOptions and all that the command line, file names and tables need of it.
+
+    help_: for people; metavar: of a number; choices: of a word; solvers: that have it; tag: what a history's file is
+    called where the option is not the default, a template of the options; seed: it only draws one of many alike.
+    """
+    return field(default=default, metadata={"help": help_, "metavar": None, "choices": None,
+                                            "solvers": ("yade", "reference"), "tag": None, "seed": False, **more})
+
+
 @dataclass(frozen=True)
 class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
@@ -222,20 +228,33 @@ class ModelOptions:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     """
 
-    lintel: str = "elastic"
-    top: str = "piers"
-    cells: int = 2
-    contacts: str = "interior"
-    strength_cov: float = 0.0
-    strength_seed: int = 0
+    lintel: str = _option("elastic", "joints over an opening stay elastic, or break like any other",
+                          choices=("elastic", "none"), tag="lintel-{lintel}")
+    top: str = _option("piers", "where the precompression's mass sits", choices=("piers", "uniform", "beam"),
+                       tag="top-{top}")
+    cells: int = _option(2, "contact points per half brick", metavar="N")
+    contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
+                            solvers=("reference",), tag="{contacts}")
+    strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
+                                  metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
+    strength_seed: int = _option(0, "of that scatter", metavar="N", seed=True)
 
     def __post_init__(self):
-        check_choice("lintel", self.lintel, LINTEL_OPTIONS)
-        check_choice("top", self.top, TOP_OPTIONS)
-        check_choice("contacts", self.contacts, CONTACT_OPTIONS)
+        for one in fields(self):
+            if one.metadata["choices"]:
+                check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
         if not isinstance(self.cells, int) or not 1 <= self.cells <= 16:
             raise InputError(f"cells = {self.cells!r}: expected a whole number from 1 to 16; two is usual")
         if not 0 <= self.strength_cov <= 2:
             raise InputError(f"strength_cov = {self.strength_cov!r}: expected a number from 0 to 2; 0.3 is usual")
         if not isinstance(self.strength_seed, int) or self.strength_seed < 0:
             raise InputError(f"strength_seed = {self.strength_seed!r}: expected a whole number, 0 or more; mend it")
+
+    def tags(self):
+        """What tells this model from the default in a file's name, a list of words."""
+        return [one.metadata["tag"].format(**asdict(self)) for one in fields(self)
+                if one.metadata["tag"] and getattr(self, one.name) != one.default]
+
+
+USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]}
+"""{option: default} of the choices that tell one model from another."""
