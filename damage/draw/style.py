@@ -10,7 +10,6 @@ from textwrap import fill
 from matplotlib import style
 from matplotlib.figure import Figure
 
-from damage.errors import InputError
 from damage.files import whole_or_nothing
 
 COLUMN_WIDTH = 90 / 25.4  # [inch], one column of a journal
@@ -107,16 +106,10 @@ FORMATS = {"png": {"Software": None}, "pdf": {"CreationDate": None}}  # without 
 @styled
 def save_figures(figures, folder):
     """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, made where missing; their paths."""
-    folder = Path(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot make folder {folder} for the pictures ({error.strerror}): expected a "
-                         "folder that can be written to; choose another") from error
     paths = []
     for name, figure in figures:
         for ending, metadata in FORMATS.items():
-            paths.append(folder / f"{name}.{ending}")
+            paths.append(Path(folder) / f"{name}.{ending}")
             with whole_or_nothing(paths[-1]) as unfinished:
                 figure.savefig(unfinished, format=ending, metadata=metadata)
     return paths

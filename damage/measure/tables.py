@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.files import whole_or_nothing
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.cycles import cycles_table
@@ -139,11 +140,8 @@ def write_run_tables(history, stem, names=RUN_TABLES):
 
 def write_table(table, path):
     """Write a DataFrame as CSV, numbers with nine digits; returns the path."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        table.to_csv(path, index=False, float_format="%.9g")
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}; choose another --out") from error
+    with whole_or_nothing(path) as unfinished:
+        table.to_csv(unfinished, index=False, float_format="%.9g")
     return path
 
 

@@ -3,7 +3,6 @@
 import hashlib
 import io
 import math
-import os
 import re
 import warnings
 from dataclasses import replace
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from damage.errors import InputError
-from damage.files import DATA
+from damage.files import DATA, write_text
 from damage.motion.record import Record, _shown, _utc
 from damage.units import GRAVITY
 
@@ -78,15 +77,7 @@ def write_csv(record: Record, path, comments=()) -> Path:
     """
     rows = (f"{t:.4f},{a:.6e}" for t, a in zip(record.time_s, record.acceleration_m_s2, strict=True))
     lines = [*(f"# {comment}" for comment in comments), "time_s,acc_m_s2", *rows]
-    unfinished = Path(path).with_name(f".{Path(path).name}.{os.getpid()}.tmp")
-    try:
-        unfinished.write_text("\n".join(lines) + "\n")
-        os.replace(unfinished, path)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}; choose another place") from error
-    finally:
-        unfinished.unlink(missing_ok=True)
-    return Path(path)
+    return write_text(path, "\n".join(lines) + "\n")
 
 
 def _read_csv(path, lines: list[str]) -> Record:

@@ -10,7 +10,6 @@ when the history is younger.
 
 import argparse
 import json
-import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -20,6 +19,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.files import whole_or_nothing, write_text
 from damage.history.reader import read_history
 from damage.measure.tables import summary_row, write_table
 from damage.studies.definition import load_study
@@ -52,10 +52,7 @@ def row_of(folder, name, point):
 def write_row(history, path, point):
     """Write the summary's row of a History as JSON, whole or not at all; returns it."""
     row = summary_row(history, run=path.stem, point=point)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    part.write_text(json.dumps(row), encoding="utf-8")
-    os.replace(part, path)
+    write_text(path, json.dumps(row))
     return row
 
 
@@ -114,8 +111,7 @@ def write_hdf5(tables, path):
 
     Numbers are f8, NaN where empty; words are UTF-8, empty where missing.
     """
-    part = path.with_name(f"{path.name}.part")
-    with h5py.File(part, "w") as file:
+    with whole_or_nothing(path) as unfinished, h5py.File(unfinished, "w") as file:
         for table, frame in tables.items():
             group = file.create_group(table, track_order=True)
             for name, column in frame.items():
@@ -123,7 +119,6 @@ def write_hdf5(tables, path):
                 values = column.fillna("").astype(str).to_numpy(object) if words else column.to_numpy(dtype="f8",
                                                                                                      na_value=np.nan)
                 group.create_dataset(name, data=values, dtype=h5py.string_dtype() if words else "f8")
-    os.replace(part, path)
 
 
 def read_study_table(path, table="runs"):
