@@ -30,6 +30,12 @@ STATES = {  # what a mapped joint has done: label, colour
 HALO = 1.4  # [pt] by which a polyline is wider than the joints that it was put on, which lie over it
 
 
+def crack_pictures(mapped, patterns, layout, threshold):
+    """(name, Figure) of every load level."""
+    for pattern, cracks in zip(patterns, mapped):
+        yield f"cracks_level_{pattern.level:g}", crack_picture(pattern, cracks, layout, threshold)
+
+
 @styled
 def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
     """Figure of one CrackPattern and its MappedCracks on the undeformed wall of a Layout."""

@@ -104,7 +104,7 @@ def beside_test(history):
     ]
 
 
-def figures(history):
+def pushed_report(history):
     """Everything about a pushed run as a plain dictionary: cycles, envelope, mode, and the test beside it."""
     height, sides = history.attributes["drift_height_m"], {}
     for name, sign in (("positive", 1), ("negative", -1)):
@@ -121,7 +121,7 @@ def figures(history):
 
 
 def describe(found):
-    """`figures` as lines for people."""
+    """A `pushed_report` as lines for people."""
     lines = [f"{found['wall']} / {found['motion']} / {found['solver']}: {found['status']}"]
     if found["cycles"]:
         columns = ("amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn", "dissipated_j",

@@ -56,17 +56,17 @@ def compare(first, others):
         if history.wall != first.wall or len(history.bodies) != len(first.bodies):
             raise InputError(f"{history.path} is of wall {history.wall} with {len(history.bodies)} bodies, "
                              f"{first.path} of {first.wall} with {len(first.bodies)}; compare runs of one wall")
-    figures = _compare_figures(first, others)
+    figures = _compare_numbers(first, others)
     drift = compare_drift(first, others[0])
     judged = [row["agrees"] for row in figures.values()] + [drift["agrees"]]
     return {"first": str(first.path), "others": [str(other.path) for other in others], "figures": figures,
             "drift": drift, "joints": compare_joints(first, others[0]), "agrees": all(judged)}
 
 
-# --- figures of the whole run -------------------------------------------------------------------
+# --- numbers of the whole run -------------------------------------------------------------------
 
-def figures_of(history):
-    """The figures that TOLERANCES judge, None where a run has none of them."""
+def numbers_of(history):
+    """The numbers that TOLERANCES judge, None where a run has none of them."""
     summary = summarise(history)
     return {"max_drift_ratio": summary["max_drift_ratio"], "cycle_length_s": cycle_length(history.series),
             "period_s": summary["period_s"], "peak_base_shear_n": summary["peak_base_shear_n"],
@@ -85,11 +85,11 @@ def cycle_length(series):
     return float((crossing[-1] - crossing[0]) / (len(crossing) - 1))
 
 
-def _compare_figures(first, others):
-    mine, theirs = figures_of(first), [figures_of(other) for other in others]
+def _compare_numbers(first, others):
+    mine, theirs = numbers_of(first), [numbers_of(other) for other in others]
     rows = {}
     for name, tolerance in TOLERANCES.items():
-        values = [figures[name] for figures in theirs]
+        values = [numbers[name] for numbers in theirs]
         if mine[name] is None or None in values:
             continue
         median = float(np.median(values))

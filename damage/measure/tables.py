@@ -1,12 +1,9 @@
 """Tables of histories as CSV for spreadsheets and scripts; units stand in the column names.
 
-    python3 -m damage.measure.tables run FILE.h5 --out STEM          STEM_index.csv, _events.csv, _joints.csv,
-                                                             _cycles.csv; of a sequence also _shocks.csv
-    python3 -m damage.measure.tables summary FILE.h5 ... --out FILE.csv      one row a history
+`python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, and of a
+sequence _shocks.csv; `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` one row a history.
 """
 
-import argparse
-import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -157,26 +154,3 @@ def describe_table(table):
         lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns)
                      + f"  {status}")
     return "\n".join(lines)
-
-
-def main(arguments=None):
-    """Run one command; returns the exit status: 0 done, 2 bad input."""
-    parser = argparse.ArgumentParser(prog="python3 -m damage.measure.tables", description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("run", "summary"))
-    parser.add_argument("histories", nargs="+", type=Path, metavar="FILE.h5")
-    parser.add_argument("--out", type=Path, required=True, metavar="STEM or FILE.csv")
-    parsed = parser.parse_args(arguments)
-    try:
-        if parsed.what == "summary":
-            write_table(summary_table(parsed.histories), parsed.out)
-        else:
-            for path in parsed.histories:
-                write_run_tables(read_history(path), parsed.out)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

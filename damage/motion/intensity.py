@@ -153,3 +153,10 @@ def summary(record: Record) -> dict:
         "d5_95_s": significant_duration_s(filtered, 0.05, 0.95),
         "sa_g": {str(t): float(g) for t, g in zip(SPECTRUM_PERIODS_S, spectrum_g, strict=True)},
     }
+
+
+def describe(measures: dict) -> str:
+    """A `summary` as lines for people."""
+    lines = [f"{name:12s}{value:10.4f}" for name, value in measures.items() if name != "sa_g"]
+    return "\n".join([*lines, *(f"sa_g({period} s){value:>{19 - len(period) - 5}.4f}"
+                                for period, value in measures["sa_g"].items())])

@@ -54,12 +54,12 @@ def _read(path):
     try:
         table = pd.read_csv(path)
     except (OSError, ValueError) as error:  # of the file, or of its text
-        raise InputError(f"{path} cannot be read as a table ({error}); make it again: python3 -m damage.measure.tables "
+        raise InputError(f"{path} cannot be read as a table ({error}); make it again: python3 -m damage tables "
                          "summary RUN.h5 ... --out FILE.csv") from error
     lacking = [name for name in ("run", "wall", "solver", "status", "motion") if name not in table]
     if lacking:
         raise InputError(f"{path} lacks the column {lacking[0]}; expected a summary of runs, as python3 -m "
-                         "damage.measure.tables summary writes it")
+                         "damage tables summary writes it")
     return table.assign(cycles_file=f"{path.parent}/" + table["run"].astype(str) + "_cycles.csv")
 
 

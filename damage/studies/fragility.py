@@ -157,6 +157,10 @@ def load_runs(folder):
 
 def fit_all(runs, intensity="pga_g", replicates=REPLICATES):
     """{wall: [Fragility of each level]} of runs."""
+    if intensity not in INTENSITIES:
+        raise InputError(f"--intensity {intensity}: expected {' or '.join(INTENSITIES)}; mend it")
+    if replicates < 0:
+        raise InputError(f"--replicates {replicates}: expected zero or more; mend it")
     if intensity not in runs or runs[intensity].isna().any():
         raise InputError(f"not every run has {intensity}; expected a study of recorded motions; choose "
                          f"{' or '.join(name for name in INTENSITIES if name != intensity)}")

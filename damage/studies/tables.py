@@ -1,18 +1,13 @@
 """The tables of a whole study, of whichever runs are there: one row a run, one row a point.
 
-    python3 -m damage.studies.tables STUDY.toml DIR [-j N]
-
-writes below DIR/tables: summary.csv, a row for each run; points.csv, a row for each point and solver, with the
-median over its members under a measure's NAME and their range under NAME_min and NAME_max; study.h5, both of them
-as HDF5 (`read_study_table`).  A run's row is worked out once and kept in DIR/tables/rows; it is worked out anew
-when the history is younger.
+`python3 -m damage study-tables STUDY.toml DIR` writes below DIR/tables: summary.csv, a row for each run; points.csv, a
+row for each point and solver, with the median over its members under a measure's NAME and their range under NAME_min
+and NAME_max; study.h5, both of them as HDF5 (`read_study_table`).  A run's row is worked out once and kept in
+DIR/tables/rows; it is worked out anew when the history is younger.
 """
 
-import argparse
 import json
-import sys
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -22,7 +17,6 @@ from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
 from damage.history.reader import read_history
 from damage.measure.tables import summary_row, write_table
-from damage.studies.definition import load_study
 
 COUNTED = ("run", "seed", "status", "collapsed_at_s")
 """Columns of a run that a point counts instead of taking medians of, or leaves out."""
@@ -140,24 +134,3 @@ def write_study_tables(study, folder, jobs=1):
     paths = [write_table(points, tables / "points.csv"), tables / "study.h5"]
     write_hdf5({"runs": summary, "points": points}, paths[1])
     return [*paths, write_table(summary, tables / "summary.csv")]
-
-
-def main(arguments=None):
-    """Run the command; returns the exit status: 0 done, 2 bad input."""
-    parser = argparse.ArgumentParser(prog="python3 -m damage.studies.tables", description=__doc__.splitlines()[0])
-    parser.add_argument("study", type=Path, metavar="STUDY.toml")
-    parser.add_argument("folder", type=Path, metavar="DIR")
-    parser.add_argument("--solver", default="both")
-    parser.add_argument("-j", dest="jobs", type=int, default=1)
-    parsed = parser.parse_args(arguments)
-    try:
-        for path in write_study_tables(load_study(parsed.study, parsed.solver), parsed.folder, parsed.jobs):
-            print(path)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
