@@ -163,7 +163,7 @@ class TestTables:
     def test_the_index_shows_both_criteria_of_slip(self, history):
         table = index_table(history)
         assert_allclose(table["DI_slip"], history.index()["DI_slip"])
-        assert_allclose(table["DI_shear_limit"], history.index(slip="shear-limit")["DI"])
+        assert_allclose(table["shear_limit_DI"], history.index(slip="shear-limit")["DI"])
         assert list(table["stage"].unique()) == ["motion", "rest", "settling"]
 
     def test_events_name_the_place_of_their_joint(self, tmp_path):

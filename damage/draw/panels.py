@@ -14,8 +14,6 @@ COMPONENTS = {  # column of the tables: label, colour, marker
     "DI": ("DI", BLACK, "D"), "DI_drift": (r"DI$_\mathrm{drift}$", GREEN, "^"),
     "DI_open": (r"DI$_\mathrm{open}$", ORANGE, "s"), "DI_slip": (r"DI$_\mathrm{slip}$", BLUE, "o"),
 }
-CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
-"""What counts as slipped, and what stands before a component's name in the columns for it."""
 NOTHING = 0.01
 """An index that axes of maxima and residuals reach at least."""
 SLIP_LABELS = {"displacement": "slipped: by more than 0.1 mm", "shear-limit": "slipped: ever at the shear limit"}

@@ -52,8 +52,15 @@ def _motion_end(series):
 # --- the index cycle by cycle -----------------------------------------------------------------------
 
 CYCLE_COLUMNS = ("shock", "cycle", "kind", "start_s", "end_s", "duration_s", "max_drift_ratio",
-                 *(f"max_{name}" for name in COMPONENTS), "max_DI_slip_shear_limit", "max_DI_shear_limit",
-                 "cumulative_max_DI", "cumulative_max_DI_shear_limit")
+                 *(f"max_{name}" for name in COMPONENTS), "max_shear_limit_DI_slip", "max_shear_limit_DI",
+                 "cumulative_max_DI", "cumulative_max_shear_limit_DI")
+
+
+def index_by_both(history):
+    """The index of a History over time, COMPONENTS with slip by displacement, then what differs by the shear limit."""
+    latched = history.index(slip="shear-limit")
+    return history.index()[list(COMPONENTS)].assign(shear_limit_DI_slip=latched["DI_slip"],
+                                                    shear_limit_DI=latched["DI"])
 
 
 def cycles_table(history):
@@ -63,10 +70,8 @@ def cycles_table(history):
     upward zero crossings of the drift after the motion.  Columns CYCLE_COLUMNS: largest |drift ratio| and
     index within the cycle, and the largest index from the shock's start to the cycle's end.
     """
-    index, latched = history.index(), history.index(slip="shear-limit")
-    values = index[list(COMPONENTS)].assign(
-        DI_slip_shear_limit=latched["DI_slip"], DI_shear_limit=latched["DI"],
-        drift_ratio=history.series["drift_ratio"].abs(), time_s=history.series["time_s"])
+    values = index_by_both(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
+                                           time_s=history.series["time_s"])
     rows = []
     for shock, members in history.series.groupby("shock"):
         mine = values.loc[members.index]
@@ -76,7 +81,7 @@ def cycles_table(history):
             rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
                          "duration_s": end - start}
                         | {f"max_{name}": within[name] for name in values if name != "time_s"}
-                        | {f"cumulative_max_{name}": so_far[name] for name in ("DI", "DI_shear_limit")})
+                        | {f"cumulative_max_{name}": so_far[name] for name in ("DI", "shear_limit_DI")})
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 
 

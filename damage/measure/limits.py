@@ -20,6 +20,14 @@ class Limits:
     classes: tuple[str, ...]
     source: str
 
+    @property
+    def told(self):
+        """The classes with the bounds between them, and the source."""
+        unit, factor = (" %", 100) if self.measure == "drift" else ("", 1)
+        bounds = [f"{factor * bound:.4g}{unit}" for bound in self.bounds]
+        words = [self.classes[0], *(word for pair in zip(bounds, self.classes[1:]) for word in pair)]
+        return f"{', '.join(words)}; {self.source}"
+
     def classify(self, value):
         """The name of the class of `value`; None of None.
 

@@ -14,18 +14,17 @@ from damage.errors import InputError
 from damage.files import whole_or_nothing
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
-from damage.measure.cycles import cycles_table
+from damage.measure.cycles import cycles_table, index_by_both
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
 
-_PER_COMPONENT = ("max", "residual", "max_shear_limit", "residual_shear_limit")
-
 
 def summary_row(history, run="", point=""):
-    """The key figures of a History as one flat dictionary; `run` names the row, `point` that of a study.
+    """The key numbers of a History as one flat dictionary; `run` names the row, `point` that of a study.
 
     What drove the run and how it was modelled comes first, then `damage.measure.summary.summarise`, its
-    entries per component spread over columns like max_DI_open.  What does not apply is None.
+    entries per component spread over columns like max_DI_open.  What does not apply is None; the columns are those of
+    `damage.measure.columns`.
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     figures = summarise(history)
@@ -34,7 +33,7 @@ def summary_row(history, run="", point=""):
         row[key] = figures.pop(key)
     row |= _motion_columns(history) | _model_columns(history)
     for key, value in figures.items():
-        if key in _PER_COMPONENT:
+        if key in ("max", "residual", "max_shear_limit", "residual_shear_limit"):
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
         else:
             row[key] = value
@@ -67,14 +66,11 @@ def summary_table(paths):
 
 
 def index_table(history):
-    """The damage index over time, with slip by displacement and, `_shear_limit`, by its limit."""
+    """The damage index over time, with slip by displacement and, shear_limit_..., by its limit."""
     table = history.index()
-    latched = history.index(slip="shear-limit")
     table.insert(1, "stage", history.series["stage"].astype(str))
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
-    table["DI_slip_shear_limit"] = latched["DI_slip"]
-    table["DI_shear_limit"] = latched["DI"]
-    return table
+    return table.join(index_by_both(history)[["shear_limit_DI_slip", "shear_limit_DI"]])
 
 
 def shocks_table(history):
@@ -83,17 +79,14 @@ def shocks_table(history):
 
     Residual values are those of the last sample of its settling stage, empty where it has none.
     """
-    index, series = history.index(), history.series
-    latched = history.index(slip="shear-limit")[["DI_slip", "DI"]].add_suffix("_shear_limit")
-    index = index.join(latched)
-    rows = []
-    for shock, members in series.groupby("shock"):
+    index, rows = index_by_both(history), []
+    for shock, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
         row = {"shock": shock, "factor": history.sequence[shock - 1], "start_s": members["time_s"].iloc[0],
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
         mine = index.loc[members.index]
-        for name in (*COMPONENTS, *latched):
+        for name in index:
             row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
         rows.append(row)
     return pd.DataFrame(rows)

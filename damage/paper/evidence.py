@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.measure.columns import CRITERIA, one_spelling
 from damage.wall.parameters import USUAL_MODEL
 
 SHAPE = {name: value for name, value in USUAL_MODEL.items() if name != "lintel"} \
@@ -110,7 +111,7 @@ class Point:
     def cycles(self, name):
         """A column of the cycle tables by driven cycle, (n_cycles,): the median over the members."""
         self.stood()
-        tables = [pd.read_csv(path) for path in self.rows["cycles_file"] if Path(path).is_file()]
+        tables = [one_spelling(pd.read_csv(path)) for path in self.rows["cycles_file"] if Path(path).is_file()]
         if not tables:
             raise NotThere(f"no table of cycles ({self.label})")
         return np.median([table.loc[table["kind"] == "driven", name] for table in tables], axis=0)
@@ -132,11 +133,7 @@ class Evidence:
 
     def column(self, kind, component):
         """Name of a column of the index, kind "max" or "residual", with this slip criterion."""
-        return f"{kind}{'_shear_limit' if self.slip == 'shear-limit' else ''}_{component}"
-
-    def cycle_column(self):
-        """Name of the DI column of the cycle tables with this slip criterion."""
-        return "max_DI" + ("_shear_limit" if self.slip == "shear-limit" else "")
+        return f"{kind}_{CRITERIA[self.slip]}{component}"
 
     def harmonic(self, wall, period_s, cycles=3):
         """{amplitude [g]: Point} of a wall's harmonic motions, rising."""

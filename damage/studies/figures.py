@@ -8,9 +8,9 @@ such points.
 
 import pandas as pd
 
-from damage.draw.panels import CRITERIA
 from damage.draw.style import save_figures
 from damage.errors import InputError
+from damage.measure.columns import CRITERIA
 from damage.studies.choices_figure import choices
 from damage.studies.crack_maps import crack_maps
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions

@@ -11,7 +11,6 @@ from matplotlib.patches import Patch
 
 from damage.draw.panels import (
     COMPONENTS,
-    CRITERIA,
     NOTHING,
     SLIP_LABELS,
     add_heading,
@@ -26,6 +25,7 @@ from damage.draw.panels import (
     solver_handles,
 )
 from damage.draw.style import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, styled
+from damage.measure.columns import CRITERIA
 from damage.measure.cycles import drift_cycles
 from damage.motion.loading import Harmonic
 from damage.studies.results import REFERENCE, Missing
@@ -104,8 +104,8 @@ def _draw_evolution(ax, results, point):
     shade_settling(ax, table)
     for name, (_, colour, _) in list(COMPONENTS.items())[::-1]:
         ax.plot(table["time_s"], table[name], color=colour, lw=1.6 if name == "DI" else 0.8)
-    if "DI_shear_limit" in table:
-        ax.plot(table["time_s"], table["DI_shear_limit"], color=BLACK, lw=0.6, ls="--")
+    if "shear_limit_DI" in table:
+        ax.plot(table["time_s"], table["shear_limit_DI"], color=BLACK, lw=0.6, ls="--")
 
 
 def _draw_band(ax, results, point, value, until_s=np.inf):

@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from damage.draw.panels import (
-    CRITERIA,
     NOTHING,
     SINGLE_MARKERS,
     SLIP_LABELS,
@@ -34,6 +33,7 @@ from damage.draw.panels import (
     solver_handles,
 )
 from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
+from damage.measure.columns import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.studies.results import Missing

@@ -13,6 +13,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.history.reader import read_history
+from damage.measure.columns import one_spelling
 from damage.measure.tables import index_table
 from damage.wall.parameters import USUAL_MODEL
 
@@ -138,7 +139,7 @@ def load_results(folder):
 def _read_csv(path):
     """A table; "none" is a word, only an empty cell is missing."""
     try:
-        return pd.read_csv(path, keep_default_na=False, na_values=[""])
+        return one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""]))
     except (OSError, ValueError) as error:
         raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); "
                          "run the study again") from error

@@ -16,15 +16,8 @@ import pandas as pd
 from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
 from damage.history.reader import read_history
+from damage.measure.columns import PARAMETERS, RUN, names
 from damage.measure.tables import summary_row, write_table
-
-COUNTED = ("run", "seed", "status", "collapsed_at_s")
-"""Columns of a run that a point counts instead of taking medians of, or leaves out."""
-PARAMETERS = ("point", "solver", "wall", "motion", "record", "pga_g", "sa_0.2_s_g", "motion_period_s", "amplitude_g",
-              "cycles", "scale", "window_start_s", "window_end_s", "vertical", "shocks", "motion_duration_s", "rest_s",
-              "lintel", "top", "cells", "contacts", "strength_cov", "alpha_1_s", "beta_s", "perturb_m", "time_step_s",
-              "eigen_period_s", "slip", "total_joint_length_m")
-"""Columns that all runs of a point share; a point's value is that of its first run."""
 
 
 def runs_there(run, folder):
@@ -82,11 +75,11 @@ def points_of(summary):
 
 def _point(runs):
     first, fallen = runs.iloc[0], runs["collapsed_at_s"].astype(float).dropna()
-    row = {name: first[name] for name in PARAMETERS if name in runs}
+    row = {name: first[name] for name in names(PARAMETERS) if name in runs}
     ended = runs["status"] == "complete"
     row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
             "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None}
-    for name in runs.columns.difference([*row, *COUNTED, "strength_seed"], sort=False):
+    for name in runs.columns.difference([*row, *RUN], sort=False):
         values = runs[name].dropna()
         if _is_number(values):
             numbers = values.astype(float)

@@ -237,7 +237,7 @@ class ModelOptions:
                             solvers=("reference",), tag="{contacts}")
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
-    strength_seed: int = _option(0, "of that scatter", metavar="N", seed=True)
+    strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
 
     def __post_init__(self):
         for one in fields(self):
