@@ -16,7 +16,7 @@ from damage.draw.style import (
     new_figure,
     styled,
 )
-from damage.measure.compare import compare_drift, compare_joints, joint_states
+from damage.measure.compare import compare_drift, compare_joints, joints_ever
 from damage.wall.geometry import tributary_ends
 
 JOINTS = {  # agreement of a joint: label, colour, line width [pt]
@@ -52,7 +52,7 @@ def joint_agreement(first, second):
 
     Judged by the joint between two bricks that a point belongs to, so that any discretisation will do.
     """
-    here, there = joint_states(first), joint_states(second)
+    here, there = joints_ever(first), joints_ever(second)
     both = here["broken"] & there["broken"]
     kinds = np.select(
         [both & (here["state"] == there["state"]), both, here["broken"], there["broken"]],

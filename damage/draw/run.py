@@ -40,19 +40,18 @@ from damage.draw.wall import legend_widths_mm, line_width, wall_shape
 from damage.history.moments import STATES, choose_sample, moving
 from damage.index import THRESHOLD
 from damage.measure.energy import DISSIPATED, STORED, energy_error, energy_scale, imbalance
+from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 
 JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": BLUE, "opened": ORANGE, "both": BLACK}
 THIN = {"intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
 
-DRIFT_LIMITS_PCT = (
-    (0.050, "light damage begins, calcium silicate (Korswagen)", ":"),
-    (0.058, "light damage begins, clay (Korswagen)", "-."),
-    (0.070, "no damage up to here (Graziotti et al.)", "--"),
-    (0.120, "minor structural damage (Graziotti et al.)", "-"),
-)
-"""Drift ratios [%] from tests of Dutch masonry, label, line: P. Korswagen, dissertation, TU Delft
-(light damage begins, in-plane walls); F. Graziotti et al., shake-table tests of a full building."""
+DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) for name, number, label, line in (
+    ("korswagen_calcium_silicate", 0, "light damage begins, calcium silicate (Korswagen)", ":"),
+    ("korswagen_clay", 0, "light damage begins, clay (Korswagen)", "-."),
+    ("graziotti", 0, "no damage up to here (Graziotti et al.)", "--"),
+    ("graziotti", 1, "minor structural damage (Graziotti et al.)", "-"))]
+"""Drift ratios [%] from tests of Dutch masonry, label, line; `damage.measure.limits` has their sources."""
 LIMITS_UP_TO_PCT = 0.6  # in a wider picture they would merge into one, far below the drift
 
 ENERGIES = {  # column: label, colour, line

@@ -57,6 +57,11 @@ def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
     """Index into STATES of every joint at a sample, (n_joints,), by the criteria of the index."""
     opened = history.opening_m[sample] > threshold
     slipped = history.at_limit[sample] if slip == "shear-limit" else np.abs(history.slip_m[sample]) > threshold
-    conditions = [opened & slipped, opened, slipped, history.broken[sample]]
+    return state_codes(opened, slipped, history.broken[sample])
+
+
+def state_codes(opened, slipped, broken=False):
+    """Index into STATES of joints, of bool arrays of one shape."""
     codes = [STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
-    return np.select(conditions, codes, default=STATES.index("intact"))
+    return np.select([opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))], codes,
+                     default=STATES.index("intact"))

@@ -22,7 +22,7 @@ from damage.laboratory.csv_table import CsvTable
 from damage.measure.cracks import crack_table
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import tributary_ends
-from damage.wall.kinematics import ContactKinematics
+from damage.wall.kinematics import ContactKinematics, rigid_displacement
 
 REQUIRED = ("x_m", "z_m", "ux_m", "uz_m")
 OPTIONAL = ("load_level", "drift_pct")
@@ -113,8 +113,7 @@ def rigid_motion(points, displacement):
 
 def turned(points, turn):
     """Displacement (n, 2) of points (n, 2) by a rotation about the origin."""
-    cos, sin = np.cos(turn) - 1, np.sin(turn)
-    return np.column_stack([cos * points[:, 0] - sin * points[:, 1], sin * points[:, 0] + cos * points[:, 1]])
+    return np.column_stack(rigid_displacement(0.0, 0.0, turn, *points.T))
 
 
 def relative_to_base(field, margin=MARGIN):

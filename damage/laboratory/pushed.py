@@ -10,7 +10,6 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.files import DATA
-from damage.measure.limits import LIMITS
 from damage.measure.pushed import (
     bilinear,
     cycles_table,
@@ -26,9 +25,6 @@ TESTS = DATA / "eucentre" / "tests.csv"
 SPECIMENS = {"squat": "COMP1_3", "squat_tested": "COMP1_3", "comp2_1": "COMP2_1", "comp2_4": "COMP2_4"}
 """Name of a shipped wall -> the test that it models."""
 MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear"}
-LIGHT_DAMAGE = {limits.name.removeprefix("drift_class_korswagen_"): limits.bounds[0] for limits in LIMITS
-                if limits.name.startswith("drift_class_korswagen")}
-"""Drift ratio at which light damage begins, as published, by the kind of brick."""
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history.moments import BREAKS
+from damage.history.moments import BREAKS, STATES, state_codes
 from damage.index import THRESHOLD
 from damage.measure.summary import summarise
+from damage.measure.vibration import upward_crossings
 
-STATES = ("intact", "slipped", "opened", "both")
 DIVERGED = 0.01  # of the peak drift: two runs have parted
 
 
@@ -77,12 +77,8 @@ def numbers_of(history):
 def cycle_length(series):
     """Mean length of the full cycles of the drift in the first shock's rest [s], None without one."""
     rest = series[(series["stage"] == "rest") & (series["shock"] == 1)]
-    time, drift = rest["time_s"].to_numpy(), rest["drift_ratio"].to_numpy()
-    up = np.flatnonzero((drift[:-1] < 0) & (drift[1:] >= 0))
-    if len(up) < 2:
-        return None
-    crossing = time[up] - drift[up] * (time[up + 1] - time[up]) / (drift[up + 1] - drift[up])
-    return float((crossing[-1] - crossing[0]) / (len(crossing) - 1))
+    crossings = upward_crossings(rest["time_s"], rest["drift_ratio"], rearm=0.0)  # every one, ripples too
+    return float((crossings[-1] - crossings[0]) / (len(crossings) - 1)) if len(crossings) > 1 else None
 
 
 def _compare_numbers(first, others):
@@ -152,11 +148,12 @@ def _lag(time, here, there):
 
 # --- joint by joint -----------------------------------------------------------------------------
 
-def joint_states(history, threshold=THRESHOLD):
+def joints_ever(history, threshold=THRESHOLD):
     """What each joint between two bodies ever did: DataFrame indexed by (first_body, second_body).
 
-    state: index of STATES, slipped by the shear limit; broken: bool; first_break_s (NaN: never);
-    x_m, z_m. Contact points of one pair of bodies are one joint, so that any discretisation will do.
+    state: index of `damage.history.moments.STATES`, slipped by the shear limit, broken alone told by broken: bool;
+    first_break_s (NaN: never); x_m, z_m.  Contact points of one pair of bodies are one joint, so that any
+    discretisation will do.
     """
     breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
@@ -167,13 +164,13 @@ def joint_states(history, threshold=THRESHOLD):
     keys = [history.joints["first_body"], history.joints["second_body"]]
     joints = points.groupby(keys).agg({"opened": "max", "slipped": "max", "broken": "max",
                                        "first_break_s": "min", "x_m": "mean", "z_m": "mean"})
-    joints["state"] = joints["slipped"].astype(int) + 2 * joints["opened"].astype(int)
+    joints["state"] = state_codes(joints["opened"], joints["slipped"])
     return joints
 
 
 def compare_joints(first, second):
     """Agreement on the joints that broke in either run, as numbers."""
-    here, there = joint_states(first), joint_states(second)
+    here, there = joints_ever(first), joints_ever(second)
     either = here["broken"] | there["broken"]
     both = here["broken"] & there["broken"]
     shift = (here["first_break_s"] - there["first_break_s"])[both].dropna()

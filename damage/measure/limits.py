@@ -61,6 +61,11 @@ LIMITS = (
 )
 
 
+def bound(name, number):
+    """The bound of that number, from 0, of the LIMITS of that name."""
+    return next(limits for limits in LIMITS if limits.name == name).bounds[number]
+
+
 def classes(max_drift_ratio, max_psi):
     """Names of the classes of a maximum drift ratio [-] and a maximum Psi [-] by every one of LIMITS."""
     values = {"drift": max_drift_ratio, "psi": max_psi}

@@ -35,6 +35,33 @@ def _force_and_drift(history):
     return history.series["base_shear_n"].to_numpy(), history.series["drift_ratio"].to_numpy()
 
 
+# --- on first loading -------------------------------------------------------------------------------
+
+INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
+"""Shares of the peak force at which the initial and the secant stiffness are taken, on first loading."""
+
+
+def first_loading(history):
+    """Peak force and stiffnesses of a pushed History, None for any other.
+
+    Of the whole run, to whichever side it was pushed first; `bilinear` takes one side's envelope, whose peak and
+    secant differ where the wall is weaker to that side.
+    """
+    names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
+    if not history.loading.drives_top:
+        return dict.fromkeys(names)
+    # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
+    # the base feels less of the jolts of a prescribed top.
+    force, drift = _force_and_drift(history)
+    displacement = history.series["top_displacement_m"].to_numpy()
+    peak = int(np.argmax(np.abs(force)))
+    values = [float(abs(force[peak])), float(abs(drift[peak]))]
+    for share in (INITIAL_SHARE, SECANT_SHARE):
+        first = int(np.argmax(np.abs(force) >= share * values[0]))
+        values.append(float(force[first] / displacement[first]) if displacement[first] != 0 else None)
+    return dict(zip(names, values))
+
+
 # --- the envelope ---------------------------------------------------------------------------------
 
 def envelope(history, sign=1):
@@ -51,13 +78,13 @@ def envelope(history, sign=1):
 def bilinear(curve, height):
     """The elastic-plastic line of the same area as an envelope, up to its ultimate drift.
 
-    Elastic stiffness is the secant to 0.7 of the peak, the ultimate drift the last one at which the force is
-    at least 0.8 of it.  height [m] turns drifts into displacements.
+    Elastic stiffness is the secant to SECANT_SHARE of the peak, the ultimate drift the last one at which the force is
+    at least ULTIMATE_SHARE of it.  height [m] turns drifts into displacements.
     Returns stiffness_n_per_m, force_n, ultimate_drift.
     """
     drift, force = (np.concatenate([[0.0], curve[name]]) for name in ("drift_ratio", "force_n"))
     peak = force.max()
-    secant = int(np.argmax(force >= 0.7 * peak))
+    secant = int(np.argmax(force >= SECANT_SHARE * peak))
     stiffness = force[secant] / (drift[secant] * height)
     last = int(np.flatnonzero(force >= ULTIMATE_SHARE * peak)[-1])
     area = trapezoid(force[:last + 1], drift[:last + 1] * height)

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from damage.wall.kinematics import rigid_displacement
+
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]
 
@@ -14,12 +16,9 @@ def displaced(bodies, motion, body, points, magnify=1.0):
     Returns (n, k, 2) [m].
     """
     # GROUND is -1, which takes the last row: one more body, at rest.
-    motion = np.vstack([motion, np.zeros(3)])[body] * magnify
+    ux, uz, turn = (np.vstack([motion, np.zeros(3)])[body] * magnify).T[..., None]
     centre = np.vstack([bodies[["x_m", "z_m"]].to_numpy(), np.zeros(2)])[body][:, None]
-    turn = motion[:, 2, None]
-    cos, sin = np.cos(turn), np.sin(turn)
-    x, z = np.moveaxis(points - centre, 2, 0)
-    return centre + motion[:, None, :2] + np.stack([cos * x - sin * z, sin * x + cos * z], axis=2)
+    return points + np.stack(rigid_displacement(ux, uz, turn, *np.moveaxis(points - centre, 2, 0)), axis=2)
 
 
 def body_corners(bodies, motion, magnify=1.0):
