@@ -190,13 +190,14 @@ def _tables(asked):
 
 @_command("figures 6 to 12 of the source paper and crack maps from the results of studies",
           _path("results", "RESULTS_DIR", "folder that holds the studies' folders, each with tables/points.csv"),
-          _out("folder for the figures"))
+          _out("folder for the figures"),
+          _path("--records", "DIR", "folder of records that do not ship (default records)", default=Path("records")))
 def _figures(asked):
     from damage.studies.figures import make_figures
     from damage.studies.results import load_results
 
     made = 0
-    for name, outcome in make_figures(load_results(asked.results), asked.out):
+    for name, outcome in make_figures(load_results(asked.results, asked.records), asked.out):
         if isinstance(outcome, str):
             print(f"not made: {name}: {outcome}")
             continue
@@ -267,12 +268,14 @@ def _fragility(asked):
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),
           _path("folder", "DIR", "the study's folder; tables go to DIR/tables"),
           _arg("--solver", default="both", help="whose runs the study names (default both)"),
+          _path("--root", "DIR", "where walls and records lie (default: the working folder)"),
           _arg("-j", dest="jobs", type=int, default=1, metavar="N", help="processes (default 1)"))
 def _study_tables(asked):
     from damage.studies.definition import load_study
     from damage.studies.tables import write_study_tables
 
-    print(*write_study_tables(load_study(asked.study, asked.solver), asked.folder, asked.jobs), sep="\n")
+    print(*write_study_tables(load_study(asked.study, asked.solver, asked.root), asked.folder,
+                              asked.jobs), sep="\n")
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ when there is nothing to draw.
 """
 
 import hashlib
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -41,8 +40,6 @@ from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = np.geomspace(0.02, 2.0, 120)
 WALL_PERIOD_S = 0.2  # of the walls with an opening, marked in the spectra
-RECORDS_FOLDER = Path(__file__).resolve().parents[2] / "records"
-"""Where users put records that do not ship."""
 TREND_POINTS = 4
 """Fewest points through which a parabola is laid."""
 
@@ -92,16 +89,16 @@ def _synthetic_note(names):
 def unscaled_motion(results, point):
     """The record of a point's first run as it was prepared for it, at scale 1."""
     loading = results.history(point).loading
-    return loading.unscaled(read_record(_record_path(loading.horizontal)))
+    return loading.unscaled(read_record(_record_path(loading.horizontal, results.records)))
 
 
-def _record_path(origin):
-    """The file that a run's record came from, shipped or in `records/`, with the same bytes."""
+def _record_path(origin, own):
+    """The file that a run's record came from, shipped or in the folder `own`, with the same bytes."""
     shipped = shipped_record_path().parents[1]
-    for path in (*shipped.glob(f"*/{origin['file']}"), RECORDS_FOLDER / origin["file"]):
+    for path in (*shipped.glob(f"*/{origin['file']}"), own / origin["file"]):
         if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == origin["sha256"]:
             return path
-    raise Missing(f"no record {origin['file']} with the bytes that the runs read, neither shipped nor in records/")
+    raise Missing(f"no record {origin['file']} with the bytes that the runs read, neither shipped nor in {own}/")
 
 
 # --- what they do ---------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ NAME_min and NAME_max; `tables/summary.csv`, a row for each run; `tables/RUN_ind
 `runs/RUN.h5`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pandas as pd
@@ -32,10 +32,12 @@ class Results:
     """Points and runs of all studies below a folder, each row with its study's folder.
 
     points, runs: DataFrames with the columns of points.csv and summary.csv, and `folder`.
+    records: the folder where users put records that do not ship.
     """
 
     points: pd.DataFrame
     runs: pd.DataFrame
+    records: Path = Path("records")
 
     def of_studies(self, names, chosen):
         """The chosen points (a mask) of the studies called so, or of all where none has them.
@@ -55,7 +57,7 @@ class Results:
         """These results with only the points whose runs came to their end, a collapse included."""
         if "status" not in self.points:
             return self
-        return Results(self.points[self.points["status"] == "complete"], self.runs)
+        return replace(self, points=self.points[self.points["status"] == "complete"])
 
     def members(self, point):
         """Names of a point's runs (a row of `points`), in the order of the summary."""
@@ -117,8 +119,8 @@ class Variant:
         return "_".join([str(self.wall), *(f"{name}-{value}" for name, value in self.differs.items())])
 
 
-def load_results(folder):
-    """Read the tables of every study below a folder, itself included."""
+def load_results(folder, records=Path("records")):
+    """Read the tables of every study below a folder, itself included; records: of `Results`."""
     folder = Path(folder)
     paths = sorted(folder.rglob("tables/points.csv"))
     if not paths:
@@ -133,7 +135,7 @@ def load_results(folder):
                 raise InputError(f"{path.with_name(name)} has no column {lacking[0]}; expected the tables of a study, "
                                  "run it again with ./run_all.sh")
             tables.append(table.assign(folder=path.parents[1]))
-    return Results(pd.concat(points, ignore_index=True), pd.concat(runs, ignore_index=True))
+    return Results(pd.concat(points, ignore_index=True), pd.concat(runs, ignore_index=True), Path(records))
 
 
 def _read_csv(path):
