@@ -78,7 +78,7 @@ class TestHarmonic:
 
     @pytest.mark.parametrize("cycles", [0, -1, 1.5, math.nan, math.inf])
     def test_cycles_are_whole(self, cycles):
-        with pytest.raises(InputError, match="cycles; expected a whole number"):
+        with pytest.raises(InputError, match="cycles = .*: expected a whole number"):
             Harmonic(0.2, 0.05, cycles)
 
 

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from damage.index import DRIFT_LIMIT, THRESHOLD, check_positive, combine, drift_component
+from damage.checks import check_positive
+from damage.index import DRIFT_LIMIT, THRESHOLD, combine, drift_component
 from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
 from damage.units import MILLIMETRE
 from damage.wall.geometry import tributary_ends

@@ -14,6 +14,7 @@ from math import isnan
 
 import numpy as np
 
+from damage.checks import check_not_negative
 from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.laboratory.crack_file import CrackPattern, pattern_of
@@ -175,8 +176,7 @@ def measure(fields, layout, margin=MARGIN, threshold=THRESHOLD):
 
     fields: in the order of loading from the unloaded wall on.
     """
-    if not (np.isfinite(margin) and margin >= 0):
-        raise InputError(f"margin = {margin!r} m: expected zero or a positive number; mend it")
+    check_not_negative("margin [m]", margin)
     kinematics, n = ContactKinematics(layout), layout.n_joints
     slip, shear_before, was_closed = np.zeros(n), np.zeros(n), np.ones(n, bool)
     levels = []

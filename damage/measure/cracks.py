@@ -16,8 +16,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from damage.checks import check_positive
 from damage.errors import InputError
-from damage.index import THRESHOLD, check_positive
+from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
 from damage.wall.geometry import tributary_ends
 

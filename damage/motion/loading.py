@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.checks import record_from
+from damage.checks import check_choice, check_not_negative, check_number, check_positive, check_whole, record_from
 from damage.errors import InputError
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.motion.record import (
@@ -64,12 +64,9 @@ class Harmonic(Loading):
     shakes_base = True
 
     def __post_init__(self):
-        if not (math.isfinite(self.period_s) and self.period_s > 0):
-            raise InputError(f"harmonic period {self.period_s!r} s; expected a positive number")
-        if not (math.isfinite(self.amplitude_g) and self.amplitude_g >= 0):
-            raise InputError(f"harmonic amplitude {self.amplitude_g!r} g; expected 0 or more")
-        if not (math.isfinite(self.cycles) and self.cycles == int(self.cycles) >= 1):
-            raise InputError(f"{self.cycles!r} cycles; expected a whole number, 1 or more")
+        check_positive("harmonic period [s]", self.period_s)
+        check_not_negative("harmonic amplitude [g]", self.amplitude_g)
+        check_whole("cycles", self.cycles, 1)
 
     @property
     def name(self) -> str:
@@ -249,8 +246,7 @@ class FreeVibration(Loading):
     top_velocity_m_s: float = 1e-3
 
     def __post_init__(self):
-        if not (math.isfinite(self.top_velocity_m_s) and self.top_velocity_m_s > 0):
-            raise InputError(f"top velocity {self.top_velocity_m_s!r} m/s; expected above 0")
+        check_positive("top velocity [m/s]", self.top_velocity_m_s)
 
     @property
     def name(self) -> str:
@@ -294,16 +290,15 @@ class TopDisplacement(Loading):
     drives_top = True
 
     def __post_init__(self):
-        if not self.amplitudes_pct or not all(math.isfinite(a) and a > 0 for a in self.amplitudes_pct):
-            raise InputError(f"drifts {self.amplitudes_pct!r} %; expected positive numbers")
-        if self.cycles != int(self.cycles) or self.cycles < 0:
-            raise InputError(f"{self.cycles!r} cycles; expected a whole number, 0 or more")
-        if self.boundary not in BOUNDARIES:
-            raise InputError(f"boundary {self.boundary!r}; expected one of {', '.join(BOUNDARIES)}")
-        if not (math.isfinite(self.speed_m_s) and self.speed_m_s > 0):
-            raise InputError(f"speed {self.speed_m_s!r} m/s; expected above 0")
-        if not 0 <= self.local_damping <= 0.7:
-            raise InputError(f"local damping {self.local_damping!r}; expected 0 to 0.7, for which steps are stable")
+        if not self.amplitudes_pct:
+            raise InputError("no drift to push the top to; expected one or more [%]; give some")
+        for drift in self.amplitudes_pct:
+            check_positive("drift [%]", drift)
+        check_whole("cycles", self.cycles)
+        check_choice("boundary", self.boundary, BOUNDARIES)
+        check_positive("speed [m/s]", self.speed_m_s)
+        check_number("local damping", self.local_damping, "a number from 0 to 0.7, for which steps are stable",
+                     lambda value: 0 <= value <= 0.7)
 
     @property
     def name(self) -> str:

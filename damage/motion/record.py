@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 from scipy import signal
 
+from damage.checks import check_number, check_positive
 from damage.errors import InputError
 
 
@@ -31,8 +32,7 @@ class Record:
 
     def __post_init__(self):
         where = self.source or self.name or "record"
-        if not (math.isfinite(self.time_step_s) and self.time_step_s > 0):
-            raise InputError(f"{where}: time step {self.time_step_s!r} s; expected above 0")
+        check_positive(f"{where}: time step [s]", self.time_step_s)
         acceleration = np.array(self.acceleration_m_s2, dtype=np.float64)
         if acceleration.ndim != 1 or acceleration.size < 2:
             raise InputError(
@@ -62,8 +62,7 @@ class Record:
 
 def scaled(record: Record, factor: float) -> Record:
     """The record times a factor; a negative one turns its direction."""
-    if not math.isfinite(factor):
-        raise InputError(f"scale factor {factor!r}; expected a finite number such as 1.5")
+    check_number("scale factor", factor)
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
 
 
@@ -155,8 +154,7 @@ def steps_per_sample(record: Record, max_step_s: float) -> int:
 
 def whole_steps(interval_s: float, max_step_s: float) -> int:
     """Smallest number of equal steps, none above max_step [s], that fill an interval [s]."""
-    if not (math.isfinite(max_step_s) and max_step_s > 0):
-        raise InputError(f"largest time step {max_step_s!r} s; expected a positive number")
+    check_positive("largest time step [s]", max_step_s)
     # the quotient may be rounded up or down, so the definition has the last word
     steps = max(1, math.ceil(interval_s / max_step_s) - 1)
     while interval_s / steps > max_step_s:

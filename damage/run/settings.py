@@ -4,6 +4,7 @@ import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from damage.checks import check_not_negative, check_positive
 from damage.errors import InputError
 from damage.wall.parameters import ModelOptions
 
@@ -52,10 +53,9 @@ class RunSettings:
         if not self.sequence or not all(map(math.isfinite, self.sequence)):
             raise InputError(f"--sequence {self.sequence}: expected factors of the motion, like 1,0.5,0.4")
         for option, value in (("--rest", self.rest_s), ("--beta", self.beta_s), ("--perturb", self.perturb_m)):
-            if not (math.isfinite(value) and value >= 0):
-                raise InputError(f"{option} {value:g}: expected zero or a positive number; mend it")
-        if self.time_step_s is not None and not (math.isfinite(self.time_step_s) and self.time_step_s > 0):
-            raise InputError(f"--dt {self.time_step_s:g}: expected a positive number of seconds; mend it")
+            check_not_negative(option, value)
+        if self.time_step_s is not None:
+            check_positive("--dt [s]", self.time_step_s)
 
     @property
     def duration_s(self):

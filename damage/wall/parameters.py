@@ -8,27 +8,9 @@ paper gives a value; `docs/choices.md` gives the source of every other one.
 import math
 from dataclasses import asdict, dataclass, field, fields, replace
 
-from damage.checks import record_from
+from damage.checks import check_choice, check_fields, check_number, check_whole, record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
-
-
-def _check_numbers(record, positive=(), not_negative=()):
-    """Raise InputError unless the named fields of a record are finite and of the right sign."""
-    kind = type(record).__name__
-    for name in (*positive, *not_negative):
-        value = getattr(record, name)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise InputError(f"{kind}.{name} = {value!r}: expected a finite number; give one")
-        if value < 0 or (value == 0 and name in positive):
-            wanted = "positive" if name in positive else "zero or positive"
-            raise InputError(f"{kind}.{name} = {value:g}: expected a {wanted} number; mend its sign")
-
-
-def check_choice(what, value, choices):
-    """Raise InputError unless `value` is one of `choices`."""
-    if value not in choices:
-        raise InputError(f"{what} = {value!r}: expected one of {', '.join(choices)}; choose one of them")
 
 
 @dataclass(frozen=True)
@@ -48,7 +30,7 @@ class Brick:
     shear_modulus: float = 2.16e9
 
     def __post_init__(self):
-        _check_numbers(self, positive=self.__dataclass_fields__)
+        check_fields(self, positive=self.__dataclass_fields__)
 
 
 @dataclass(frozen=True)
@@ -66,7 +48,7 @@ class Joint:
     cohesion: float = 0.24e6
 
     def __post_init__(self):
-        _check_numbers(self, positive=("normal_stiffness", "shear_stiffness"),
+        check_fields(self, positive=("normal_stiffness", "shear_stiffness"),
                        not_negative=("friction_angle", "tensile_strength", "cohesion"))
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
@@ -98,7 +80,7 @@ class Opening:
     sill: float = 0.0
 
     def __post_init__(self):
-        _check_numbers(self, positive=("width", "height"), not_negative=("left", "sill"))
+        check_fields(self, positive=("width", "height"), not_negative=("left", "sill"))
 
     @property
     def right(self):
@@ -129,7 +111,7 @@ class Wall:
             raise InputError(f"Wall.name = {self.name!r}: expected letters, digits, '-' or '_', since "
                              "it names files; rename the wall")
         object.__setattr__(self, "openings", tuple(self.openings))
-        _check_numbers(self, positive=("length", "height"), not_negative=("precompression",))
+        check_fields(self, positive=("length", "height"), not_negative=("precompression",))
         check_choice("Wall.base_course", self.base_course, ("whole", "half"))
         if self.courses < 1 or self.length < self.brick.length / 2:
             raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
@@ -243,12 +225,9 @@ class ModelOptions:
         for one in fields(self):
             if one.metadata["choices"]:
                 check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
-        if not isinstance(self.cells, int) or not 1 <= self.cells <= 16:
-            raise InputError(f"cells = {self.cells!r}: expected a whole number from 1 to 16; two is usual")
-        if not 0 <= self.strength_cov <= 2:
-            raise InputError(f"strength_cov = {self.strength_cov!r}: expected a number from 0 to 2; 0.3 is usual")
-        if not isinstance(self.strength_seed, int) or self.strength_seed < 0:
-            raise InputError(f"strength_seed = {self.strength_seed!r}: expected a whole number, 0 or more; mend it")
+        check_whole("cells", self.cells, 1, 16)
+        check_number("strength_cov", self.strength_cov, "a number from 0 to 2", lambda value: 0 <= value <= 2)
+        check_whole("strength_seed", self.strength_seed)
 
     def tags(self):
         """What tells this model from the default in a file's name, a list of words."""
