@@ -53,9 +53,7 @@ class Loading:
 class Harmonic(Loading):
     """Horizontal base acceleration: a sine from zero, a whole number of cycles.
 
-    period_s: period [s].
-    amplitude_g: amplitude [g].
-    cycles: number of cycles.
+    period_s [s]; amplitude_g [g]; cycles: how many.
     """
 
     period_s: float
@@ -179,9 +177,7 @@ class Recorded(Loading):
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         acceleration = np.zeros((time_s.size, 2))
         for column, part in enumerate(self.motion):
-            acceleration[:, column] = np.interp(
-                time_s, part.time_s, part.acceleration_m_s2, left=0.0, right=0.0
-            )
+            acceleration[:, column] = np.interp(time_s, part.time_s, part.acceleration_m_s2, left=0.0, right=0.0)
         return acceleration
 
     @property
@@ -369,10 +365,8 @@ def _check_simultaneous(record: Record, vertical: Record) -> None:
     kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, vertical)]
     mend = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
     if kinds[0] != kinds[1]:
-        raise InputError(
-            f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
-            f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {mend}"
-        )
+        raise InputError(f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
+                         f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {mend}")
     if record.start_utc and vertical.start_utc:
         late_s = start_difference_s(vertical, record)
         if abs(late_s) > 0.5 * record.time_step_s:
