@@ -7,6 +7,9 @@ them up by point.
 import re
 from dataclasses import fields
 
+import pandas as pd
+
+from damage.errors import InputError
 from damage.history.schema import Column
 from damage.index import COMPONENTS
 from damage.measure.limits import LIMITS
@@ -17,8 +20,7 @@ CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
 
 
 def _model(seeds):
-    return {one.name: Column("", one.metadata["help"]) for one in fields(ModelOptions)
-            if one.metadata["seed"] == seeds}
+    return {one.name: Column("", one.metadata["help"]) for one in fields(ModelOptions) if one.metadata["seed"] == seeds}
 
 
 def _index(kind, slip):
@@ -26,14 +28,11 @@ def _index(kind, slip):
 
 
 PARAMETERS = {
-    "point": Column("", "point of a study that the run belongs to"),
-    "solver": Column("", "yade or reference"),
-    "wall": Column("", "name of the wall"),
-    "motion": Column("", "name of the loading"),
+    "point": Column("", "point of a study that the run belongs to"), "solver": Column("", "yade or reference"),
+    "wall": Column("", "name of the wall"), "motion": Column("", "name of the loading"),
     "record": Column("", "name of the record"),
     "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
-    "motion_period_s": Column("s", "period of a harmonic motion"),
-    "amplitude_g": Column("g", "amplitude of a harmonic motion"),
+    "motion_period_s, amplitude_g": Column("s, g", "of a harmonic motion"),
     "cycles": Column("1", "of a harmonic motion, or at each drift of a pushed top"),
     "scale": Column("1", "factor on the record"),
     "window_start_s, window_end_s": Column("s", "part of the record that was used"),
@@ -41,8 +40,7 @@ PARAMETERS = {
     "shocks": Column("1", "how many, of a sequence"),
     "motion_duration_s, rest_s": Column("s", "of the base's motion, and of the free vibration after it"),
     **_model(seeds=False),
-    "alpha_1_s": Column("1/s", "damping proportional to mass"),
-    "beta_s": Column("s", "damping proportional to stiffness"),
+    "alpha_1_s, beta_s": Column("1/s, s", "damping proportional to mass, and to stiffness"),
     "perturb_m": Column("m", "size of the bricks' random offsets"),
     "time_step_s": Column("s", "of the solver"),
     "eigen_period_s": Column("s", "first period of the intact wall, by its eigenvalues"),
@@ -114,3 +112,20 @@ def one_spelling(table):
     ['max_shear_limit_DI_slip', 'shear_limit_DI', 'max_DI']
     """
     return table.rename(columns=lambda name: re.sub(r"(DI|DI_slip)_shear_limit$", r"shear_limit_\1", name))
+
+
+def read_table(path, needed=()):
+    """A table of a study as a DataFrame, older spellings mended; "none" is a word, only an empty cell is missing.
+
+    Raises InputError where it cannot be read or lacks one of the needed columns.
+    """
+    try:
+        table = one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""]))
+    except (OSError, ValueError) as error:  # of the file, or of its text
+        raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
+                         "study, run it again with ./run_all.sh") from error
+    lacking = [name for name in needed if name not in table]
+    if lacking:
+        raise InputError(f"{path} has no column {lacking[0]}; expected the tables of a study of this version, run it "
+                         "again with ./run_all.sh, or make them anew: python3 -m damage tables summary")
+    return table

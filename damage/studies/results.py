@@ -13,7 +13,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.measure.columns import one_spelling
+from damage.measure.columns import read_table
 from damage.measure.tables import index_table
 from damage.wall.parameters import USUAL_MODEL
 
@@ -88,7 +88,7 @@ class Results:
     def index(self, point):
         """The damage index over time of a point's first run, from its table or else its history."""
         path = point["folder"] / "tables" / f"{self.run(point)['run']}_index.csv"
-        return _read_csv(path) if path.is_file() else index_table(self.history(point))
+        return read_table(path) if path.is_file() else index_table(self.history(point))
 
 
 @dataclass(frozen=True)
@@ -126,25 +126,10 @@ def load_results(folder, records=Path("records")):
     if not paths:
         raise InputError(f"{folder} holds no */tables/points.csv; expected a folder with the results of studies, "
                          "run one with ./run_all.sh")
-    points, runs = [], []
-    for path in paths:
-        for tables, name, needed in ((points, "points.csv", NEEDED), (runs, "summary.csv", ("run", "point", "solver"))):
-            table = _read_csv(path.with_name(name))
-            lacking = [column for column in needed if column not in table]
-            if lacking:
-                raise InputError(f"{path.with_name(name)} has no column {lacking[0]}; expected the tables of a study, "
-                                 "run it again with ./run_all.sh")
-            tables.append(table.assign(folder=path.parents[1]))
-    return Results(pd.concat(points, ignore_index=True), pd.concat(runs, ignore_index=True), Path(records))
-
-
-def _read_csv(path):
-    """A table; "none" is a word, only an empty cell is missing."""
-    try:
-        return one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""]))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); "
-                         "run the study again") from error
+    tables = [pd.concat([read_table(path.with_name(name), needed).assign(folder=path.parents[1]) for path in paths],
+                        ignore_index=True)
+              for name, needed in (("points.csv", NEEDED), ("summary.csv", ("run", "point", "solver")))]
+    return Results(*tables, Path(records))
 
 
 def variants(points):
