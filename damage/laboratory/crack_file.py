@@ -21,8 +21,7 @@ from damage.units import MILLIMETRE
 COLUMNS = ("load_level", "drift_pct", "crack", "point", "x_m", "z_m", "opening_mm", "slip_mm", "width_mm", "mode")
 REQUIRED = ("crack", "point", "x_m", "z_m")
 MODES = ("tension", "shear", "mixed", "unknown")
-STRETCHES = ("crack", "line", "x_start_m", "z_start_m", "x_end_m", "z_end_m", "opening_m", "slip_m", "width_m",
-             "mode")
+STRETCHES = ("crack", "line", "x_start_m", "z_start_m", "x_end_m", "z_end_m", "opening_m", "slip_m", "width_m", "mode")
 _AGREE = 0.02  # share of the width by which a given width may miss sqrt(opening^2 + slip^2), for rounding
 _AGREE_MM = 0.01
 

@@ -18,11 +18,10 @@ from damage.checks import check_not_negative
 from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.laboratory.crack_file import CrackPattern, pattern_of
-from damage.laboratory.crack_mapping import joint_table
 from damage.laboratory.csv_table import CsvTable
 from damage.measure.cracks import crack_table
 from damage.units import GRAVITY, MILLIMETRE
-from damage.wall.geometry import tributary_ends
+from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.kinematics import ContactKinematics, rigid_displacement
 
 REQUIRED = ("x_m", "z_m", "ux_m", "uz_m")

@@ -1,11 +1,29 @@
 """Where bodies and joints of a history are when the bodies move; its tables `joints` and `bodies` in, points out."""
 
 import numpy as np
+import pandas as pd
 
 from damage.wall.kinematics import rigid_displacement
+from damage.wall.layout import KINDS
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]
+
+
+def body_table(layout):
+    """The bodies of a Layout as `History.bodies` has them: x_m, z_m, length_m, height_m, course."""
+    bodies = layout.bodies
+    return pd.DataFrame({"x_m": bodies.x, "z_m": bodies.z, "length_m": bodies.length, "height_m": bodies.height,
+                         "course": bodies.course})
+
+
+def joint_table(layout):
+    """The joints of a Layout as `History.joints` has them: kind, bodies, x_m, z_m, length_m."""
+    contacts, n = layout.contacts, layout.n_joints
+    return pd.DataFrame({
+        "kind": np.array(KINDS)[contacts.kind[:n]], "first_body": contacts.first[:n],
+        "second_body": contacts.second[:n], "x_m": contacts.x[:n], "z_m": contacts.z[:n],
+        "length_m": contacts.length[:n]})
 
 
 def displaced(bodies, motion, body, points, magnify=1.0):

@@ -24,8 +24,7 @@ class ContactKinematics:
     def __init__(self, layout):
         contacts, bodies = layout.contacts, layout.bodies
         # The ground is one more body at the end, at rest.
-        self.ends = [np.where(body == GROUND, len(bodies), body)
-                     for body in (contacts.first, contacts.second)]
+        self.ends = [np.where(body == GROUND, len(bodies), body) for body in (contacts.first, contacts.second)]
         x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
         self.arms = [(contacts.x - x[body], contacts.z - z[body]) for body in self.ends]
         self.head = contacts.kind == HEAD
