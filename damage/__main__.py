@@ -4,6 +4,7 @@ import json
 import sys
 from pathlib import Path
 
+from damage import read_history
 from damage.errors import InputError
 from damage.index import SLIP_CRITERIA
 from damage.run.options import OneLineParser, add_model_options, model_of
@@ -94,7 +95,6 @@ def _save(figures, folder):
           _DRIFT_LIMIT, _arg("--slip", choices=SLIP_CRITERIA, default="displacement",
                              help="when a joint counts as slipped (default displacement)"))
 def _index(asked):
-    from damage.history.reader import read_history
     from damage.measure.summary import summarise
     from damage.run.report import describe
 
@@ -104,7 +104,6 @@ def _index(asked):
 
 @_command("cycles, envelope and failure mode of a pushed wall", _HISTORY, _JSON)
 def _cycles(asked):
-    from damage.history.reader import read_history
     from damage.laboratory.pushed import describe, pushed_report
 
     _tell(asked, pushed_report(read_history(asked.history)), describe)
@@ -112,7 +111,6 @@ def _cycles(asked):
 
 @_command("pushed laboratory walls beside their tests", _HISTORIES, _out("folder for the pictures"))
 def _laboratory(asked):
-    from damage.history.reader import read_history
     from damage.laboratory.pictures import save
 
     print(*save(map(read_history, asked.histories), asked.out), sep="\n")
@@ -152,7 +150,6 @@ def _record(asked):
 @_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))
 def _plot(asked):
     from damage.draw.run import save_all
-    from damage.history.reader import read_history
 
     print(*save_all(read_history(asked.history), asked.out), sep="\n")
 
@@ -161,7 +158,6 @@ def _plot(asked):
           _path("others", "B.h5", "of several the median counts", nargs="+"), _JSON,
           _out("folder for a picture of drift and joints", required=False))
 def _compare(asked):
-    from damage.history.reader import read_history
     from damage.measure.compare import compare, describe
 
     first, others = read_history(asked.first), [read_history(path) for path in asked.others]
@@ -176,7 +172,6 @@ def _compare(asked):
 @_command("tables of histories as CSV: of one run over time, or a row a run", _arg("what", choices=("run", "summary")),
           _HISTORIES, _out("STEM of STEM_index.csv and so on, or the summary's file", "STEM|FILE.csv"))
 def _tables(asked):
-    from damage.history.reader import read_history
     from damage.measure.tables import summary_table, write_run_tables, write_table
 
     if asked.what == "summary":
@@ -274,8 +269,7 @@ def _study_tables(asked):
     from damage.studies.definition import load_study
     from damage.studies.tables import write_study_tables
 
-    print(*write_study_tables(load_study(asked.study, asked.solver, asked.root), asked.folder,
-                              asked.jobs), sep="\n")
+    print(*write_study_tables(load_study(asked.study, asked.solver, asked.root), asked.folder, asked.jobs), sep="\n")
 
 
 if __name__ == "__main__":

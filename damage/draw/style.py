@@ -75,18 +75,24 @@ def add_title(figure, history, *more):
 
 def mark_times(history, axes):
     """Label the shared time axis, shade the settling stage and mark a collapse; returns their handles."""
-    settling = history.series[history.series["stage"] == "settling"].groupby("shock")["time_s"].agg(["first", "last"])
     handles = {}
     for ax in axes:
         ax.margins(x=0)
         show_single_points(ax)
-        for first, last in settling.to_numpy():
-            handles["settling"] = ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling")
+        for shade in shade_settling(ax, history.series):
+            handles["settling"] = shade
         if history.collapsed_at_s is not None:
             handles["collapse"] = ax.axvline(history.collapsed_at_s, color=VERMILLION, lw=1, ls="--",
                                              clip_on=False, label=collapse_label(history))
     axes[-1].set_xlabel("time [s]")
     return list(handles.values())
+
+
+def shade_settling(ax, series):
+    """Shade the settling stages of a table over time, with columns time_s and stage; returns the shades."""
+    settling = series["stage"] == "settling"
+    spans = series["time_s"].groupby((settling != settling.shift()).cumsum()[settling]).agg(["first", "last"])
+    return [ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling") for first, last in spans.to_numpy()]
 
 
 def show_single_points(ax):

@@ -15,18 +15,7 @@ import h5py
 import numpy as np
 
 from damage.errors import InputError
-from damage.history.schema import (
-    BODIES,
-    EVENTS,
-    GROWING,
-    JOINTS,
-    SCHEMA,
-    SCHEMA_VERSION,
-    SERIES,
-    STAGES,
-    STATIC,
-    STATUS,
-)
+from damage.history import schema
 from damage.wall.layout import KINDS
 
 SNAPSHOT_SAMPLES = 10
@@ -46,7 +35,7 @@ class HistoryWriter:
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         self.path = Path(path)
         self._file = _create_file(self.path, overwrite)
-        self._rows = {group: [] for group in GROWING}  # of each group, in the order of its columns
+        self._rows = {group: [] for group in schema.GROWING}  # of each group, in the order of its columns
         _write_run_attributes(self._file, layout, solver, parameters, versions)
         _write_tables(self._file, layout)
         _create_growing(self._file, layout)
@@ -65,15 +54,16 @@ class HistoryWriter:
         stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN;
         opening [m], slip [m], state (bits BROKEN, AT_LIMIT): arrays (n_joints,).
         """
-        row = {"stage": STAGES.index(stage), **row}
-        self._rows["series"].append([row.get(name, np.nan) for name in SERIES])
+        row = {"stage": schema.STAGES.index(stage), **row}
+        self._rows["series"].append([row.get(name, np.nan) for name in schema.SERIES])
         self._rows["frames"].append((np.array(opening, "f4"), np.array(slip, "f4"), np.array(state, "u1")))
         if len(self._rows["series"]) >= _CHUNK:
             self.flush()
 
     def event(self, time_s, joint, kind, normal_stress=0.0, shear_stress=0.0, opening=0.0, slip=0.0):
         """Add one event; kind: one of EVENTS; stresses [Pa] at the break, opening and slip [m]."""
-        self._rows["events"].append((time_s, joint, EVENTS.index(kind), normal_stress, shear_stress, opening, slip))
+        code = schema.EVENTS.index(kind)
+        self._rows["events"].append((time_s, joint, code, normal_stress, shear_stress, opening, slip))
 
     def snapshot(self, time_s, displacement):
         """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage."""
@@ -82,7 +72,7 @@ class HistoryWriter:
     def flush(self):
         """Write what is buffered and make it safe."""
         for group, rows in self._rows.items():
-            for name, column in zip(GROWING[group], zip(*rows)):
+            for name, column in zip(schema.GROWING[group], zip(*rows)):
                 _extend(self._file[group][name], column)
             rows.clear()
         self._file.flush()
@@ -92,7 +82,7 @@ class HistoryWriter:
         self.flush()
         if collapsed_at_s is not None:
             self._file["run/collapsed_at_s"][()] = collapsed_at_s
-        self._file["run/status"][()] = STATUS.index(status)
+        self._file["run/status"][()] = schema.STATUS.index(status)
         self._file.close()
 
 
@@ -120,8 +110,8 @@ def _create_file(path, overwrite):
 
 
 def _write_run_attributes(file, layout, solver, parameters, versions):
-    file.attrs["schema"] = SCHEMA
-    file.attrs["schema_version"] = SCHEMA_VERSION
+    file.attrs["schema"] = schema.SCHEMA
+    file.attrs["schema_version"] = schema.SCHEMA_VERSION
     run = file.create_group("run")
     command = parameters.get("command") or " ".join(sys.argv)
     parameters = {name: value for name, value in parameters.items() if name != "command"}
@@ -136,9 +126,9 @@ def _write_run_attributes(file, layout, solver, parameters, versions):
         "total_joint_length_m": layout.total_joint_length, "drift_height_m": layout.drift_height,
         "height_m": layout.wall.built_height, "length_m": layout.wall.length,
     })
-    run.create_dataset("status", data=np.uint8(0)).attrs["codes"] = ", ".join(STATUS)
+    run.create_dataset("status", data=np.uint8(0)).attrs["codes"] = ", ".join(schema.STATUS)
     run.create_dataset("collapsed_at_s", data=np.nan).attrs["unit"] = "s"
-    for name, column in STATIC.items():
+    for name, column in schema.STATIC.items():
         file.create_dataset(f"static/{name}", data=np.nan).attrs["unit"] = column.unit
 
 
@@ -148,8 +138,8 @@ def _write_tables(file, layout):
     joints = (points.kind.astype("u1"), points.first, points.second, points.x, points.z, points.length, points.area,
               points.normal_stiffness, points.shear_stiffness, points.elastic, points.tensile_strength,
               points.cohesion)
-    tables = {"joints": (JOINTS, [values[:n] for values in joints]),
-              "bodies": (BODIES, (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia,
+    tables = {"joints": (schema.JOINTS, [values[:n] for values in joints]),
+              "bodies": (schema.BODIES, (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia,
                                   bodies.course))}
     for group, (columns, values) in tables.items():
         for (name, column), data in zip(columns.items(), values, strict=True):
@@ -161,15 +151,15 @@ def _create_growing(file, layout):
     """Empty datasets: rows of frames are of the joints, those of displacements of the bodies."""
     shapes = {"frames": (layout.n_joints,), "displacement": (len(layout.bodies), 3)}
     chunks = {"events": 1024, "snapshots": _CHUNK // SNAPSHOT_SAMPLES}
-    for group, columns in GROWING.items():
+    for group, columns in schema.GROWING.items():
         for name, column in columns.items():
             shape = shapes.get(group, shapes.get(name, ()))
             file.create_dataset(
                 f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,
                 chunks=(chunks.get(group, _CHUNK), *shape), compression="gzip", compression_opts=2, shuffle=True,
             ).attrs["unit"] = column.unit
-    file["series/stage"].attrs["codes"] = ", ".join(STAGES)
-    file["events/kind"].attrs["codes"] = ", ".join(EVENTS)
+    file["series/stage"].attrs["codes"] = ", ".join(schema.STAGES)
+    file["events/kind"].attrs["codes"] = ", ".join(schema.EVENTS)
 
 
 def _extend(dataset, rows):

@@ -56,10 +56,10 @@ def compare(first, others):
         if history.wall != first.wall or len(history.bodies) != len(first.bodies):
             raise InputError(f"{history.path} is of wall {history.wall} with {len(history.bodies)} bodies, "
                              f"{first.path} of {first.wall} with {len(first.bodies)}; compare runs of one wall")
-    figures = _compare_numbers(first, others)
+    numbers = _compare_numbers(first, others)
     drift = compare_drift(first, others[0])
-    judged = [row["agrees"] for row in figures.values()] + [drift["agrees"]]
-    return {"first": str(first.path), "others": [str(other.path) for other in others], "figures": figures,
+    judged = [row["agrees"] for row in numbers.values()] + [drift["agrees"]]
+    return {"first": str(first.path), "others": [str(other.path) for other in others], "figures": numbers,
             "drift": drift, "joints": compare_joints(first, others[0]), "agrees": all(judged)}
 
 

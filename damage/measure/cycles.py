@@ -1,6 +1,5 @@
 """Cycles of the drift, and the index cycle by cycle; `docs/measures.md` defines them for readers of the tables."""
 
-
 import numpy as np
 import pandas as pd
 

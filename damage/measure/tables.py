@@ -27,12 +27,12 @@ def summary_row(history, run="", point=""):
     `damage.measure.columns`.
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
-    figures = summarise(history)
-    del figures["complete"]  # status says it
+    numbers = summarise(history)
+    del numbers["complete"]  # status says it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
-        row[key] = figures.pop(key)
+        row[key] = numbers.pop(key)
     row |= _motion_columns(history) | _model_columns(history)
-    for key, value in figures.items():
+    for key, value in numbers.items():
         if key in ("max", "residual", "max_shear_limit", "residual_shear_limit"):
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
         else:
@@ -144,6 +144,5 @@ def describe_table(table):
     for _, row in table.iterrows():
         status = row["status"] + (f", collapsed at {row['collapsed_at_s']:.2f} s"
                                   if pd.notna(row["collapsed_at_s"]) else "")
-        lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns)
-                     + f"  {status}")
+        lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns) + f"  {status}")
     return "\n".join(lines)

@@ -122,8 +122,7 @@ def as_json(findings):
 
 
 def _variant(findings, solver, lintel, slip):
-    return [finding for finding in findings
-            if (finding.solver, finding.lintel, finding.slip) == (solver, lintel, slip)]
+    return [finding for finding in findings if (finding.solver, finding.lintel, finding.slip) == (solver, lintel, slip)]
 
 
 def _solvers(findings):

@@ -233,8 +233,7 @@ def _lengthen(lengths):
 
 
 def _as_in_figure_9(lengths):
-    return all(_near(ours, paper, criteria.PRINTED_TOLERANCE)
-               for ours, paper in zip(lengths, criteria.CYCLE_LENGTHS_S))
+    return all(_near(ours, paper, criteria.PRINTED_TOLERANCE) for ours, paper in zip(lengths, criteria.CYCLE_LENGTHS_S))
 
 
 def _of_the_record(name, measure, target, share):

@@ -49,18 +49,15 @@ def make_parser(prog, solver):
 
 
 def _add_motion(group):
-    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
-                       help="a sine from zero")
+    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"), help="a sine from zero")
     group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each "
                        "drift of --cyclic (default 2)")
     group.add_argument("--record", type=Path, metavar="FILE",
                        help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
     group.add_argument("--scale", type=float, help="factor on the record (default 1)")
-    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"),
-                       help="part of the record to use")
+    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
     group.add_argument("--vertical", type=Path, metavar="FILE", help="the record's vertical component")
-    group.add_argument("--baseline", type=int, metavar="ORDER",
-                       help="take a polynomial of this order off the record")
+    group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase")
     group.add_argument("--free-vibration", action="store_true",
@@ -91,8 +88,7 @@ def add_model_options(group, names):
 
 def model_of(parsed):
     """The ModelOptions of parsed options, defaults where an option was not offered."""
-    return ModelOptions(**{one.name: getattr(parsed, one.name) for one in fields(ModelOptions)
-                           if one.name in parsed})
+    return ModelOptions(**{one.name: getattr(parsed, one.name) for one in fields(ModelOptions) if one.name in parsed})
 
 
 def _add_model(group, solver):
@@ -117,8 +113,7 @@ def _add_run(group, solver):
     group.add_argument("--rest", type=float, default=2.0, metavar="S",
                        help="free vibration after the motion (default 2)")
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
-    group.add_argument("--no-pictures", dest="pictures", action="store_false",
-                       help="write the history only")
+    group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     if solver == "yade":
         group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
 

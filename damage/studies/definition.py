@@ -90,8 +90,7 @@ class StudyRun:
 
     def digests(self, root=Path()):
         """SHA-256 of every file that the run reads, in a fixed order: what changes when they do."""
-        paths = [self.wall] + [word for option, word in zip(self.words, self.words[1:])
-                               if option in PATH_OPTIONS]
+        paths = [self.wall] + [word for option, word in zip(self.words, self.words[1:]) if option in PATH_OPTIONS]
         return [hashlib.sha256((root / path).read_bytes()).hexdigest() for path in paths]
 
 
