@@ -14,17 +14,9 @@ import numpy as np
 
 from damage.checks import check_choice, check_not_negative, check_number, check_positive, check_whole, record_from
 from damage.errors import InputError
+from damage.motion import record as prepare
 from damage.motion.intensity import pga_g, response_spectrum
-from damage.motion.record import (
-    Record,
-    band_passed,
-    baseline_corrected,
-    scaled,
-    start_difference_s,
-    steps_per_sample,
-    whole_steps,
-    windowed,
-)
+from damage.motion.record import Record
 from damage.units import GRAVITY
 
 
@@ -33,7 +25,7 @@ class Loading:
 
     shakes_base, drives_top: whether it does; initial_velocity_m_s: of the wall's top in its first mode at time zero
     [m/s]; duration_s: of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
-    pga_g, sa_02_s_g: peak of the base's horizontal acceleration, and 5 % spectral acceleration at 0.2 s [g], or None.
+    pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where not told.
     """
 
     shakes_base, drives_top, initial_velocity_m_s, duration_s = False, False, 0.0, 0.0
@@ -87,7 +79,7 @@ class Harmonic(Loading):
     def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings the sine's peaks onto steps [s]."""
         quarter_s = self.period_s / 4
-        return quarter_s / whole_steps(quarter_s, max_step_s)
+        return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s]."""
@@ -140,12 +132,12 @@ class Recorded(Loading):
     def _prepared(self, record: Record) -> Record:
         """Filters before the window: they need the quiet parts on both sides."""
         if self.baseline_order is not None:
-            record = baseline_corrected(record, self.baseline_order)
+            record = prepare.baseline_corrected(record, self.baseline_order)
         if self.band_hz is not None:
-            record = band_passed(record, *self.band_hz)
+            record = prepare.band_passed(record, *self.band_hz)
         if self.window_s is not None:
-            record = windowed(record, *self.window_s)
-        return scaled(record, self.scale)
+            record = prepare.windowed(record, *self.window_s)
+        return prepare.scaled(record, self.scale)
 
     @property
     def name(self) -> str:
@@ -167,7 +159,7 @@ class Recorded(Loading):
 
     def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings every sample onto a step [s]."""
-        return self.record.time_step_s / steps_per_sample(self.record, max_step_s)
+        return self.record.time_step_s / prepare.steps_per_sample(self.record, max_step_s)
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s].
@@ -180,21 +172,13 @@ class Recorded(Loading):
             acceleration[:, column] = np.interp(time_s, part.time_s, part.acceleration_m_s2, left=0.0, right=0.0)
         return acceleration
 
-    @property
-    def pga_g(self) -> float:
-        return pga_g(self.motion[0])
-
-    @property
-    def sa_02_s_g(self) -> float:
-        return float(response_spectrum(self.motion[0], [0.2])[0])
-
     def as_dict(self) -> dict:
         """Everything that defines the motion but the samples, fit for JSON."""
         return RecordedMotion(
             name=self.name, horizontal=_origin(self.record),
             vertical=None if self.vertical is None else _origin(self.vertical),
-            time_step_s=float(self.record.time_step_s), scale=float(self.scale), pga_g=self.pga_g,
-            sa_02_s_g=self.sa_02_s_g, window_s=_floats(self.window_s),
+            time_step_s=float(self.record.time_step_s), scale=float(self.scale), pga_g=pga_g(self.motion[0]),
+            sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]), window_s=_floats(self.window_s),
             baseline_order=None if self.baseline_order is None else int(self.baseline_order),
             band_hz=_floats(self.band_hz), duration_s=float(self.duration_s)).as_dict()
 
@@ -368,7 +352,7 @@ def _check_simultaneous(record: Record, vertical: Record) -> None:
         raise InputError(f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
                          f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {mend}")
     if record.start_utc and vertical.start_utc:
-        late_s = start_difference_s(vertical, record)
+        late_s = prepare.start_difference_s(vertical, record)
         if abs(late_s) > 0.5 * record.time_step_s:
             raise InputError(f"{vertical.name} starts {late_s:g} s after {record.name}; {mend}")
 
