@@ -35,7 +35,7 @@ def main():
     asked = parser.parse_args()
     killed, whole = asked.out.absolute() / "killed", asked.out.absolute() / "whole"
     path = Path(asked.study) if asked.study.endswith(".toml") else ROOT / "studies" / f"{asked.study}.toml"
-    points = load_study(path, asked.solver).runs
+    points = load_study(path, asked.solver, ROOT).runs
 
     first_s, done = run_until_killed(command(asked, killed), killed, points, asked.share)
     kept = finished(killed)

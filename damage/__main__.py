@@ -1,24 +1,29 @@
-"""`python3 -m damage COMMAND`: read histories and records, compute modes, without YADE."""
+"""`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
 import json
 import sys
 from pathlib import Path
 
+from damage import read_history
 from damage.errors import InputError
 from damage.index import SLIP_CRITERIA
-from damage.run.options import OneLineParser
+from damage.run.options import OneLineParser, add_model_options, model_of
 from damage.units import MILLIMETRE
-from damage.wall.parameters import CONTACT_OPTIONS, TOP_OPTIONS
+
+COMMANDS = {}
+"""Name -> (function of the parsed options, what it is for, functions that add an argument to its parser)."""
 
 
 def main(arguments=None):
     """Run one command; returns the exit status: 0 done, 2 bad input."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
-        return _reference(arguments[1:])
+        from damage.reference.session import run_reference
+
+        return run_reference(arguments[1:])
     try:
-        parsed = _parser().parse_args(arguments)
-        parsed.command(parsed)
+        asked = _parser().parse_args(arguments)
+        asked.command(asked)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -32,109 +37,101 @@ def main(arguments=None):
 def _parser():
     parser = OneLineParser(prog="python3 -m damage", allow_abbrev=False,
                            description="Damage of masonry walls under induced seismicity.")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
-                                     parser_class=OneLineParser)
-    _add_command(commands, "reference", None, "run a wall in the reference solver (see reference --help)")
-    _add_index(commands)
-    _add_cycles(commands)
-    _add_laboratory(commands)
-    _add_modes(commands)
-    _add_record(commands)
-    _add_plot(commands)
-    _add_compare(commands)
-    _add_figures(commands)
-    _add_paper(commands)
-    _add_cracks(commands)
-    _add_fragility(commands)
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
+    commands.add_parser("reference", help="run a wall in the reference solver (see reference --help)")
+    for name, (function, purpose, arguments) in COMMANDS.items():
+        command = commands.add_parser(name, help=purpose, description=purpose, allow_abbrev=False)
+        command.set_defaults(command=function)
+        for add in arguments:
+            add(command)
     return parser
 
 
-def _add_command(commands, name, function, help_):
-    command = commands.add_parser(name, help=help_, description=help_, allow_abbrev=False)
-    command.set_defaults(command=function)
-    return command
+def _command(purpose, *arguments):
+    """Make a function the command of its name."""
+    def keep(function):
+        COMMANDS[function.__name__.strip("_").replace("_", "-")] = function, purpose, arguments
+        return function
+    return keep
 
 
-def _reference(arguments):
-    """Run a wall file in the built-in solver: the words after `reference`."""
-    from damage.reference.session import run_reference
-
-    return run_reference(arguments)
+def _arg(*names, **options):
+    return lambda command: command.add_argument(*names, **options)
 
 
-def _add_index(commands):
-    command = _add_command(commands, "index", _index, "the damage index and key figures of a history")
-    command.add_argument("history", type=Path, metavar="FILE.h5")
-    command.add_argument("--json", action="store_true", help="as JSON")
-    command.add_argument("--threshold-mm", type=float, default=0.1, help="of opening and slip (default 0.1)")
-    command.add_argument("--drift-limit-pct", type=float, default=2.0, help="drift limit (default 2)")
-    command.add_argument("--slip", choices=SLIP_CRITERIA, default="displacement",
-                         help="when a joint counts as slipped (default displacement)")
+def _path(name, metavar, help_=None, **options):
+    return _arg(name, type=Path, metavar=metavar, help=help_, **options)
 
 
-def _index(parsed):
-    from damage.history.reader import read_history
+def _out(help_, metavar="DIR", required=True):
+    return _path("--out", metavar, help_, required=required)
+
+
+_HISTORY = _path("history", "FILE.h5")
+_HISTORIES = _path("histories", "FILE.h5", nargs="+")
+_JSON = _arg("--json", action="store_true", help="as JSON")
+_DRIFT_LIMIT = _arg("--drift-limit-pct", type=float, default=2.0, help="drift limit (default 2)")
+
+
+def _threshold(of):
+    return _arg("--threshold-mm", type=float, default=0.1, help=f"of {of} (default 0.1)")
+
+
+def _tell(asked, found, describe):
+    print(json.dumps(found, indent=2) if asked.json else describe(found))
+
+
+def _save(figures, folder):
+    """Write figures, pairs (name, Figure), and tell their paths on stderr: stdout may be JSON."""
+    from damage.draw.style import save_figures
+
+    for path in save_figures(figures, folder):
+        print(f"picture: {path}", file=sys.stderr)
+
+
+# --- a history, a wall, a record --------------------------------------------------------------------
+
+@_command("the damage index and key figures of a history", _HISTORY, _JSON, _threshold("opening and slip"),
+          _DRIFT_LIMIT, _arg("--slip", choices=SLIP_CRITERIA, default="displacement",
+                             help="when a joint counts as slipped (default displacement)"))
+def _index(asked):
     from damage.measure.summary import summarise
     from damage.run.report import describe
 
-    summary = summarise(read_history(parsed.history), parsed.threshold_mm * MILLIMETRE,
-                        parsed.drift_limit_pct / 100, parsed.slip)
-    print(json.dumps(summary, indent=2) if parsed.json else describe(summary))
+    _tell(asked, summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
+                           asked.slip), describe)
 
 
-def _add_cycles(commands):
-    command = _add_command(commands, "cycles", _cycles, "cycles, envelope and failure mode of a pushed wall")
-    command.add_argument("history", type=Path, metavar="FILE.h5")
-    command.add_argument("--json", action="store_true", help="as JSON")
+@_command("cycles, envelope and failure mode of a pushed wall", _HISTORY, _JSON)
+def _cycles(asked):
+    from damage.laboratory.pushed import describe, pushed_report
+
+    _tell(asked, pushed_report(read_history(asked.history)), describe)
 
 
-def _cycles(parsed):
-    from damage.history.reader import read_history
-    from damage.laboratory.pushed import describe, figures
-
-    found = figures(read_history(parsed.history))
-    print(json.dumps(found, indent=2) if parsed.json else describe(found))
-
-
-def _add_laboratory(commands):
-    command = _add_command(commands, "laboratory", _laboratory, "pushed laboratory walls beside their tests")
-    command.add_argument("histories", type=Path, nargs="+", metavar="FILE.h5")
-    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the pictures")
-
-
-def _laboratory(parsed):
-    from damage.history.reader import read_history
+@_command("pushed laboratory walls beside their tests", _HISTORIES, _out("folder for the pictures"))
+def _laboratory(asked):
     from damage.laboratory.pictures import save
 
-    for path in save([read_history(path) for path in parsed.histories], parsed.out):
-        print(path)
+    print(*save(map(read_history, asked.histories), asked.out), sep="\n")
 
 
-def _add_modes(commands):
-    command = _add_command(commands, "modes", _modes, "natural periods of a wall with intact joints")
-    command.add_argument("wall", type=Path, metavar="walls/NAME.py")
-    command.add_argument("--json", action="store_true", help="as JSON")
-    command.add_argument("--top", default="piers", choices=TOP_OPTIONS)
-    command.add_argument("--cells", type=int, default=2, metavar="N")
-    command.add_argument("--contacts", default="interior", choices=CONTACT_OPTIONS)
-    command.add_argument("--out", type=Path, metavar="DIR", help="folder for a picture of the shapes")
-
-
-def _modes(parsed):
+@_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py"), _JSON,
+          lambda command: add_model_options(command, ("top", "cells", "contacts")),
+          _out("folder for a picture of the shapes", required=False))
+def _modes(asked):
     from damage.wall.file import load_wall
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
-    from damage.wall.parameters import ModelOptions
 
-    options = ModelOptions(top=parsed.top, cells=parsed.cells, contacts=parsed.contacts)
-    layout = lay_out(load_wall(parsed.wall), options)
+    layout = lay_out(load_wall(asked.wall), model_of(asked))
     modes = natural_modes(layout)
-    if parsed.out:
+    if asked.out:
         from damage.draw.modes import modes_picture
 
-        _save([("modes", modes_picture(layout, modes))], parsed.out)
+        _save([("modes", modes_picture(layout, modes))], asked.out)
     periods = [float(period) for period in modes.period_s]
-    if parsed.json:
+    if asked.json:
         print(json.dumps({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s}))
         return
     for number, period in enumerate(periods, start=1):
@@ -142,208 +139,137 @@ def _modes(parsed):
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
 
 
-def _save(figures, folder):
-    """Write figures, pairs (name, Figure), and tell their paths on stderr: stdout may be JSON."""
-    from damage.draw.style import save_figures
-
-    try:
-        for path in save_figures(figures, folder):
-            print(f"picture: {path}", file=sys.stderr)
-    except OSError as error:
-        raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
-
-
-def _add_record(commands):
-    command = _add_command(commands, "record", _record, "intensity measures of a ground-motion record")
-    command.add_argument("record", type=Path, metavar="FILE")
-    command.add_argument("--json", action="store_true", help="as JSON")
-
-
-def _record(parsed):
+@_command("intensity measures of a ground-motion record", _path("record", "FILE"), _JSON)
+def _record(asked):
     from damage.motion.formats import read_record
-    from damage.motion.intensity import summary
+    from damage.motion.intensity import describe, summary
 
-    measures = summary(read_record(parsed.record))
-    if parsed.json:
-        print(json.dumps(measures, indent=2))
-        return
-    for name, value in measures.items():
-        if name != "sa_g":
-            print(f"{name:12s}{value:10.4f}")
-    for period, value in measures["sa_g"].items():
-        print(f"sa_g({period} s){value:>{19 - len(period) - 5}.4f}")
+    _tell(asked, summary(read_record(asked.record)), describe)
 
 
-def _add_plot(commands):
-    command = _add_command(commands, "plot", _plot, "the pictures of a history, PNG and PDF")
-    command.add_argument("history", type=Path, metavar="FILE.h5")
-    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the pictures")
-
-
-def _plot(parsed):
+@_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))
+def _plot(asked):
     from damage.draw.run import save_all
-    from damage.history.reader import read_history
 
-    try:
-        for path in save_all(read_history(parsed.history), parsed.out):
-            print(path)
-    except OSError as error:
-        raise InputError(f"cannot write to {parsed.out}: {error.strerror}; choose another --out") from error
+    print(*save_all(read_history(asked.history), asked.out), sep="\n")
 
 
-def _add_compare(commands):
-    command = _add_command(commands, "compare", _compare, "compare a history with another, or an ensemble")
-    command.add_argument("first", type=Path, metavar="A.h5")
-    command.add_argument("others", type=Path, nargs="+", metavar="B.h5", help="of several the median counts")
-    command.add_argument("--json", action="store_true", help="as JSON")
-    command.add_argument("--out", type=Path, metavar="DIR", help="folder for a picture of drift and joints")
-
-
-def _compare(parsed):
-    from damage.history.reader import read_history
+@_command("compare a history with another, or an ensemble", _path("first", "A.h5"),
+          _path("others", "B.h5", "of several the median counts", nargs="+"), _JSON,
+          _out("folder for a picture of drift and joints", required=False))
+def _compare(asked):
     from damage.measure.compare import compare, describe
 
-    first, others = read_history(parsed.first), [read_history(path) for path in parsed.others]
+    first, others = read_history(asked.first), [read_history(path) for path in asked.others]
     result = compare(first, others)
-    if parsed.out:
+    if asked.out:
         from damage.draw.compare import compare_picture
 
-        _save([("compare", compare_picture(first, others[0]))], parsed.out)
-    print(json.dumps(result, indent=2) if parsed.json else describe(result))
+        _save([("compare", compare_picture(first, others[0]))], asked.out)
+    _tell(asked, result, describe)
 
 
-def _add_figures(commands):
-    command = _add_command(commands, "figures", _figures,
-                           "figures 6 to 12 of the source paper and crack maps from the results of studies")
-    command.add_argument("results", type=Path, metavar="RESULTS_DIR",
-                         help="folder that holds the studies' folders, each with tables/points.csv")
-    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the figures")
+@_command("tables of histories as CSV: of one run over time, or a row a run", _arg("what", choices=("run", "summary")),
+          _HISTORIES, _out("STEM of STEM_index.csv and so on, or the summary's file", "STEM|FILE.csv"))
+def _tables(asked):
+    from damage.measure.tables import summary_table, write_run_tables, write_table
+
+    if asked.what == "summary":
+        write_table(summary_table(asked.histories), asked.out)
+    else:
+        for path in asked.histories:
+            write_run_tables(read_history(path), asked.out)
 
 
-def _figures(parsed):
+# --- studies ----------------------------------------------------------------------------------------
+
+@_command("figures 6 to 12 of the source paper and crack maps from the results of studies",
+          _path("results", "RESULTS_DIR", "folder that holds the studies' folders, each with tables/points.csv"),
+          _out("folder for the figures"),
+          _path("--records", "DIR", "folder of records that do not ship (default records)", default=Path("records")))
+def _figures(asked):
     from damage.studies.figures import make_figures
     from damage.studies.results import load_results
 
     made = 0
-    try:
-        for name, outcome in make_figures(load_results(parsed.results), parsed.out):
-            if isinstance(outcome, str):
-                print(f"not made: {name}: {outcome}")
-                continue
-            made += 1
-            print(*outcome, sep="\n", flush=True)
-    except OSError as error:
-        raise InputError(f"cannot write to {parsed.out}: {error.strerror}; choose another --out") from error
+    for name, outcome in make_figures(load_results(asked.results, asked.records), asked.out):
+        if isinstance(outcome, str):
+            print(f"not made: {name}: {outcome}")
+            continue
+        made += 1
+        print(*outcome, sep="\n", flush=True)
     if made == 0:
-        raise InputError(f"{parsed.results} allows no figure; expected results of the studies harmonic or ida")
+        raise InputError(f"{asked.results} allows no figure; expected results of the studies harmonic or ida")
 
 
-def _add_paper(commands):
-    command = _add_command(commands, "paper", _paper, "judge the paper's statements by the tables of studies")
-    command.add_argument("results", type=Path, metavar="RESULTS_DIR", help="folder with studies below it")
-    command.add_argument("--json", action="store_true", help="as JSON")
-    command.add_argument("--markdown", type=Path, metavar="FILE", help="write the document, too")
-    command.add_argument("--readme", type=Path, metavar="README.md", help="renew the results between its markers, too")
-
-
-def _paper(parsed):
+@_command("judge the paper's statements by the tables of studies",
+          _path("results", "RESULTS_DIR", "folder with studies below it"), _JSON,
+          _path("--markdown", "FILE", "write the document, too"),
+          _path("--readme", "README.md", "renew the results between its markers, too"))
+def _paper(asked):
     from damage.paper.report import as_json, describe, update_readme, write_markdown
     from damage.paper.verdict import judge
 
-    findings = judge(parsed.results)
-    if parsed.markdown:
-        write_markdown(findings, parsed.markdown)
-    if parsed.readme:
-        update_readme(findings, parsed.readme)
-    print(json.dumps(as_json(findings), indent=2) if parsed.json else describe(findings))
+    findings = judge(asked.results)
+    if asked.markdown:
+        write_markdown(findings, asked.markdown)
+    if asked.readme:
+        update_readme(findings, asked.readme)
+    print(json.dumps(as_json(findings), indent=2) if asked.json else describe(findings))
 
 
-def _add_cracks(commands):
-    command = _add_command(commands, "cracks", _cracks,
-                           "cracks, Psi and index of a history, of digitised cracks or of a DIC field")
-    command.add_argument("source", type=Path, nargs="?", metavar="FILE", help="a history (.h5) or a crack file (CSV)")
-    command.add_argument("--dic", type=Path, metavar="FIELD.csv", help="instead of FILE: a DIC displacement field")
-    command.add_argument("--wall", type=Path, metavar="walls/NAME.py", help="the wall of a crack file or a field")
-    command.add_argument("--export", type=Path, metavar="CRACKS.csv",
-                         help="write the cracks of a history or a field as a crack file")
-    command.add_argument("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)")
-    command.add_argument("--threshold-mm", type=float, default=0.1, help="of opening, slip and width (default 0.1)")
-    command.add_argument("--drift-limit-pct", type=float, default=2.0, help="drift limit (default 2)")
-    command.add_argument("--tolerance-mm", type=float,
-                         help="how far from a joint a crack may be drawn (default: half a brick's height)")
-    command.add_argument("--margin-mm", type=float,
-                         help="of a field: how far inside a brick's edges points count (default 10)")
-    command.add_argument("--out", type=Path, metavar="DIR", help="folder for a picture of each load level")
-    command.add_argument("--json", action="store_true", help="as JSON")
+@_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
+          _path("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
+          _path("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
+          _path("--wall", "walls/NAME.py", "the wall of a crack file or a field"),
+          _path("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
+          _arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
+          _threshold("opening, slip and width"), _DRIFT_LIMIT,
+          _arg("--tolerance-mm", type=float,
+               help="how far from a joint a crack may be drawn (default: half a brick's height)"),
+          _arg("--margin-mm", type=float,
+               help="of a field: how far inside a brick's edges points count (default 10)"),
+          _out("folder for a picture of each load level", required=False), _JSON)
+def _cracks(asked):
+    from damage.laboratory.crack_report import crack_report, describe
+
+    report, drawn = crack_report(**{name: value for name, value in vars(asked).items()
+                                    if name not in ("command", "json")})
+    if asked.out:
+        from damage.laboratory.crack_picture import crack_pictures
+
+        _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out)
+    _tell(asked, report, describe)
 
 
-def _cracks(parsed):
-    from damage.laboratory import crack_report
-
-    if (parsed.source is None) == (parsed.dic is None):
-        raise InputError("expected one of FILE and --dic FIELD.csv; give a history, a crack file or a field")
-    limits = {"threshold": parsed.threshold_mm * MILLIMETRE, "drift_limit": parsed.drift_limit_pct / 100}
-    if parsed.dic:
-        _only_with(parsed, "a DIC field", needs=("wall",), without=("at", "tolerance_mm"))
-        margin = 10.0 if parsed.margin_mm is None else parsed.margin_mm
-        figures, *drawn = crack_report.field_report(parsed.dic, parsed.wall, margin * MILLIMETRE, export=parsed.export,
-                                                    **limits)
-    elif crack_report.is_history(parsed.source):
-        _only_with(parsed, "a history", without=("wall", "tolerance_mm", "margin_mm", "out"))
-        moments = (parsed.at or "max,end").split(",")
-        figures = crack_report.history_report(parsed.source, moments, export=parsed.export, **limits)
-    else:
-        _only_with(parsed, "a crack file", needs=("wall",), without=("at", "export", "margin_mm"))
-        tolerance = None if parsed.tolerance_mm is None else parsed.tolerance_mm * MILLIMETRE
-        figures, *drawn = crack_report.file_report(parsed.source, parsed.wall, tolerance=tolerance, **limits)
-    if parsed.out:
-        _save(_crack_pictures(*drawn, limits["threshold"]), parsed.out)
-    print(json.dumps(figures, indent=2) if parsed.json else crack_report.describe(figures))
-
-
-def _add_fragility(commands):
-    command = _add_command(commands, "fragility", _fragility,
-                           "probabilities of exceeding levels of damage, from a study with scattered strengths")
-    command.add_argument("study", type=Path, metavar="STUDY_DIR", help="folder of a study, as results/fragility")
-    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for table and pictures")
-    command.add_argument("--intensity", default="pga_g", help="column of summary.csv: pga_g (default) or sa_0.2_s_g")
-    command.add_argument("--replicates", type=int, default=500, metavar="N", help="bootstrap samples (default 500)")
-
-
-def _fragility(parsed):
+@_command("probabilities of exceeding levels of damage, from a study with scattered strengths",
+          _path("study", "STUDY_DIR", "folder of a study, as results/fragility"),
+          _out("folder for table and pictures"),
+          _arg("--intensity", default="pga_g", help="column of summary.csv: pga_g (default) or sa_0.2_s_g"),
+          _arg("--replicates", type=int, default=500, metavar="N", help="bootstrap samples (default 500)"))
+def _fragility(asked):
     from damage.measure.tables import write_table
-    from damage.studies.fragility import INTENSITIES, fit_all, fragility_table, load_runs
-    from damage.studies.fragility_picture import fragility_picture
+    from damage.studies.fragility import fit_all, fragility_table, load_runs
+    from damage.studies.fragility_picture import fragility_pictures
 
-    if parsed.intensity not in INTENSITIES:
-        raise InputError(f"--intensity {parsed.intensity}: expected {' or '.join(INTENSITIES)}; mend it")
-    if parsed.replicates < 0:
-        raise InputError(f"--replicates {parsed.replicates}: expected zero or more; mend it")
-    runs = load_runs(parsed.study)
-    fits = fit_all(runs, parsed.intensity, parsed.replicates)
-    table = fragility_table(fits, parsed.intensity)
+    runs = load_runs(asked.study)
+    fits = fit_all(runs, asked.intensity, asked.replicates)
+    table = fragility_table(fits, asked.intensity)
     print(table.to_string(index=False, float_format="%.3f"))
-    print(write_table(table, parsed.out / f"fragility_{parsed.intensity}.csv"))
-    _save([(f"fragility_{wall}_{parsed.intensity}", fragility_picture(wall, runs[runs["wall"] == wall], ones,
-                                                                      parsed.intensity))
-           for wall, ones in fits.items()], parsed.out)
+    print(write_table(table, asked.out / f"fragility_{asked.intensity}.csv"))
+    _save(fragility_pictures(runs, fits, asked.intensity), asked.out)
 
 
-def _only_with(parsed, what, needs=(), without=()):
-    """Refuse options that do not belong to `what`, and a missing one that does."""
-    for name in needs:
-        if getattr(parsed, name) is None:
-            raise InputError(f"{what} needs --{name}; give it, as in --wall walls/solid.py")
-    for name in without:
-        if getattr(parsed, name) is not None:
-            raise InputError(f"--{name.replace('_', '-')} does not belong to {what}; leave it out")
+@_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),
+          _path("folder", "DIR", "the study's folder; tables go to DIR/tables"),
+          _arg("--solver", default="both", help="whose runs the study names (default both)"),
+          _path("--root", "DIR", "where walls and records lie (default: the working folder)"),
+          _arg("-j", dest="jobs", type=int, default=1, metavar="N", help="processes (default 1)"))
+def _study_tables(asked):
+    from damage.studies.definition import load_study
+    from damage.studies.tables import write_study_tables
 
-
-def _crack_pictures(mapped, patterns, layout, threshold):
-    from damage.laboratory.crack_picture import crack_picture
-
-    for pattern, cracks in zip(patterns, mapped):
-        yield f"cracks_level_{pattern.level:g}", crack_picture(pattern, cracks, layout, threshold)
+    print(*write_study_tables(load_study(asked.study, asked.solver, asked.root), asked.folder, asked.jobs), sep="\n")
 
 
 if __name__ == "__main__":

@@ -4,16 +4,34 @@ import os
 from contextlib import contextmanager
 from pathlib import Path
 
+from damage.errors import InputError
+
 DATA = Path(__file__).parent / "data"
 """Records and tests that ship with the package; each folder's README says what they are."""
 
 
 @contextmanager
 def whole_or_nothing(path):
-    """A temporary name beside `path`, renamed to it at the end or removed after an error."""
+    """A temporary name beside `path`, renamed to it at the end or removed after an error; its folder is made.
+
+    Raises InputError where it cannot be written.
+    """
+    path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         yield unfinished
         os.replace(unfinished, path)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror or error}; expected a folder that can be "
+                         "written to, choose another place") from error
     finally:
-        unfinished.unlink(missing_ok=True)
+        if unfinished.is_file():
+            unfinished.unlink()
+
+
+def write_text(path, text):
+    """Write a text file, whole or not at all; returns its path."""
+    with whole_or_nothing(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+    return Path(path)

@@ -8,7 +8,7 @@ but for the shear limit, which is latched.
 import numpy as np
 import pandas as pd
 
-from damage.errors import InputError
+from damage.checks import check_choice, check_positive
 from damage.units import MILLIMETRE
 
 THRESHOLD = 0.1 * MILLIMETRE
@@ -17,12 +17,6 @@ DRIFT_LIMIT = 0.02
 """Near-collapse drift ratio [-] (Eurocode 8, NTC 2008, as the paper cites)."""
 SLIP_CRITERIA = ("displacement", "shear-limit")
 COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")
-
-
-def check_positive(name, value):
-    """Raise InputError unless `value` is finite and positive."""
-    if not (np.isfinite(value) and value > 0):
-        raise InputError(f"{name} = {value!r}: expected a positive number; mend it")
 
 
 def combine(drift, opened, slipped):
@@ -61,8 +55,7 @@ def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
     Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit, which is
     DI_drift before it was clipped to [0, 1].
     """
-    if slip_criterion not in SLIP_CRITERIA:
-        raise InputError(f"slip criterion {slip_criterion!r}: expected one of {', '.join(SLIP_CRITERIA)}")
+    check_choice("slip criterion", slip_criterion, SLIP_CRITERIA)
     check_positive("threshold", threshold)
     check_positive("drift limit", drift_limit)
     slipped = np.abs(slip) > threshold if slip_criterion == "displacement" else at_limit

@@ -5,7 +5,7 @@ import numpy as np
 from damage.history.reader import read_history
 from damage.history.schema import AT_LIMIT, BROKEN
 from damage.history.writer import HistoryWriter
-from damage.motion.loading import TopDisplacement
+from damage.motion.loading import FreeVibration, Harmonic, TopDisplacement
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
@@ -13,9 +13,9 @@ from damage.wall.parameters import Wall
 STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
 CYCLIC = TopDisplacement((0.2,), cycles=3, speed_m_s=0.02)
 LOADINGS = {
-    "cyclic": CYCLIC.describe(),
-    "harmonic": {"kind": "harmonic", "name": "harmonic_0.2s_0.05g", "period_s": 0.2, "cycles": 3},
-    "free_vibration": {"kind": "free_vibration", "name": "free_vibration"},
+    "cyclic": CYCLIC.as_dict(),
+    "harmonic": Harmonic(0.2, 0.05).as_dict(),
+    "free_vibration": FreeVibration().as_dict(),
     "record": {"kind": "record", "name": "NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz"},
 }
 
@@ -46,7 +46,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     opened, slipped = (_frames(layout, n_times, values) for values in (opening, slip))
     state = _states(opened, slipped, broken, at_limit)
     writer = HistoryWriter(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
-        "loading": LOADINGS[loading], "wall": layout.wall.describe(), "model": {}})
+        "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": {}})
     for k, stage in enumerate(stages):
         writer.append(stage, {name: values[k] for name, values in columns.items()},
                       opened[k], slipped[k], state[k])

@@ -7,12 +7,12 @@ from small_history import make_history, small_layout
 from damage.errors import InputError
 from damage.measure.cracks import (
     JOINING_GAP,
-    by_crack,
     close_pairs,
     count_cracks,
     crack_numbers,
     crack_table,
     cracks_at,
+    mean_width,
     psi,
     psi_history,
     psi_summary,
@@ -40,10 +40,8 @@ def test_width_is_weighted_by_width_and_length():
     table = crack_table(ends, [1e-3, 1.8e-3, 0.0], [0.0, -2.4e-3, 0.05e-3])
     c_w = (1 * 0.1 + 9 * 0.2) / (1 * 0.1 + 3 * 0.2)
     assert psi(table) == pytest.approx(2 * c_w**0.3)
-    row = by_crack(table).iloc[0]
-    assert (row["segments"], len(by_crack(table))) == (2, 1)
-    assert (row["length_m"], row["max_width_m"]) == pytest.approx((0.3, 3e-3))
-    assert row["mean_width_m"] == pytest.approx(c_w * MILLIMETRE)
+    assert (len(table), table["crack"].nunique()) == (2, 1)
+    assert mean_width(table["width_m"], table["length_m"]) == pytest.approx(c_w * MILLIMETRE)
 
 
 @pytest.mark.parametrize("gap, cracks", [(0.0, 1), (0.9 * JOINING_GAP, 1), (1.1 * JOINING_GAP, 2)])
@@ -75,7 +73,7 @@ def test_a_stepped_crack_is_one_and_an_intact_joint_parts_it(tmp_path):
     assert len(beside) == 2
     step = make_history(tmp_path / "step.h5", layout, opening=dict.fromkeys([head, *beside], 1e-3))
     parted = make_history(tmp_path / "parted.h5", layout, opening=dict.fromkeys(beside, 1e-3))
-    assert by_crack(cracks_at(step, -1))["length_m"].tolist() == pytest.approx([0.075 + 2 * 0.05625])
+    assert cracks_at(step, -1).groupby("crack")["length_m"].sum().tolist() == pytest.approx([0.075 + 2 * 0.05625])
     assert sorted(cracks_at(step, 3)["joint"]) == sorted([head, *beside])
     assert cracks_at(parted, -1)["crack"].tolist() == [1, 2]
     assert psi(cracks_at(parted, -1)) == pytest.approx(2 * 2**0.15)
@@ -106,7 +104,7 @@ def test_the_threshold_itself_is_cracked_and_a_closed_crack_is_none(tmp_path):
     summary = psi_summary(history)
     assert summary["max_psi"] == pytest.approx(2 * 0.1**0.3)
     assert (summary["residual_psi"], summary["residual_crack_width_mm"]) == (0, 0)
-    assert len(cracks_at(history, -1)) == 0 == psi(cracks_at(history, -1)) == len(by_crack(cracks_at(history, -1)))
+    assert len(cracks_at(history, -1)) == 0 == psi(cracks_at(history, -1))
 
 
 def test_an_uncracked_or_unfinished_run(tmp_path):

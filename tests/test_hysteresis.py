@@ -13,7 +13,7 @@ from small_history import CYCLIC, make_history, small_layout
 from damage import Joint, brick_of_masonry, read_history
 from damage.errors import InputError
 from damage.laboratory.pictures import beside_test_picture, save
-from damage.laboratory.pushed import SPECIMENS, TESTS, beside_test, figures, read_test
+from damage.laboratory.pushed import SPECIMENS, TESTS, beside_test, pushed_report, read_test
 from damage.measure.pushed import bilinear, cycles_table, drift_at_first_crack, envelope, hand_capacities, mode_shares
 from damage.wall.file import load_wall
 
@@ -147,7 +147,7 @@ class TestCommand:
     def test_cycles_prints_what_its_json_holds(self, plastic, damage_command):
         done = damage_command("cycles", plastic.path, "--json")
         assert done.returncode == 0, done.stderr
-        assert json.loads(done.stdout)["cycles"] == json.loads(json.dumps(figures(plastic)))["cycles"]
+        assert json.loads(done.stdout)["cycles"] == json.loads(json.dumps(pushed_report(plastic)))["cycles"]
         assert "damping" in damage_command("cycles", plastic.path).stdout
 
     def test_a_shaken_wall_is_refused(self, damage_command, tmp_path):

@@ -151,7 +151,7 @@ def test_mirrored_wall_is_the_mirror_image(symmetric_wall):
     (lambda: Wall("w", 0.05, 1.0), "smaller than"),
     (lambda: Wall("no good", 2.0, 1.0), "names files"),
     (lambda: Brick(density=-1.0), "positive"),
-    (lambda: Brick(length=float("nan")), "finite"),
+    (lambda: Brick(length=float("nan")), "positive"),
     (lambda: ModelOptions(lintel="steel"), "expected one of"),
     (lambda: ModelOptions(cells=0), "whole number"),
     (lambda: ModelOptions(strength_cov=-0.1), "from 0 to 2"),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from small_history import LOADINGS, make_history, small_layout
+from small_history import make_history, small_layout
 
 from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table
 from damage.measure.energy import energy_measures
@@ -18,10 +18,9 @@ TIME_S = STEP_S * np.arange(len(STAGES))
 
 
 @pytest.fixture
-def harmonic(tmp_path, monkeypatch):
+def harmonic(tmp_path):
     """Make histories of three cycles of 0.2 s, then rest and settling; returns the maker."""
     def make(drift, **options):
-        monkeypatch.setitem(LOADINGS, "harmonic", {"kind": "harmonic", "name": "h", "period_s": 0.2, "cycles": 3})
         return make_history(tmp_path / "run.h5", stages=STAGES, step_s=STEP_S, drift=drift, **options)
     return make
 
@@ -50,7 +49,7 @@ def test_no_crossing_in_a_wall_that_leans_or_stands_still():
     assert len(upward_crossings(time_s, 0 * time_s)) == 0
 
 
-def test_free_cycle_shows_the_softened_period(harmonic, monkeypatch):
+def test_free_cycle_shows_the_softened_period(harmonic):
     history = harmonic(softening(0.3))
     history.parameters["eigen_period_s"] = 0.2
     found = cycle_measures(history)
@@ -89,8 +88,7 @@ def test_cycles_count_an_opening_only_where_it_is(harmonic):
     assert table["cumulative_max_DI"].tolist() == pytest.approx([0, share, share])
 
 
-def test_a_run_cut_short_has_its_whole_cycles_only(tmp_path, monkeypatch):
-    monkeypatch.setitem(LOADINGS, "harmonic", {"kind": "harmonic", "name": "h", "period_s": 0.2, "cycles": 3})
+def test_a_run_cut_short_has_its_whole_cycles_only(tmp_path):
     history = make_history(tmp_path / "cut.h5", stages=("motion",) * 131, step_s=STEP_S)
     assert cycles_table(history)["end_s"].tolist() == pytest.approx([0.2])
     assert set(cycle_measures(history).values()) == {None}

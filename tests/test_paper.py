@@ -278,7 +278,7 @@ def test_no_table_is_bad_input(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("text", "complaint"), [
-    ("", "cannot be read"), ("a,b\n1,2\n", "lacks the column run"),
+    ("", "cannot be read"), ("a,b\n1,2\n", "no column run"),
     ("run,wall,solver,status,motion\nx,symmetric,yade,failed,harmonic\n", "no complete run")])
 def test_odd_tables_are_bad_input(tmp_path, capsys, text, complaint):
     (tmp_path / "tables").mkdir()

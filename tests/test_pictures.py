@@ -371,7 +371,7 @@ class TestFiles:
             raise OSError("disk full")
 
         monkeypatch.setattr(Figure, "savefig", fail)
-        with pytest.raises(OSError, match="disk full"):
+        with pytest.raises(InputError, match="disk full"):
             save_all(cracked, tmp_path / "out")
         assert [path.name for path in (tmp_path / "out").iterdir()] == ["wall_max.png"]
         assert (tmp_path / "out" / "wall_max.png").read_text() == "old"

@@ -216,7 +216,7 @@ class TestPeerAt2:
             (AT2_TITLES + "NPTS= 5, DT= E SEC\n" + VALUES, "gives no NPTS and DT"),
             (AT2_TITLES + "NPTS= 6, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 6"),
             (AT2_TITLES + "NPTS= 4, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 4"),
-            (AT2_TITLES + "NPTS= 5, DT= 0 SEC\n" + VALUES, "time step 0.0 s"),
+            (AT2_TITLES + "NPTS= 5, DT= 0 SEC\n" + VALUES, "time step [s] = 0.0"),
             (AT2_TITLES + "NPTS= 5, DT= .005 SEC\n.1 .2\n.3 x .5\n", "line 6: '.3 x .5' is not"),
             (AT2_TITLES + "NPTS= 2, DT= .005 SEC\n.1 NaN\n", "line 5: '.1 NaN' is not finite"),
             (

@@ -80,7 +80,7 @@ def tell(tmp_path):
         fake = Clockwork(layout, **clockwork)
         path = tmp_path / "run.h5"
         writer = HistoryWriter(path, layout, solver="yade", parameters={
-            "loading": settings.loading.describe(), "wall": layout.wall.describe(), "model": {}},
+            "loading": settings.loading.as_dict(), "wall": layout.wall.as_dict(), "model": {}},
             versions={}, overwrite=True)
         told = Run(layout, settings, fake, writer, keep_going)
         finished = told.settle_under_gravity()

@@ -102,5 +102,5 @@ def test_the_figure_shows_the_index_of_every_shock(runs):
     assert ax.get_title(loc="left") == "(a) 0.15 s, 0.35 g, 2 times"
     table = shocks_table(runs["twice"])
     drawn = [bars[0].get_ydata() for bars in ax.containers]
-    for values, column in zip(drawn, ("max_DI", "residual_DI", "max_DI_shear_limit")):
+    for values, column in zip(drawn, ("max_DI", "residual_DI", "max_shear_limit_DI")):
         assert_allclose(np.asarray(values, float), table[column].astype(float))

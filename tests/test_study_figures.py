@@ -82,7 +82,7 @@ def folder(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for name, window_s in zip(RECORDS, (None, (17.0, 25.0))):
             motion = Recorded(read_record(shipped_record_path(name)), scale=2.0, window_s=window_s)
-            patch.setitem(small_history.LOADINGS, name, motion.describe())
+            patch.setitem(small_history.LOADINGS, name, motion.as_dict())
         write_study(folder / "harmonic", harmonic_rows())
         write_study(folder / "ida", ida_rows())
     return folder

@@ -31,7 +31,7 @@ def main():
     ended = {}
     for path in sorted(asked.studies.glob("*.toml")):
         try:
-            name = load_study(path, asked.solver).name
+            name = load_study(path, asked.solver, ROOT).name
         except InputError as error:
             print(f"passed over: {error}", flush=True)
             continue
@@ -48,7 +48,7 @@ def conclude(out, ended):
         print("error: no study has a run for this solver; choose another", file=sys.stderr)
         return 2
     print("figures and verdict", flush=True)
-    drawn = run("-m", "damage", "figures", out, "--out", out / "figures")
+    drawn = run("-m", "damage", "figures", out, "--out", out / "figures", "--records", ROOT / "records")
     judged = run("-m", "damage", "paper", out)
     for name, status in ended.items():
         if status != 0:

@@ -35,7 +35,7 @@ def main():
     """Run one study; returns the exit status."""
     parsed = _parse()
     try:
-        study = load_study(parsed.study, parsed.solver)
+        study = load_study(parsed.study, parsed.solver, ROOT)
         folder = (parsed.out or ROOT / "results" / study.name).absolute()
         lock = claim(folder, study)
     except InputError as error:

@@ -20,6 +20,7 @@ from pathlib import Path
 from shared import tell
 
 from damage.errors import InputError
+from damage.files import write_text
 from damage.history.reader import read_history
 from damage.measure.tables import RUN_TABLES, write_run_tables
 from damage.reference.session import run_reference
@@ -46,7 +47,7 @@ def main():
         if asked.adaptive and not (history.broken.any() or history.at_limit.any()):
             break
     if status == EXIT_OK:
-        write_whole(asked.runs / f"{asked.point}.members", "\n".join(names) + "\n")
+        write_text(asked.runs / f"{asked.point}.members", "\n".join(names) + "\n")
     return status
 
 
@@ -66,19 +67,11 @@ def _arguments():
 def keep_what_fits(runs, point, inputs):
     """Remove the members that were made from other inputs, and note of which the next ones are."""
     note = runs / ".inputs" / point
-    note.parent.mkdir(parents=True, exist_ok=True)
     if not note.is_file() or note.read_text(encoding="utf-8") != inputs:
         for path in runs.glob(f"{point}_s*.h5"):
             if path.name.removeprefix(f"{point}_s").split(".")[0].isdigit():
                 path.unlink()
-        write_whole(note, inputs)
-
-
-def write_whole(path, text):
-    """Write a file, whole or not at all."""
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, path)
+        write_text(note, inputs)
 
 
 def member(asked, name, number):
@@ -86,7 +79,6 @@ def member(asked, name, number):
     out, part = asked.runs / f"{name}.h5", asked.runs / f"{name}.part.h5"
     if not out.is_file():
         words = [*asked.words, *asked.varied.split(), str(number)]
-        sys.argv = ["damage", "reference", *words]  # the history keeps it as its command
         print(f"--- {name}", flush=True)
         status = run_reference([*words, "--out", str(part), "--overwrite", "--no-pictures"])
         if status != EXIT_OK:

@@ -4,34 +4,24 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from damage.draw.style import (
-    BLACK,
-    BLUE,
-    COLUMN_WIDTH,
-    DARK,
-    MEDIUM,
-    ORANGE,
-    VERMILLION,
-    legend_below,
-    new_figure,
-    styled,
-)
-from damage.measure.compare import compare_drift, compare_joints, joint_states
+from damage.draw import style
+from damage.measure.compare import compare_drift, compare_joints, joints_ever
 from damage.wall.geometry import tributary_ends
 
 JOINTS = {  # agreement of a joint: label, colour, line width [pt]
-    "intact": ("intact in both", "0.85", 0.25), "same": ("broke in both, same state", BLACK, 1.4),
-    "other": ("broke in both, other state", ORANGE, 1.4), "first": ("broke in the first only", VERMILLION, 1.4),
-    "second": ("broke in the second only", BLUE, 1.4),
+    "intact": ("intact in both", "0.85", 0.25), "same": ("broke in both, same state", style.BLACK, 1.4),
+    "other": ("broke in both, other state", style.ORANGE, 1.4),
+    "first": ("broke in the first only", style.VERMILLION, 1.4),
+    "second": ("broke in the second only", style.BLUE, 1.4),
 }
 
 
-@styled
+@style.styled
 def compare_picture(first, second):
     """Figure of two Histories of one wall: drift over time above, the joints' agreement below."""
     ratio = first.attributes["height_m"] / first.attributes["length_m"]
-    figure, (above, below) = new_figure(1.6 + COLUMN_WIDTH * ratio, rows=2,
-                                        height_ratios=(1.3, COLUMN_WIDTH * ratio))
+    figure, (above, below) = style.new_figure(1.6 + style.COLUMN_WIDTH * ratio, rows=2,
+                                        height_ratios=(1.3, style.COLUMN_WIDTH * ratio))
     lines = _draw_drift(above, first, second)
     agreement = joint_agreement(first, second)
     segments = tributary_ends(first.joints)
@@ -43,7 +33,7 @@ def compare_picture(first, second):
     counts = {state: int(np.sum(agreement == state)) for state in JOINTS}
     handles = [Line2D([], [], color=colour, lw=max(width, 0.8), label=f"{label}: {counts[state]} points")
                for state, (label, colour, width) in JOINTS.items()]
-    legend_below(figure, lines + handles, columns=2)
+    style.legend_below(figure, lines + handles, columns=2)
     return figure
 
 
@@ -52,7 +42,7 @@ def joint_agreement(first, second):
 
     Judged by the joint between two bricks that a point belongs to, so that any discretisation will do.
     """
-    here, there = joint_states(first), joint_states(second)
+    here, there = joints_ever(first), joints_ever(second)
     both = here["broken"] & there["broken"]
     kinds = np.select(
         [both & (here["state"] == there["state"]), both, here["broken"], there["broken"]],
@@ -63,15 +53,15 @@ def joint_agreement(first, second):
 
 def _draw_drift(ax, first, second):
     lines = []
-    for history, which, style in ((first, "first", {"color": DARK, "lw": 1.4}),
-                                  (second, "second", {"color": VERMILLION, "lw": 0.7})):
+    for history, which, colour, width in ((first, "first", style.DARK, 1.4), (second, "second", style.VERMILLION, 0.7)):
         series = history.series
-        lines += ax.plot(series["time_s"], 100 * series["drift_ratio"], label=f"{which}: {history.solver}", **style)
+        lines += ax.plot(series["time_s"], 100 * series["drift_ratio"], label=f"{which}: {history.solver}",
+                         color=colour, lw=width)
     drift = compare_drift(first, second)
-    for time, label, style in ((drift["first_failure_s"], "first failure", ":"),
-                               (drift["diverged_at_s"], "parted by 1 % of the peak", "--")):
+    for time, label, line in ((drift["first_failure_s"], "first failure", ":"),
+                              (drift["diverged_at_s"], "parted by 1 % of the peak", "--")):
         if time is not None:
-            lines.append(ax.axvline(time, color=MEDIUM, lw=0.8, ls=style, label=label))
+            lines.append(ax.axvline(time, color=style.MEDIUM, lw=0.8, ls=line, label=label))
     ax.margins(x=0)
     ax.set(xlabel="time [s]", ylabel="drift ratio [%]")
     return lines
@@ -81,4 +71,4 @@ def _title(first, second):
     joints = compare_joints(first, second)
     kappa = "nothing broke" if joints["kappa"] is None else \
         f"{joints['broke_in_both']} of {joints['broke_in_either']} joints broke in both, kappa {joints['kappa']:.2f}"
-    return f"{first.wall}, {first.parameters['loading']['name']}\n{kappa}"
+    return f"{first.wall}, {first.loading.name}\n{kappa}"

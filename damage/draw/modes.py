@@ -1,12 +1,11 @@
 """Picture of a wall's natural modes: the bricks displaced in each mode's shape."""
 
 import numpy as np
-import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from damage.draw.style import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
-from damage.wall.geometry import body_corners
+from damage.wall.geometry import body_corners, body_table
 
 VISIBLE_SHARE = 0.08  # of the wall's height: how far the largest displacement of a mode reaches
 
@@ -31,8 +30,7 @@ def modes_picture(layout, modes):
 
 
 def _draw_mode(ax, layout, shape):
-    bodies = pd.DataFrame({"x_m": layout.bodies.x, "z_m": layout.bodies.z, "length_m": layout.bodies.length,
-                           "height_m": layout.bodies.height})
+    bodies = body_table(layout)
     rest = body_corners(bodies, np.zeros_like(shape))
     # Small enough that rotations are displacements of the linear mode, then enlarged as such.
     moved = body_corners(bodies, 1e-6 * shape) - rest

@@ -7,15 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, GREEN, LIGHT, MEDIUM, ORANGE, VERMILLION, legend_below
+from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, GREEN, MEDIUM, ORANGE, VERMILLION, legend_below
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
 COMPONENTS = {  # column of the tables: label, colour, marker
     "DI": ("DI", BLACK, "D"), "DI_drift": (r"DI$_\mathrm{drift}$", GREEN, "^"),
     "DI_open": (r"DI$_\mathrm{open}$", ORANGE, "s"), "DI_slip": (r"DI$_\mathrm{slip}$", BLUE, "o"),
 }
-CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
-"""What counts as slipped, and what stands before a component's name in the columns for it."""
 NOTHING = 0.01
 """An index that axes of maxima and residuals reach at least."""
 SLIP_LABELS = {"displacement": "slipped: by more than 0.1 mm", "shear-limit": "slipped: ever at the shear limit"}
@@ -83,8 +81,7 @@ def draw_points(ax, points, x, y, colour, marker, shift=0.0):
 
 def draw_cloud(ax, points, x, y, colour, marker):
     """Medians of the reference solver, not joined, with their ranges in grey behind them."""
-    _draw_with_range(ax, points, x, y, 0.0, color=colour, marker=marker, ms=5, mew=1.0, ls="", zorder=3,
-                     ecolor=MEDIUM)
+    _draw_with_range(ax, points, x, y, 0.0, color=colour, marker=marker, ms=5, mew=1.0, ls="", zorder=3, ecolor=MEDIUM)
 
 
 def draw_yade(ax, points, x, y, colour, marker, shift=0.0):
@@ -147,15 +144,6 @@ def component_handles(slip_marker=True):
     """Legend entries of the index and its components."""
     return [Line2D([], [], color=colour, marker=marker if slip_marker else "", ms=3.2, lw=0.9, label=label)
             for label, colour, marker in COMPONENTS.values()]
-
-
-def shade_settling(ax, table):
-    """Shade the settling stages of a table over time, with columns time_s and stage."""
-    settling = (table["stage"] == "settling").to_numpy()
-    starts = np.flatnonzero(np.diff(settling.astype(int), prepend=0) == 1)
-    for start in starts:
-        stop = start + int(np.argmin(np.append(settling[start:], False)))
-        ax.axvspan(table["time_s"].iloc[start], table["time_s"].iloc[stop - 1], color=LIGHT, lw=0, zorder=0)
 
 
 EVENTS = {"MID1": ("Huizinge", "+"), "BGAR": ("Zeerijp", "x"), "BWSE": ("Zeerijp", "1"), "BZN1": ("Zeerijp", "2"),

@@ -12,60 +12,36 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.draw.style import (
-    BLACK,
-    BLUE,
-    BRICK_COLOUR,
-    CAP_COLOUR,
-    COLUMN_WIDTH,
-    DARK,
-    GREEN,
-    GROUND_COLOUR,
-    LIGHT,
-    MEDIUM,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    add_title,
-    collapse_label,
-    legend_below,
-    mark_times,
-    new_figure,
-    save_figures,
-    show_single_points,
-    styled,
-)
+from damage.draw import style
 from damage.draw.wall import legend_widths_mm, line_width, wall_shape
-from damage.history.moments import STATES, choose_sample
+from damage.history.moments import STATES, choose_sample, moving
 from damage.index import THRESHOLD
-from damage.measure.energy import DISSIPATED, STORED, energy_error, imbalance
+from damage.measure.energy import DISSIPATED, STORED, energy_error, energy_scale, imbalance
+from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 
-JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": BLUE, "opened": ORANGE, "both": BLACK}
+JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": style.BLUE, "opened": style.ORANGE, "both": style.BLACK}
 THIN = {"intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
 
-DRIFT_LIMITS_PCT = (
-    (0.050, "light damage begins, calcium silicate (Korswagen)", ":"),
-    (0.058, "light damage begins, clay (Korswagen)", "-."),
-    (0.070, "no damage up to here (Graziotti et al.)", "--"),
-    (0.120, "minor structural damage (Graziotti et al.)", "-"),
-)
-"""Drift ratios [%] from tests of Dutch masonry, label, line: P. Korswagen, dissertation, TU Delft
-(light damage begins, in-plane walls); F. Graziotti et al., shake-table tests of a full building."""
+DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) for name, number, label, line in (
+    ("korswagen_calcium_silicate", 0, "light damage begins, calcium silicate (Korswagen)", ":"),
+    ("korswagen_clay", 0, "light damage begins, clay (Korswagen)", "-."),
+    ("graziotti", 0, "no damage up to here (Graziotti et al.)", "--"),
+    ("graziotti", 1, "minor structural damage (Graziotti et al.)", "-"))]
+"""Drift ratios [%] from tests of Dutch masonry, label, line; `damage.measure.limits` has their sources."""
 LIMITS_UP_TO_PCT = 0.6  # in a wider picture they would merge into one, far below the drift
 
 ENERGIES = {  # column: label, colour, line
-    "input_energy_j": ("input", BLACK, "-"), "kinetic_energy_j": ("kinetic", SKY, "-"),
-    "elastic_energy_j": ("elastic", BLUE, "--"), "gravity_energy_j": ("gravity", GREEN, "-."),
-    "friction_energy_j": ("friction", VERMILLION, "-"), "fracture_energy_j": ("fracture", PURPLE, "--"),
-    "damping_energy_j": ("damping", ORANGE, ":"),
+    "input_energy_j": ("input", style.BLACK, "-"), "kinetic_energy_j": ("kinetic", style.SKY, "-"),
+    "elastic_energy_j": ("elastic", style.BLUE, "--"), "gravity_energy_j": ("gravity", style.GREEN, "-."),
+    "friction_energy_j": ("friction", style.VERMILLION, "-"), "fracture_energy_j": ("fracture", style.PURPLE, "--"),
+    "damping_energy_j": ("damping", style.ORANGE, ":"),
 }
 
 
 # --- the wall ------------------------------------------------------------------------------------
 
-@styled
+@style.styled
 def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
     """The wall in true scale at a sample, with its cracks.
 
@@ -74,12 +50,12 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     rotations, None for one that makes them visible.
     """
     shape = wall_shape(history, sample, slip, threshold, magnify)
-    figure, ax = new_figure(1.0)
+    figure, ax = style.new_figure(1.0)
     ratio = draw_wall(ax, shape)
     labels = 0.45  # [inch] that ticks and labels take beside and below
-    figure.set_size_inches(COLUMN_WIDTH, min((COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
-    add_title(figure, history, *_moment(shape, sample))
-    legend_below(figure, joint_handles(shape, slip, threshold), columns=3)
+    figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
+    style.add_title(figure, history, *_moment(shape, sample))
+    style.legend_below(figure, joint_handles(shape, slip, threshold), columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
         figure.draw_without_rendering()
     return figure
@@ -93,13 +69,14 @@ def draw_wall(ax, shape):
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.02 * (high - low).max()
     low, high = np.minimum(low, 0) - margin, high + margin
-    ax.axhspan(low[1], 0, facecolor=GROUND_COLOUR, lw=0, zorder=0)
+    ax.axhspan(low[1], 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="z [m]")
     return (high[1] - low[1]) / (high[0] - low[0])
 
 
 def _draw_bodies(ax, shape):
-    for name, chosen, colour in (("bricks", ~shape.is_cap, BRICK_COLOUR), ("caps", shape.is_cap, CAP_COLOUR)):
+    caps = shape.is_cap
+    for name, chosen, colour in (("bricks", ~caps, style.BRICK_COLOUR), ("caps", caps, style.CAP_COLOUR)):
         ax.add_collection(PolyCollection(shape.corners[chosen], facecolors=colour, edgecolors="0.75",
                                          linewidths=0.2, label=name, zorder=1))
 
@@ -135,14 +112,14 @@ def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
         line("opened and slipped", JOINT_COLOURS["both"], width),
         line(f"broken, ≤ {limit}", JOINT_COLOURS["broken"], THIN["broken"]),
         line("intact", JOINT_COLOURS["intact"], THIN["intact"]),
-        Patch(facecolor=CAP_COLOUR, label="top mass"),
-        *(line(label, DARK, line_width(mm * MILLIMETRE)) for mm, label in legend_widths_mm(shape)),
+        Patch(facecolor=style.CAP_COLOUR, label="top mass"),
+        *(line(label, style.DARK, line_width(mm * MILLIMETRE)) for mm, label in legend_widths_mm(shape)),
     ]
 
 
 # --- over time -----------------------------------------------------------------------------------
 
-@styled
+@style.styled
 def index_picture(history):
     """Base acceleration, and below it the damage index and its components over time.
 
@@ -150,79 +127,77 @@ def index_picture(history):
     """
     sample, largest = choose_sample(history, "max")
     time_s = history.series["time_s"].to_numpy()
-    figure, (above, below) = new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
+    figure, (above, below) = style.new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
     base = _draw_base_motion(above, history, time_s)
     lines = _draw_index(below, history.index(), history.index(slip="shear-limit"))
-    lines += below.plot(time_s[sample], largest, "o", color=BLACK, ms=3.5, clip_on=False, zorder=5,
+    lines += below.plot(time_s[sample], largest, "o", color=style.BLACK, ms=3.5, clip_on=False, zorder=5,
                         label=f"maximum {largest:.4f} at {time_s[sample]:.3f} s")
     if history.complete:
         residual = history.index()["DI"].iloc[-1]
-        lines += below.plot(time_s[-1], residual, "s", mfc="white", mec=BLACK, ms=3.5, clip_on=False,
+        lines += below.plot(time_s[-1], residual, "s", mfc="white", mec=style.BLACK, ms=3.5, clip_on=False,
                             zorder=5, label=f"residual {residual:.4f}")
-    add_title(figure, history)
+    style.add_title(figure, history)
     figure.align_ylabels()
-    marks = mark_times(history, (above, below))
-    legend_below(figure, lines + marks + base, columns=3)
+    marks = style.mark_times(history, (above, below))
+    style.legend_below(figure, lines + marks + base, columns=3)
     return figure
 
 
 def _draw_base_motion(ax, history, time_s):
     """Base acceleration [g]; returns handles where there is a vertical one to be told apart."""
-    horizontal, vertical = (history.series[f"base_acceleration_{axis}_m_s2"].to_numpy() / GRAVITY
-                            for axis in "xz")
-    lines = ax.plot(time_s, horizontal, color=BLACK, lw=0.7, label="base, horizontal")
+    horizontal, vertical = (history.series[f"base_acceleration_{axis}_m_s2"].to_numpy() / GRAVITY for axis in "xz")
+    lines = ax.plot(time_s, horizontal, color=style.BLACK, lw=0.7, label="base, horizontal")
     ax.set_ylabel("base acceleration [g]")
     if not np.any(np.nan_to_num(vertical)):
         return []
-    return lines + ax.plot(time_s, vertical, color=MEDIUM, lw=0.5, zorder=1, label="base, vertical")
+    return lines + ax.plot(time_s, vertical, color=style.MEDIUM, lw=0.5, zorder=1, label="base, vertical")
 
 
 def _draw_index(ax, index, latched):
     """DI and its components with either slip criterion; returns the lines in the legend's order."""
     time_s, lines = index["time_s"], []
-    for name, colour in (("drift", GREEN), ("open", ORANGE), ("slip", BLUE)):
+    for name, colour in (("drift", style.GREEN), ("open", style.ORANGE), ("slip", style.BLUE)):
         lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$")
-    lines += ax.plot(time_s, index["DI"], color=BLACK, lw=1.3, label="DI")
-    lines += ax.plot(time_s, latched["DI"], color=BLACK, lw=0.6, ls="--", zorder=1.5,
-                     label="DI, shear limit")
-    lines += ax.plot(time_s, latched["DI_slip"], color=BLUE, lw=0.6, ls="--", zorder=1.5,
+    lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI")
+    lines += ax.plot(time_s, latched["DI"], color=style.BLACK, lw=0.6, ls="--", zorder=1.5, label="DI, shear limit")
+    lines += ax.plot(time_s, latched["DI_slip"], color=style.BLUE, lw=0.6, ls="--", zorder=1.5,
                      label=r"DI$_\mathrm{slip}$, shear limit")
     top = np.nan_to_num(np.maximum(index["DI"], latched["DI"])).max()
     ax.set(ylabel="damage index [-]", ylim=(0, 1.06 * top or 0.01))
     return lines
 
 
-@styled
+@style.styled
 def drift_picture(history):
     """Drift ratio over time, with published limits of light damage where they are in its range."""
     choose_sample(history, "end")
-    figure, ax = new_figure(2.1)
+    figure, ax = style.new_figure(2.1)
     drift_pct = 100 * history.series["drift_ratio"].to_numpy()
     largest = np.nan_to_num(np.abs(drift_pct)).max()
     limits = [limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest <= LIMITS_UP_TO_PCT]
     for value, label, line in limits:
         for side in (-value, value):
-            ax.axhline(side, color=MEDIUM, lw=0.6, ls=line, label=f"{value:.3f} %: {label}")
+            ax.axhline(side, color=style.MEDIUM, lw=0.6, ls=line, label=f"{value:.3f} %: {label}")
     handles = ax.get_lines()[::2]
-    ax.plot(history.series["time_s"], drift_pct, color=BLUE)
+    ax.plot(history.series["time_s"], drift_pct, color=style.BLUE)
     ax.set(ylabel="drift ratio [%]")
-    add_title(figure, history)
-    marks = mark_times(history, [ax])
-    legend_below(figure, list(handles) + marks, columns=1)
+    style.add_title(figure, history)
+    marks = style.mark_times(history, [ax])
+    style.legend_below(figure, list(handles) + marks, columns=1)
     return figure
 
 
-@styled
+@style.styled
 def hysteresis_picture(history):
     """Base shear, the force of the wall on the ground, against drift ratio; without settling."""
     choose_sample(history, "end")
-    figure, ax = new_figure(2.4)
+    figure, ax = style.new_figure(2.4)
     drift_pct = 100 * history.series["drift_ratio"].to_numpy()
     shear_kn = history.series["base_shear_n"].to_numpy() / 1e3
     stage = history.series["stage"].to_numpy()
-    ax.axhline(0, color=LIGHT, lw=0.6, zorder=0)
-    ax.axvline(0, color=LIGHT, lw=0.6, zorder=0)
-    for name, colour, width, layer in (("motion", BLUE, 0.9, 3), ("rest", ORANGE, 0.6, 2)):
+    ax.axhline(0, color=style.LIGHT, lw=0.6, zorder=0)
+    ax.axvline(0, color=style.LIGHT, lw=0.6, zorder=0)
+    for name, colour, width, layer in (("motion", style.BLUE, 0.9, 3), ("rest", style.ORANGE, 0.6, 2)):
         chosen = np.flatnonzero(stage == name)
         if len(chosen):
             first = max(chosen[0] - 1, 0)  # joined to the stage before
@@ -230,35 +205,35 @@ def hysteresis_picture(history):
                     lw=width, zorder=layer, label=name)
     if history.collapsed_at_s is not None:
         at = int(np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s)))
-        ax.plot(drift_pct[at], shear_kn[at], "x", color=BLACK, ms=5, zorder=4,
-                label=collapse_label(history))
+        ax.plot(drift_pct[at], shear_kn[at], "x", color=style.BLACK, ms=5, zorder=4,
+                label=style.collapse_label(history))
     ax.set(xlabel="drift ratio [%]", ylabel="base shear [kN]")
     ax.locator_params(axis="x", nbins=7)
-    show_single_points(ax)
-    add_title(figure, history)
-    legend_below(figure, [line for line in ax.get_lines() if not line.get_label().startswith("_")], 3)
+    style.show_single_points(ax)
+    style.add_title(figure, history)
+    style.legend_below(figure, [line for line in ax.get_lines() if not line.get_label().startswith("_")], 3)
     return figure
 
 
-@styled
+@style.styled
 def energy_picture(history):
     """Energies since the end of the static stage, and below what their balance lacks."""
     choose_sample(history, "end")
     series = history.series
-    figure, (above, below) = new_figure(2.9, rows=2, sharex=True, height_ratios=(5, 2))
+    figure, (above, below) = style.new_figure(2.9, rows=2, sharex=True, height_ratios=(5, 2))
     for name, (label, colour, line) in ENERGIES.items():
         if series[name].notna().any():
             above.plot(series["time_s"], series[name], color=colour, ls=line, label=label,
                        lw=1.3 if name == "input_energy_j" else 0.9)
     above.set_ylabel("energy [J]")
-    add_title(figure, history, *_error_line(series))
+    style.add_title(figure, history, *_error_line(series))
     scale, unit = _error_scale(series)
-    below.axhline(0, color=MEDIUM, lw=0.5)
-    below.plot(series["time_s"], imbalance(_known_energies(series)) * scale, color=BLACK)
+    below.axhline(0, color=style.MEDIUM, lw=0.5)
+    below.plot(series["time_s"], imbalance(_known_energies(series)) * scale, color=style.BLACK)
     below.set_ylabel(f"imbalance [{unit}]")
     figure.align_ylabels()
-    marks = mark_times(history, (above, below))
-    legend_below(figure, above.get_lines()[:len(ENERGIES)] + marks, columns=4)
+    marks = style.mark_times(history, (above, below))
+    style.legend_below(figure, above.get_lines()[:len(ENERGIES)] + marks, columns=4)
     return figure
 
 
@@ -269,11 +244,8 @@ def _known_energies(series):
 
 def _error_scale(series):
     """Factor from J to the imbalance's unit, and that unit, as in `damage.measure.energy.energy_error`."""
-    moving = series[series["stage"] != "settling"]
-    if len(moving) == 0:
-        return 1.0, "J"
-    energy = _known_energies(moving)
-    scale = max(np.abs(energy["input_energy_j"]).max(), energy["kinetic_energy_j"].iloc[0])
+    before = moving(series)
+    scale = energy_scale(_known_energies(before)) if len(before) else 0.0
     return (100 / scale, "%") if scale > 0 else (1.0, "J")
 
 
@@ -293,7 +265,7 @@ PICTURES = {
 """File name without its ending, and what draws it."""
 
 
-@styled
+@style.styled
 def save_all(history, folder):
     """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
-    return save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder)
+    return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder)

@@ -10,7 +10,6 @@ from textwrap import fill
 from matplotlib import style
 from matplotlib.figure import Figure
 
-from damage.errors import InputError
 from damage.files import whole_or_nothing
 
 COLUMN_WIDTH = 90 / 25.4  # [inch], one column of a journal
@@ -63,7 +62,7 @@ def legend_below(figure, handles, columns):
 
 def add_title(figure, history, *more):
     """What ran, how it ended if not as planned, and further lines; the figure grows by their height."""
-    lines = [f"{history.wall}, {history.parameters['loading']['name']} ({history.solver})"]
+    lines = [f"{history.wall}, {history.loading.name} ({history.solver})"]
     if not history.complete:
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:
@@ -76,18 +75,24 @@ def add_title(figure, history, *more):
 
 def mark_times(history, axes):
     """Label the shared time axis, shade the settling stage and mark a collapse; returns their handles."""
-    settling = history.series[history.series["stage"] == "settling"].groupby("shock")["time_s"].agg(["first", "last"])
     handles = {}
     for ax in axes:
         ax.margins(x=0)
         show_single_points(ax)
-        for first, last in settling.to_numpy():
-            handles["settling"] = ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling")
+        for shade in shade_settling(ax, history.series):
+            handles["settling"] = shade
         if history.collapsed_at_s is not None:
             handles["collapse"] = ax.axvline(history.collapsed_at_s, color=VERMILLION, lw=1, ls="--",
                                              clip_on=False, label=collapse_label(history))
     axes[-1].set_xlabel("time [s]")
     return list(handles.values())
+
+
+def shade_settling(ax, series):
+    """Shade the settling stages of a table over time, with columns time_s and stage; returns the shades."""
+    settling = series["stage"] == "settling"
+    spans = series["time_s"].groupby((settling != settling.shift()).cumsum()[settling]).agg(["first", "last"])
+    return [ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling") for first, last in spans.to_numpy()]
 
 
 def show_single_points(ax):
@@ -107,16 +112,10 @@ FORMATS = {"png": {"Software": None}, "pdf": {"CreationDate": None}}  # without 
 @styled
 def save_figures(figures, folder):
     """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, made where missing; their paths."""
-    folder = Path(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot make folder {folder} for the pictures ({error.strerror}): expected a "
-                         "folder that can be written to; choose another") from error
     paths = []
     for name, figure in figures:
         for ending, metadata in FORMATS.items():
-            paths.append(folder / f"{name}.{ending}")
+            paths.append(Path(folder) / f"{name}.{ending}")
             with whole_or_nothing(paths[-1]) as unfinished:
                 figure.savefig(unfinished, format=ending, metadata=metadata)
     return paths

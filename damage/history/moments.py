@@ -8,7 +8,19 @@ from damage.index import THRESHOLD
 STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
 "both" is opened and slipped."""
+BREAKS, PASSINGS = ("tension", "shear"), ("opened", "slipped")
+"""Kinds of events: a bond breaks; a joint opens or slips by 0.1 mm for the first time."""
 NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
+
+
+def is_moving(series):
+    """Which samples lie before the settling of their shock, whose damping is no part of the model: bool (n_times,)."""
+    return series["stage"] != "settling"
+
+
+def moving(series):
+    """The samples of a series before settling."""
+    return series[is_moving(series)]
 
 
 def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
@@ -45,6 +57,11 @@ def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
     """Index into STATES of every joint at a sample, (n_joints,), by the criteria of the index."""
     opened = history.opening_m[sample] > threshold
     slipped = history.at_limit[sample] if slip == "shear-limit" else np.abs(history.slip_m[sample]) > threshold
-    conditions = [opened & slipped, opened, slipped, history.broken[sample]]
+    return state_codes(opened, slipped, history.broken[sample])
+
+
+def state_codes(opened, slipped, broken=False):
+    """Index into STATES of joints, of bool arrays of one shape."""
     codes = [STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
-    return np.select(conditions, codes, default=STATES.index("intact"))
+    return np.select([opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))], codes,
+                     default=STATES.index("intact"))

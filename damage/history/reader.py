@@ -2,16 +2,21 @@
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pandas as pd
 
+from damage.checks import record_from
 from damage.errors import InputError
+from damage.history.moments import moving
 from damage.history.schema import AT_LIMIT, BROKEN, EVENTS, SCHEMA, SCHEMA_VERSION, STAGES, STATUS
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
+from damage.motion.loading import loading_from_dict
 from damage.wall.layout import KINDS
+from damage.wall.parameters import ModelOptions, Wall
 
 
 @dataclass(frozen=True)
@@ -24,7 +29,8 @@ class History:
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
     opening_m, slip_m: (n_times, n_joints); broken, at_limit: bool of that shape.
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad].
-    static: what the static stage ended with; parameters: all that defined the run.
+    static: what the static stage ended with; parameters: all that defined the run, as the file holds it; most of
+    it comes back as records, too: `loading`, `model`, `masonry_wall`; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
     """
 
@@ -53,6 +59,41 @@ class History:
     def complete(self):
         """Whether the run came to its end (a collapse is an end, too)."""
         return self.status == "complete"
+
+    @cached_property
+    def loading(self):
+        """The `damage.motion.loading.Loading` that drove the run; a `RecordedMotion` where it was a record."""
+        return loading_from_dict(self.parameters["loading"])
+
+    @cached_property
+    def model(self):
+        """The ModelOptions of the run; choices that are younger than the file have their defaults."""
+        return record_from(ModelOptions, self.parameters.get("model", {}))
+
+    @cached_property
+    def masonry_wall(self):
+        """The `damage.Wall` as it was laid out."""
+        return Wall.from_dict(self.parameters["wall"])
+
+    @property
+    def sequence(self):
+        """Factors of the motion, a shock each."""
+        return tuple(self.parameters.get("sequence", (1.0,)))
+
+    @property
+    def time_step_s(self):
+        """Of the solver [s], None where an old file does not say it."""
+        return self.parameters.get("time_step_s")
+
+    @property
+    def eigen_period_s(self):
+        """First period of the intact wall by its eigenvalues [s], None where an old file does not say it."""
+        return self.parameters.get("eigen_period_s")
+
+    @property
+    def moving(self):
+        """The series without the settling stages."""
+        return moving(self.series)
 
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
         """The damage index over time: `damage.index.damage_index` of this run."""

@@ -1,4 +1,6 @@
-"""Names, codes and units of the history file; `docs/history-schema.md` is the schema."""
+"""Names, codes, units and meanings of the history file; the tables of `docs/history-schema.md` are these."""
+
+from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
 SCHEMA_VERSION = 1
@@ -6,15 +8,85 @@ STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling")
 EVENTS = ("tension", "shear", "opened", "slipped")
 BROKEN, AT_LIMIT = 1, 2  # bits of frames/state
-# Column -> unit of the time series; the energies are since the end of the static stage.
-SERIES = {
-    "time_s": "s", "base_acceleration_x_m_s2": "m/s2", "base_acceleration_z_m_s2": "m/s2",
-    "top_displacement_m": "m", "drift_ratio": "1", "base_shear_n": "N", "top_force_n": "N",
-    "kinetic_energy_j": "J", "elastic_energy_j": "J", "gravity_energy_j": "J",
-    "input_energy_j": "J", "friction_energy_j": "J", "fracture_energy_j": "J",
-    "damping_energy_j": "J",
-}
+
+
+class Column(NamedTuple):
+    """A column of a table or a dataset of a file; dtype: as the file stores it."""
+
+    unit: str
+    meaning: str
+    dtype: str = "f8"
+
+
 STATIC = {
-    "base_reaction_n": "N", "weight_n": "N", "unbalanced_force": "1", "broken_joints": "1",
-    "duration_s": "s",
+    "base_reaction_n": Column("N", "vertical force on the ground"),
+    "weight_n": Column("N", "weight of the layout"),
+    "unbalanced_force": Column("1", "mean resultant on a body over mean contact force"),
+    "broken_joints": Column("1", "contact points broken before the motion"),
+    "duration_s": Column("s", "length of the static stage"),
 }
+JOINTS = {
+    "kind": Column("code", "bed (the base joint, too), head", "u1"),
+    "first_body": Column("index, -1 ground", "lower body, or left one"),
+    "second_body": Column("index", "upper body, or right one"),
+    "x_m": Column("m", "place in the undeformed wall, along it"), "z_m": Column("m", "the same, upwards"),
+    "length_m": Column("m", "tributary length"), "area_m2": Column("m2", "tributary length times the thickness"),
+    "normal_stiffness_pa_m": Column("Pa/m", "with the bricks' compliance"),
+    "shear_stiffness_pa_m": Column("Pa/m", "with the bricks' compliance"),
+    "elastic": Column("bool", "held by the lintel, cannot break"),
+    "tensile_strength_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
+    "cohesion_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
+}
+BODIES = {
+    "x_m": Column("m", "centre, along the wall"), "z_m": Column("m", "centre, upwards"),
+    "length_m": Column("m", "along the wall"), "height_m": Column("m", "upwards"),
+    "mass_kg": Column("kg", "mass"), "inertia_kg_m2": Column("kg m2", "moment of inertia about the centre"),
+    "course": Column("index, -1 cap", "0 at the base, -1 for a cap of the top mass"),
+}
+SERIES = {
+    "stage": Column("code", "motion, rest, settling (local damping 0.7)", "u1"),
+    "time_s": Column("s", "since the start of the (first) motion"),
+    "base_acceleration_x_m_s2": Column("m/s2", "of the ground, along the wall"),
+    "base_acceleration_z_m_s2": Column("m/s2", "of the ground, upwards"),
+    "top_displacement_m": Column("m", "mean of the top-course bricks over piers, since the static stage"),
+    "drift_ratio": Column("1", "top displacement over the height of these bricks' centres"),
+    "base_shear_n": Column("N", "horizontal force of the wall on the ground, positive with positive drift"),
+    "top_force_n": Column("N", "force that moves the top in a pushover; NaN in dynamics"),
+    "kinetic_energy_j": Column("J", "stored, in all"),
+    "elastic_energy_j": Column("J", "stored, since the end of the static stage"),
+    "gravity_energy_j": Column("J", "stored, since the end of the static stage"),
+    "input_energy_j": Column("J", "work of the base's inertia forces in the frame that moves with the base, or of the "
+                                  "pushed top"),
+    "friction_energy_j": Column("J", "dissipated by sliding"),
+    "fracture_energy_j": Column("J", "lost when bonds break"),
+    "damping_energy_j": Column("J", "taken by damping; in YADE's settling stages, and while it pushes the top, "
+                                    "inferred from the balance"),
+}
+FRAMES = {
+    "opening_m": Column("m", "opening past the broken bond, 0 while closed or intact", "f4"),
+    "slip_m": Column("m", "signed plastic slip of the closed contact, frozen while open, 0 while intact", "f4"),
+    "state": Column("bits: 1 broken, 2 has been at the shear limit", "1: the bond is broken; 2: has failed in shear or "
+                    "slid, ever", "u1"),
+}
+EVENT_COLUMNS = {
+    "time_s": Column("s", "negative in the static stage"),
+    "joint": Column("index of joints", "row of `joints`", "i4"),
+    "kind": Column("code", "tension, shear (the bond breaks); opened, slipped (first passing of 0.1 mm)", "u1"),
+    "normal_stress_pa": Column("Pa", "trial stress at a break"),
+    "shear_stress_pa": Column("Pa", "trial stress at a break"),
+    "opening_m": Column("m", "at a first passing"), "slip_m": Column("m", "at a first passing"),
+}
+SNAPSHOTS = {
+    "time_s": Column("s", "since the start of the (first) motion; every tenth sample, and the end"),
+    "displacement": Column("m, m, rad", "of the centres, and rotation x towards z, since the end of the static stage",
+                           "f4"),
+}
+GROWING = {"series": SERIES, "frames": FRAMES, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS}
+"""Groups whose datasets grow during a run."""
+TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, **GROWING}
+
+
+def markdown(columns):
+    """A table of the documents: a row for each of {name: Column}; several names may share one, commas between."""
+    return "\n".join(["| name | unit | meaning |", "| --- | --- | --- |", *(
+        f"| `{name.replace(', ', '`, `')}` | {column.unit} | {column.meaning} |" for name, column in columns.items())])

@@ -12,16 +12,16 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.files import write_text
 from damage.index import THRESHOLD
-from damage.laboratory.csv_table import CsvTable, whole_file
+from damage.laboratory.csv_table import CsvTable
 from damage.measure.cracks import cracks_at
 from damage.units import MILLIMETRE
 
 COLUMNS = ("load_level", "drift_pct", "crack", "point", "x_m", "z_m", "opening_mm", "slip_mm", "width_mm", "mode")
 REQUIRED = ("crack", "point", "x_m", "z_m")
 MODES = ("tension", "shear", "mixed", "unknown")
-STRETCHES = ("crack", "line", "x_start_m", "z_start_m", "x_end_m", "z_end_m", "opening_m", "slip_m", "width_m",
-             "mode")
+STRETCHES = ("crack", "line", "x_start_m", "z_start_m", "x_end_m", "z_end_m", "opening_m", "slip_m", "width_m", "mode")
 _AGREE = 0.02  # share of the width by which a given width may miss sqrt(opening^2 + slip^2), for rounding
 _AGREE_MM = 0.01
 
@@ -177,13 +177,8 @@ def _rest(wanted, other, width):
 
 def write_cracks(path, patterns, comments=()):
     """Write patterns (CrackPattern) to `path`; comments: lines for its head."""
-    with whole_file(path) as file:
-        for comment in comments:
-            file.write(f"# {comment}\n")
-        file.write(",".join(COLUMNS) + "\n")
-        for pattern in patterns:
-            for row in _point_rows(pattern):
-                file.write(",".join(_cell(value) for value in row) + "\n")
+    rows = [COLUMNS, *(map(_cell, row) for pattern in patterns for row in _point_rows(pattern))]
+    write_text(path, "\n".join([*(f"# {comment}" for comment in comments), *map(",".join, rows)]) + "\n")
 
 
 def _cell(value):

@@ -19,11 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from damage.index import DRIFT_LIMIT, THRESHOLD, check_positive, combine, drift_component
+from damage.checks import check_positive
+from damage.index import DRIFT_LIMIT, THRESHOLD, combine, drift_component
 from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
 from damage.units import MILLIMETRE
-from damage.wall.geometry import tributary_ends
-from damage.wall.layout import KINDS
+from damage.wall.geometry import joint_table, tributary_ends
 
 PIECE = 0.5 * MILLIMETRE
 COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")
@@ -44,15 +44,6 @@ class MappedCracks:
     drawn_m: float
     unmapped_m: float
     surplus_m: float
-
-
-def joint_table(layout):
-    """The joints of a Layout as `History.joints` has them: kind, bodies, x_m, z_m, length_m."""
-    contacts, n = layout.contacts, layout.n_joints
-    return pd.DataFrame({
-        "kind": np.array(KINDS)[contacts.kind[:n]], "first_body": contacts.first[:n],
-        "second_body": contacts.second[:n], "x_m": contacts.x[:n], "z_m": contacts.z[:n],
-        "length_m": contacts.length[:n]})
 
 
 def half_brick_height(layout):

@@ -4,56 +4,50 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 
-from damage.draw.style import (
-    BLACK,
-    BLUE,
-    BRICK_COLOUR,
-    COLUMN_WIDTH,
-    GROUND_COLOUR,
-    ORANGE,
-    PURPLE,
-    SKY,
-    legend_below,
-    new_figure,
-    styled,
-)
+from damage.draw import style
 from damage.draw.wall import line_width
 from damage.index import THRESHOLD
-from damage.laboratory.crack_mapping import joint_table
 from damage.units import MILLIMETRE
-from damage.wall.geometry import tributary_ends
+from damage.wall.geometry import body_corners, body_table, joint_table, tributary_ends
 
 STATES = {  # what a mapped joint has done: label, colour
-    "fine": ("below {limit}", "0.5"), "slipped": ("slipped", BLUE), "opened": ("opened", ORANGE),
-    "both": ("opened and slipped", BLACK), "undecided": ("opened or slipped", PURPLE),
+    "fine": ("below {limit}", "0.5"), "slipped": ("slipped", style.BLUE), "opened": ("opened", style.ORANGE),
+    "both": ("opened and slipped", style.BLACK), "undecided": ("opened or slipped", style.PURPLE),
 }
 HALO = 1.4  # [pt] by which a polyline is wider than the joints that it was put on, which lie over it
 
 
-@styled
+def crack_pictures(mapped, patterns, layout, threshold):
+    """(name, Figure) of every load level."""
+    for pattern, cracks in zip(patterns, mapped):
+        yield f"cracks_level_{pattern.level:g}", crack_picture(pattern, cracks, layout, threshold)
+
+
+@style.styled
 def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
     """Figure of one CrackPattern and its MappedCracks on the undeformed wall of a Layout."""
     wall = layout.wall
-    figure, ax = new_figure(0.5 + (COLUMN_WIDTH - 0.5) * wall.built_height / wall.length)
-    ax.add_collection(PolyCollection(_brick_corners(layout), facecolors=BRICK_COLOUR, edgecolors="none", zorder=1))
+    figure, ax = style.new_figure(0.5 + (style.COLUMN_WIDTH - 0.5) * wall.built_height / wall.length)
+    bricks = body_corners(body_table(layout), np.zeros((len(layout.bodies), 3)))[:layout.n_bricks]
+    ax.add_collection(PolyCollection(bricks, facecolors=style.BRICK_COLOUR, edgecolors="none", zorder=1))
     ax.add_collection(LineCollection(tributary_ends(joint_table(layout)), colors="0.8", linewidths=0.25, zorder=2))
     states, table = joint_states(mapped.table, threshold), mapped.table
     names = ["x_start_m", "z_start_m", "x_end_m", "z_end_m"]
     drawn = pattern.stretches
-    ax.add_collection(LineCollection(drawn[names].to_numpy(float).reshape(-1, 2, 2), colors=SKY, capstyle="round",
+    ax.add_collection(LineCollection(drawn[names].to_numpy(float).reshape(-1, 2, 2), colors=style.SKY, capstyle="round",
                                      linewidths=line_width(drawn["width_m"].to_numpy(float)) + HALO, zorder=2.5))
     for state, (_, colour) in STATES.items():
         rows = table[states == state]
         ax.add_collection(LineCollection(rows[names].to_numpy(float).reshape(-1, 2, 2), colors=colour, capstyle="butt",
                                          linewidths=line_width(rows["width_m"].to_numpy(float)), zorder=3))
     margin = 0.02 * max(wall.length, wall.built_height)
-    ax.axhspan(-margin, 0, facecolor=GROUND_COLOUR, lw=0, zorder=0)
+    ax.axhspan(-margin, 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
     ax.set(xlim=(-margin, wall.length + margin), ylim=(-margin, wall.built_height + margin), aspect="equal",
            xlabel="x [m]", ylabel="z [m]")
     drift = "unknown" if np.isnan(pattern.drift_ratio) else f"{100 * pattern.drift_ratio:.3g} %"
     figure.suptitle(f"{wall.name}, load level {pattern.level:g}, drift ratio {drift}\n{mapped.drawn_m:.2f} m drawn, "
                     f"{mapped.unmapped_m:.2f} m of them on no joint", x=0.02, ha="left")
-    legend_below(figure, _handles(states, threshold), columns=3)
+    style.legend_below(figure, _handles(states, threshold), columns=3)
     return figure
 
 
@@ -64,15 +58,9 @@ def joint_states(table, threshold=THRESHOLD):
     return np.select([undecided, opened & slipped, opened, slipped], ["undecided", "both", "opened", "slipped"], "fine")
 
 
-def _brick_corners(layout):
-    bodies, n = layout.bodies, layout.n_bricks
-    half = np.column_stack([bodies.length, bodies.height])[:n, None] / 2
-    return np.column_stack([bodies.x, bodies.z])[:n, None] + half * [(-1, -1), (1, -1), (1, 1), (-1, 1)]
-
-
 def _handles(states, threshold):
     width = line_width(0.5 * MILLIMETRE)
     limit = f"{threshold / MILLIMETRE:g} mm"
-    return [Line2D([], [], color=SKY, lw=width + HALO, label="as drawn"),
+    return [Line2D([], [], color=style.SKY, lw=width + HALO, label="as drawn"),
             *(Line2D([], [], color=colour, lw=width, label=label.format(limit=limit))
               for state, (label, colour) in STATES.items() if np.any(states == state))]

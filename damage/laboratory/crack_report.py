@@ -1,4 +1,4 @@
-"""What `python3 -m damage cracks` does: cracks of a history, of a crack file or of a DIC field, as figures."""
+"""What `python3 -m damage cracks` tells of the cracks of a history, of a crack file or of a DIC field."""
 
 from pathlib import Path
 
@@ -18,13 +18,48 @@ from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 
-SAME_FIGURES = 5e-5
+SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""
 
 
 def is_history(path):
     """Whether a file is a history rather than a crack file."""
     return Path(path).suffix == ".h5" or h5py.is_hdf5(path)
+
+
+def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, threshold_mm=0.1, drift_limit_pct=2.0,
+                 tolerance_mm=None, margin_mm=None, out=None):
+    """(report, what `crack_pictures` draws) of the command's options: of a history, a crack file or a DIC field.
+
+    Options that do not belong to what there is are refused; of a history nothing is drawn.
+    """
+    given = {name for name, value in {"wall": wall, "export": export, "at": at, "tolerance-mm": tolerance_mm,
+                                      "margin-mm": margin_mm, "out": out}.items() if value is not None}
+    if (source is None) == (dic is None):
+        raise InputError("expected one of FILE and --dic FIELD.csv; give a history, a crack file or a field")
+    limits = {"threshold": threshold_mm * MILLIMETRE, "drift_limit": drift_limit_pct / 100}
+    if dic:
+        _only_with("a DIC field", given, without=("at", "tolerance-mm"))
+        margin = 10.0 if margin_mm is None else margin_mm
+        report, *drawn = field_report(dic, wall, margin * MILLIMETRE, export=export, **limits)
+    elif is_history(source):
+        _only_with("a history", given, needs=(), without=("wall", "tolerance-mm", "margin-mm", "out"))
+        report, drawn = history_report(source, (at or "max,end").split(","), export=export, **limits), None
+    else:
+        _only_with("a crack file", given, without=("at", "export", "margin-mm"))
+        tolerance = None if tolerance_mm is None else tolerance_mm * MILLIMETRE
+        report, *drawn = file_report(source, wall, tolerance=tolerance, **limits)
+    return report, drawn
+
+
+def _only_with(what, given, needs=("wall",), without=()):
+    """Refuse options that do not belong to `what`, and a missing one that does; given: names."""
+    for name in needs:
+        if name not in given:
+            raise InputError(f"{what} needs --{name}; give it, as in --wall walls/solid.py")
+    for name in without:
+        if name in given:
+            raise InputError(f"--{name} does not belong to {what}; leave it out")
 
 
 # --- a history ------------------------------------------------------------------------------------
@@ -49,7 +84,7 @@ def choose_samples(history, moments):
 
 
 def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, export=None):
-    """Figures of the cracks of the history at `path`, a dictionary; written to `export` if it is given."""
+    """What is told of the cracks of the history at `path`, a dictionary; written to `export` if it is given."""
     history = read_history(path)
     samples = choose_samples(history, moments)
     index, total = history.index(threshold, drift_limit), float(history.joints["length_m"].sum())
@@ -67,7 +102,7 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
     if export:
         moments_s = ", ".join(f"{level['time_s']:.6g}" for level in levels)
         write_cracks(export, patterns_of(history, samples, threshold), [
-            f"cracks of {history.wall}, {history.parameters['loading']['name']}, solver {history.solver}, at "
+            f"cracks of {history.wall}, {history.loading.name}, solver {history.solver}, at "
             f"{moments_s} s", f"joints whose width reaches {threshold / MILLIMETRE:g} mm; docs/crack-format.md"])
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
             "total_joint_length_m": total, "levels": levels, "max": largest(levels),
@@ -77,7 +112,7 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
 # --- a crack file, a field --------------------------------------------------------------------------
 
 def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, tolerance=None):
-    """Figures of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
+    """What is told of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
     mapped = [map_cracks(pattern, layout, tolerance) for pattern in patterns]
     levels = [describe_level(pattern, cracks, layout, threshold, drift_limit)
               for pattern, cracks in zip(patterns, mapped)]
@@ -97,19 +132,19 @@ def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMI
     fields, layout = read_field(path), lay_out(load_wall(wall))
     measured = measure(fields, layout, margin, threshold)
     patterns = patterns_of_fields(fields, measured, layout, threshold)
-    figures, mapped = pattern_report(patterns, layout, threshold, drift_limit)
+    report, mapped = pattern_report(patterns, layout, threshold, drift_limit)
     limits = dic_report(measured, layout)
-    figures |= {"source": "DIC field", "dic": limits}
+    report |= {"source": "DIC field", "dic": limits}
     notes = list(_dic_notes(limits, threshold))
-    figures["notes"] = notes + figures["notes"]
+    report["notes"] = notes + report["notes"]
     if export:
         write_cracks(export, patterns, [f"cracks of {layout.wall.name} from the DIC field {Path(path).name}; "
                                         "docs/crack-format.md", *notes])
-    return figures, mapped, patterns, layout
+    return report, mapped, patterns, layout
 
 
 def _notes(levels):
-    """What a reader must know of the figures, a line each."""
+    """What a reader must know of the levels, a line each."""
     for level in levels:
         where = f"level {level['load_level']:g}: "
         if level["undecided_m"] > 0:
@@ -146,24 +181,24 @@ _COLUMNS = (("level", "load_level", "{:g}"), ("time s", "time_s", "{:.3f}"), ("d
             ("DI_open", "DI_open", "{:.4f}"), ("DI_slip", "DI_slip", "{:.4f}"))
 
 
-def describe(figures):
-    """A report's figures as lines for people; bounds stand as low..high."""
-    columns = [column for column in _COLUMNS if column[1] in figures["levels"][0]]
+def describe(report):
+    """A report as lines for people; bounds stand as low..high."""
+    columns = [column for column in _COLUMNS if column[1] in report["levels"][0]]
     rows = [[label for label, *_ in columns]]
-    rows += [[_shown(level[key], form) for _, key, form in columns] for level in figures["levels"]]
-    if len(figures["levels"]) > 1:
-        rows.append([_shown(figures["max"][key], form) if key in figures["max"] else "" for _, key, form in columns])
+    rows += [[_shown(level[key], form) for _, key, form in columns] for level in report["levels"]]
+    if len(report["levels"]) > 1:
+        rows.append([_shown(report["max"][key], form) if key in report["max"] else "" for _, key, form in columns])
         rows[-1][0] = "max"
     widths = [max(len(row[k]) for row in rows) for k in range(len(columns))]
-    lines = [f"{figures['wall']}: {figures['source']}, threshold {figures['threshold_mm']:g} mm, "
-             f"{figures['total_joint_length_m']:.3f} m of joints"]
+    lines = [f"{report['wall']}: {report['source']}, threshold {report['threshold_mm']:g} mm, "
+             f"{report['total_joint_length_m']:.3f} m of joints"]
     lines += ["  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows]
-    if "run" in figures:
-        run, residual = figures["run"], figures["run"]["residual_psi"]
+    if "run" in report:
+        run, residual = report["run"], report["run"]["residual_psi"]
         lines.append(f"whole run: Psi up to {run['max_psi']:.2f}, widths up to {run['max_crack_width_mm']:.3f} mm"
                      + ("" if residual is None else f"; in the end {residual:.2f}, "
                                                     f"{run['residual_crack_width_mm']:.3f} mm"))
-    return "\n".join(lines + [f"note: {note}" for note in figures["notes"]])
+    return "\n".join(lines + [f"note: {note}" for note in report["notes"]])
 
 
 def _shown(value, form):
@@ -171,5 +206,5 @@ def _shown(value, form):
         return "-"
     if isinstance(value, tuple):
         low, high = value
-        return form.format(high) if high - low < SAME_FIGURES else f"{form.format(low)}..{form.format(high)}"
+        return form.format(high) if high - low < SAME_NUMBERS else f"{form.format(low)}..{form.format(high)}"
     return form.format(value)

@@ -1,8 +1,6 @@
 """Tables in CSV with comment lines (`#`), a header and one row a line; complaints name the line."""
 
 import csv
-import os
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -80,19 +78,3 @@ def _lines(path):
         return path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path} cannot be read as text ({error}); expected CSV in UTF-8") from error
-
-
-@contextmanager
-def whole_file(path):
-    """A text file open for writing that takes the name `path` only when all of it is written."""
-    path = Path(path)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with open(partial, "w", encoding="utf-8", newline="") as file:
-            yield file
-        os.replace(partial, path)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}; choose another name") from error
-    finally:
-        partial.unlink(missing_ok=True)

@@ -14,15 +14,15 @@ from math import isnan
 
 import numpy as np
 
+from damage.checks import check_not_negative
 from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.laboratory.crack_file import CrackPattern, pattern_of
-from damage.laboratory.crack_mapping import joint_table
 from damage.laboratory.csv_table import CsvTable
 from damage.measure.cracks import crack_table
 from damage.units import GRAVITY, MILLIMETRE
-from damage.wall.geometry import tributary_ends
-from damage.wall.kinematics import ContactKinematics
+from damage.wall.geometry import joint_table, tributary_ends
+from damage.wall.kinematics import ContactKinematics, rigid_displacement
 
 REQUIRED = ("x_m", "z_m", "ux_m", "uz_m")
 OPTIONAL = ("load_level", "drift_pct")
@@ -113,8 +113,7 @@ def rigid_motion(points, displacement):
 
 def turned(points, turn):
     """Displacement (n, 2) of points (n, 2) by a rotation about the origin."""
-    cos, sin = np.cos(turn) - 1, np.sin(turn)
-    return np.column_stack([cos * points[:, 0] - sin * points[:, 1], sin * points[:, 0] + cos * points[:, 1]])
+    return np.column_stack(rigid_displacement(0.0, 0.0, turn, *points.T))
 
 
 def relative_to_base(field, margin=MARGIN):
@@ -176,8 +175,7 @@ def measure(fields, layout, margin=MARGIN, threshold=THRESHOLD):
 
     fields: in the order of loading from the unloaded wall on.
     """
-    if not (np.isfinite(margin) and margin >= 0):
-        raise InputError(f"margin = {margin!r} m: expected zero or a positive number; mend it")
+    check_not_negative("margin [m]", margin)
     kinematics, n = ContactKinematics(layout), layout.n_joints
     slip, shear_before, was_closed = np.zeros(n), np.zeros(n), np.ones(n, bool)
     levels = []

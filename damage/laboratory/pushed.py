@@ -10,25 +10,13 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.files import DATA
-from damage.measure.limits import LIMITS
-from damage.measure.pushed import (
-    bilinear,
-    cycles_table,
-    drift_at_first_crack,
-    envelope,
-    hand_capacities,
-    mode_shares,
-    pushed_loading,
-)
+from damage.measure import pushed
 from damage.measure.summary import summarise
 
 TESTS = DATA / "eucentre" / "tests.csv"
 SPECIMENS = {"squat": "COMP1_3", "squat_tested": "COMP1_3", "comp2_1": "COMP2_1", "comp2_4": "COMP2_4"}
 """Name of a shipped wall -> the test that it models."""
 MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear"}
-LIGHT_DAMAGE = {limits.name.removeprefix("drift_class_korswagen_"): limits.bounds[0] for limits in LIMITS
-                if limits.name.startswith("drift_class_korswagen")}
-"""Drift ratio at which light damage begins, as published, by the kind of brick."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +39,7 @@ class LaboratoryTest:
     @property
     def stiffness_n_per_m(self):
         """Of the bilinear idealisation, in both directions."""
-        return tuple(force / (drift * self.height)
-                     for force, drift in zip(self.bilinear_force_n, self.elastic_drift))
+        return tuple(force / (drift * self.height) for force, drift in zip(self.bilinear_force_n, self.elastic_drift))
 
     def bilinear_curve(self, direction):
         """Drift ratios and forces [N] of the idealised envelope, (3,) each; direction 0 or 1."""
@@ -85,9 +72,9 @@ def test_of(history):
 
 def beside_test(history):
     """Rows (figure, unit, simulated, measured) of a pushed laboratory wall; None where there is no figure."""
-    test, summary, shares = test_of(history), summarise(history), mode_shares(history)
-    line = bilinear(envelope(history), history.attributes["drift_height_m"])
-    crack = drift_at_first_crack(history)
+    test, summary, shares = test_of(history), summarise(history), pushed.mode_shares(history)
+    line = pushed.bilinear(pushed.envelope(history), history.attributes["drift_height_m"])
+    crack = pushed.drift_at_first_crack(history)
     measured = {name: float(np.mean(getattr(test, name))) for name in (
         "stiffness_n_per_m", "peak_force_n", "drift_at_peak", "bilinear_force_n", "ultimate_drift")}
     return [
@@ -104,24 +91,24 @@ def beside_test(history):
     ]
 
 
-def figures(history):
+def pushed_report(history):
     """Everything about a pushed run as a plain dictionary: cycles, envelope, mode, and the test beside it."""
     height, sides = history.attributes["drift_height_m"], {}
     for name, sign in (("positive", 1), ("negative", -1)):
-        curve = envelope(history, sign)
+        curve = pushed.envelope(history, sign)
         if len(curve) and curve["force_n"].max() > 0:
-            sides[name] = bilinear(curve, height)
-    cyclic = pushed_loading(history).cycles > 0
-    return {"wall": history.wall, "solver": history.solver, "motion": history.parameters["loading"]["name"],
-            "status": history.status, "cycles": cycles_table(history).to_dict("records") if cyclic else [],
-            "bilinear": sides, "first_crack_drift": drift_at_first_crack(history), "failure": mode_shares(history),
-            "by_hand_n": hand_capacities(history),
+            sides[name] = pushed.bilinear(curve, height)
+    cyclic = pushed.pushed_loading(history).cycles > 0
+    return {"wall": history.wall, "solver": history.solver, "motion": history.loading.name,
+            "status": history.status, "cycles": pushed.cycles_table(history).to_dict("records") if cyclic else [],
+            "bilinear": sides, "first_crack_drift": pushed.drift_at_first_crack(history),
+            "failure": pushed.mode_shares(history), "by_hand_n": pushed.hand_capacities(history),
             "beside_test": [dict(zip(("figure", "unit", "simulated", "measured"), row))
                             for row in beside_test(history)] if history.wall in SPECIMENS else None}
 
 
 def describe(found):
-    """`figures` as lines for people."""
+    """A `pushed_report` as lines for people."""
     lines = [f"{found['wall']} / {found['motion']} / {found['solver']}: {found['status']}"]
     if found["cycles"]:
         columns = ("amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn", "dissipated_j",

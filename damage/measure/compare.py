@@ -11,10 +11,11 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.history.moments import BREAKS, STATES, state_codes
 from damage.index import THRESHOLD
 from damage.measure.summary import summarise
+from damage.measure.vibration import upward_crossings
 
-STATES = ("intact", "slipped", "opened", "both")
 DIVERGED = 0.01  # of the peak drift: two runs have parted
 
 
@@ -55,17 +56,17 @@ def compare(first, others):
         if history.wall != first.wall or len(history.bodies) != len(first.bodies):
             raise InputError(f"{history.path} is of wall {history.wall} with {len(history.bodies)} bodies, "
                              f"{first.path} of {first.wall} with {len(first.bodies)}; compare runs of one wall")
-    figures = _compare_figures(first, others)
+    numbers = _compare_numbers(first, others)
     drift = compare_drift(first, others[0])
-    judged = [row["agrees"] for row in figures.values()] + [drift["agrees"]]
-    return {"first": str(first.path), "others": [str(other.path) for other in others], "figures": figures,
+    judged = [row["agrees"] for row in numbers.values()] + [drift["agrees"]]
+    return {"first": str(first.path), "others": [str(other.path) for other in others], "figures": numbers,
             "drift": drift, "joints": compare_joints(first, others[0]), "agrees": all(judged)}
 
 
-# --- figures of the whole run -------------------------------------------------------------------
+# --- numbers of the whole run -------------------------------------------------------------------
 
-def figures_of(history):
-    """The figures that TOLERANCES judge, None where a run has none of them."""
+def numbers_of(history):
+    """The numbers that TOLERANCES judge, None where a run has none of them."""
     summary = summarise(history)
     return {"max_drift_ratio": summary["max_drift_ratio"], "cycle_length_s": cycle_length(history.series),
             "period_s": summary["period_s"], "peak_base_shear_n": summary["peak_base_shear_n"],
@@ -76,19 +77,15 @@ def figures_of(history):
 def cycle_length(series):
     """Mean length of the full cycles of the drift in the first shock's rest [s], None without one."""
     rest = series[(series["stage"] == "rest") & (series["shock"] == 1)]
-    time, drift = rest["time_s"].to_numpy(), rest["drift_ratio"].to_numpy()
-    up = np.flatnonzero((drift[:-1] < 0) & (drift[1:] >= 0))
-    if len(up) < 2:
-        return None
-    crossing = time[up] - drift[up] * (time[up + 1] - time[up]) / (drift[up + 1] - drift[up])
-    return float((crossing[-1] - crossing[0]) / (len(crossing) - 1))
+    crossings = upward_crossings(rest["time_s"], rest["drift_ratio"], rearm=0.0)  # every one, ripples too
+    return float((crossings[-1] - crossings[0]) / (len(crossings) - 1)) if len(crossings) > 1 else None
 
 
-def _compare_figures(first, others):
-    mine, theirs = figures_of(first), [figures_of(other) for other in others]
+def _compare_numbers(first, others):
+    mine, theirs = numbers_of(first), [numbers_of(other) for other in others]
     rows = {}
     for name, tolerance in TOLERANCES.items():
-        values = [figures[name] for figures in theirs]
+        values = [numbers[name] for numbers in theirs]
         if mine[name] is None or None in values:
             continue
         median = float(np.median(values))
@@ -122,7 +119,7 @@ def _common_drift(first, second):
     """
     from scipy.interpolate import CubicSpline
 
-    frames = [history.series[history.series["stage"] != "settling"] for history in (first, second)]
+    frames = [history.moving for history in (first, second)]
     end = min(frame["time_s"].iloc[-1] for frame in frames)
     time = frames[0]["time_s"].to_numpy()
     time = time[time <= end]
@@ -132,7 +129,7 @@ def _common_drift(first, second):
 
 
 def _first_break(history):
-    breaks = history.events[history.events["kind"].isin(["tension", "shear"])]
+    breaks = history.events[history.events["kind"].isin(BREAKS)]
     return float(breaks["time_s"].min()) if len(breaks) else np.inf
 
 
@@ -151,13 +148,14 @@ def _lag(time, here, there):
 
 # --- joint by joint -----------------------------------------------------------------------------
 
-def joint_states(history, threshold=THRESHOLD):
+def joints_ever(history, threshold=THRESHOLD):
     """What each joint between two bodies ever did: DataFrame indexed by (first_body, second_body).
 
-    state: index of STATES, slipped by the shear limit; broken: bool; first_break_s (NaN: never);
-    x_m, z_m. Contact points of one pair of bodies are one joint, so that any discretisation will do.
+    state: index of `damage.history.moments.STATES`, slipped by the shear limit, broken alone told by broken: bool;
+    first_break_s (NaN: never); x_m, z_m.  Contact points of one pair of bodies are one joint, so that any
+    discretisation will do.
     """
-    breaks = history.events[history.events["kind"].isin(["tension", "shear"])]
+    breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
     points = pd.DataFrame({
         "opened": (history.opening_m > threshold).any(axis=0), "slipped": history.at_limit.any(axis=0),
@@ -166,13 +164,13 @@ def joint_states(history, threshold=THRESHOLD):
     keys = [history.joints["first_body"], history.joints["second_body"]]
     joints = points.groupby(keys).agg({"opened": "max", "slipped": "max", "broken": "max",
                                        "first_break_s": "min", "x_m": "mean", "z_m": "mean"})
-    joints["state"] = joints["slipped"].astype(int) + 2 * joints["opened"].astype(int)
+    joints["state"] = state_codes(joints["opened"], joints["slipped"])
     return joints
 
 
 def compare_joints(first, second):
     """Agreement on the joints that broke in either run, as numbers."""
-    here, there = joint_states(first), joint_states(second)
+    here, there = joints_ever(first), joints_ever(second)
     either = here["broken"] | there["broken"]
     both = here["broken"] & there["broken"]
     shift = (here["first_break_s"] - there["first_break_s"])[both].dropna()

@@ -16,8 +16,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from damage.checks import check_positive
 from damage.errors import InputError
-from damage.index import THRESHOLD, check_positive
+from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
 from damage.wall.geometry import tributary_ends
 
@@ -110,21 +111,12 @@ def cracks_at(history, sample, threshold=THRESHOLD):
     if not -n_times <= sample < n_times:
         raise InputError(f"sample {sample!r}: expected a whole number from 0 to {n_times - 1}; "
                          "choose one of them")
-    return crack_table(tributary_ends(history.joints), history.opening_m[sample], history.slip_m[sample],
-                       threshold)
+    return crack_table(tributary_ends(history.joints), history.opening_m[sample], history.slip_m[sample], threshold)
 
 
 def psi(table):
     """Psi [-] of a `crack_table`."""
     return float(psi_value(table["crack"].nunique(), mean_width(table["width_m"], table["length_m"])))
-
-
-def by_crack(table):
-    """A row a crack of a `crack_table`: crack, segments, length_m, mean_width_m (c_w), max_width_m."""
-    rows = [{"crack": int(number), "segments": len(part), "length_m": part["length_m"].sum(),
-             "mean_width_m": float(mean_width(part["width_m"], part["length_m"])),
-             "max_width_m": part["width_m"].max()} for number, part in table.groupby("crack")]
-    return pd.DataFrame(rows, columns=["crack", "segments", "length_m", "mean_width_m", "max_width_m"])
 
 
 # --- over time ------------------------------------------------------------------------------------
@@ -177,7 +169,7 @@ def psi_summary(history, threshold=THRESHOLD):
     its end, as in `damage.measure.summary.summarise`.
     """
     over_time = psi_history(history, threshold)
-    figures = {"psi": over_time["psi"], "crack_width_mm": over_time["max_width_m"] / MILLIMETRE}
-    return ({f"max_{name}": float(values.max()) for name, values in figures.items()}
+    measures = {"psi": over_time["psi"], "crack_width_mm": over_time["max_width_m"] / MILLIMETRE}
+    return ({f"max_{name}": float(values.max()) for name, values in measures.items()}
             | {f"residual_{name}": float(values.iloc[-1]) if history.complete else None
-               for name, values in figures.items()})
+               for name, values in measures.items()})

@@ -1,9 +1,9 @@
 """Cycles of the drift, and the index cycle by cycle; `docs/measures.md` defines them for readers of the tables."""
 
-
 import numpy as np
 import pandas as pd
 
+from damage.history.moments import moving
 from damage.index import COMPONENTS
 from damage.measure.vibration import upward_crossings
 
@@ -12,8 +12,8 @@ from damage.measure.vibration import upward_crossings
 
 def last_shock(history):
     """The series of the last shock of a History without its settling stage."""
-    series = history.series
-    return series[(series["shock"] == series["shock"].iloc[-1]) & (series["stage"] != "settling")]
+    last = history.series["shock"].iloc[-1]
+    return history.moving[history.moving["shock"] == last]
 
 
 def cycle_measures(history):
@@ -25,11 +25,11 @@ def cycle_measures(history):
     the motion's period, not the wall's.  None where there is none, and in quasi-static runs.
     """
     names = ("last_cycle_s", "first_free_cycle_s", "period_elongation")
-    if history.parameters["loading"]["kind"] not in ("harmonic", "record"):
+    if not history.loading.shakes_base:
         return dict.fromkeys(names)
     driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
     last, free = driven[-1] if driven else None, free[0] if free else None
-    eigen_period = history.parameters.get("eigen_period_s")
+    eigen_period = history.eigen_period_s
     return dict(zip(names, (last, free, free / eigen_period if free and eigen_period else None)))
 
 
@@ -51,8 +51,15 @@ def _motion_end(series):
 # --- the index cycle by cycle -----------------------------------------------------------------------
 
 CYCLE_COLUMNS = ("shock", "cycle", "kind", "start_s", "end_s", "duration_s", "max_drift_ratio",
-                 *(f"max_{name}" for name in COMPONENTS), "max_DI_slip_shear_limit", "max_DI_shear_limit",
-                 "cumulative_max_DI", "cumulative_max_DI_shear_limit")
+                 *(f"max_{name}" for name in COMPONENTS), "max_shear_limit_DI_slip", "max_shear_limit_DI",
+                 "cumulative_max_DI", "cumulative_max_shear_limit_DI")
+
+
+def index_by_both(history):
+    """The index of a History over time, COMPONENTS with slip by displacement, then what differs by the shear limit."""
+    latched = history.index(slip="shear-limit")
+    return history.index()[list(COMPONENTS)].assign(shear_limit_DI_slip=latched["DI_slip"],
+                                                    shear_limit_DI=latched["DI"])
 
 
 def cycles_table(history):
@@ -62,35 +69,30 @@ def cycles_table(history):
     upward zero crossings of the drift after the motion.  Columns CYCLE_COLUMNS: largest |drift ratio| and
     index within the cycle, and the largest index from the shock's start to the cycle's end.
     """
-    index, latched = history.index(), history.index(slip="shear-limit")
-    values = index[list(COMPONENTS)].assign(
-        DI_slip_shear_limit=latched["DI_slip"], DI_shear_limit=latched["DI"],
-        drift_ratio=history.series["drift_ratio"].abs(), time_s=history.series["time_s"])
+    values = index_by_both(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
+                                           time_s=history.series["time_s"])
     rows = []
     for shock, members in history.series.groupby("shock"):
         mine = values.loc[members.index]
-        for number, (kind, start, end) in enumerate(_cycles(members, history.parameters["loading"]), start=1):
+        for number, (kind, start, end) in enumerate(_cycles(moving(members), history.loading), start=1):
             within = mine[mine["time_s"].between(start, end)].max()
             so_far = mine[mine["time_s"] <= end].max()
             rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
                          "duration_s": end - start}
                         | {f"max_{name}": within[name] for name in values if name != "time_s"}
-                        | {f"cumulative_max_{name}": so_far[name] for name in ("DI", "DI_shear_limit")})
+                        | {f"cumulative_max_{name}": so_far[name] for name in ("DI", "shear_limit_DI")})
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 
 
 def _cycles(series, loading):
-    """(kind, start, end) [s] of the cycles of one shock's series that have been gone through whole."""
-    if loading["kind"] not in ("harmonic", "record", "free_vibration"):
+    """(kind, start, end) [s] of the cycles that have been gone through whole; series: of one shock, without
+    settling."""
+    if loading.drives_top:
         return []
-    moving = series[series["stage"] != "settling"]
-    time_s = moving["time_s"].to_numpy()
-    found = []
-    if loading["kind"] == "harmonic":
-        edges = time_s[0] + loading["period_s"] * np.arange(loading["cycles"] + 1)
-        half_a_sample = 0.5 * (time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)
-        found = [("driven", start, end) for start, end in zip(edges, edges[1:])
-                 if end <= time_s[-1] + half_a_sample]
-    crossings = upward_crossings(time_s, moving["drift_ratio"])
-    crossings = crossings[crossings > _motion_end(moving)] if loading["kind"] != "free_vibration" else crossings
-    return found + [("free", start, end) for start, end in zip(crossings, crossings[1:])]
+    time_s = series["time_s"].to_numpy()
+    edges = time_s[0] + loading.cycle_edges_s
+    half_a_sample = 0.5 * (time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)
+    driven = [("driven", start, end) for start, end in zip(edges, edges[1:]) if end <= time_s[-1] + half_a_sample]
+    crossings = upward_crossings(time_s, series["drift_ratio"])
+    crossings = crossings[crossings > _motion_end(series)] if loading.shakes_base else crossings
+    return driven + [("free", start, end) for start, end in zip(crossings, crossings[1:])]

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from damage.history.moments import is_moving, moving
+
 STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
 DISSIPATED = ("friction_energy_j", "fracture_energy_j", "damping_energy_j")
 
@@ -16,14 +18,18 @@ def imbalance(series):
 def energy_error(series):
     """Largest absolute imbalance over the largest absolute input [-], settling stage excluded.
 
-    In free vibration nothing comes in: the energy of the kick takes the input's place.  None where
-    there is neither, or too few samples.
+    None where nothing came in, or of too few samples.
     """
-    moving = series[series["stage"] != "settling"]
-    if len(moving) < 2:
+    before = moving(series)
+    if len(before) < 2:
         return None
-    scale = max(np.abs(moving["input_energy_j"]).max(), moving["kinetic_energy_j"].iloc[0])
-    return float(np.abs(imbalance(moving)).max() / scale) if scale > 0 else None
+    scale = energy_scale(before)
+    return float(np.abs(imbalance(before)).max() / scale) if scale > 0 else None
+
+
+def energy_scale(series):
+    """What an imbalance is measured by [J]: the largest input or, in free vibration, the energy of the kick."""
+    return max(np.abs(series["input_energy_j"]).max(), series["kinetic_energy_j"].iloc[0])
 
 
 def energy_measures(history):
@@ -35,7 +41,6 @@ def energy_measures(history):
     series = history.series
     friction, fracture, given = (float(series[name].iloc[-1]) for name in (
         "friction_energy_j", "fracture_energy_j", "input_energy_j"))
-    in_motion = (series["stage"] != "settling").to_numpy()
-    damping = float(np.diff(series["damping_energy_j"], prepend=0.0)[in_motion].sum())
+    damping = float(np.diff(series["damping_energy_j"], prepend=0.0)[is_moving(series)].sum())
     return {"input_energy_j": given, "friction_energy_j": friction, "fracture_energy_j": fracture,
             "dissipated_energy_j": friction + fracture, "damping_energy_j": damping}

@@ -20,6 +20,14 @@ class Limits:
     classes: tuple[str, ...]
     source: str
 
+    @property
+    def told(self):
+        """The classes with the bounds between them, and the source."""
+        unit, factor = (" %", 100) if self.measure == "drift" else ("", 1)
+        bounds = [f"{factor * bound:.4g}{unit}" for bound in self.bounds]
+        words = [self.classes[0], *(word for pair in zip(bounds, self.classes[1:]) for word in pair)]
+        return f"{', '.join(words)}; {self.source}"
+
     def classify(self, value):
         """The name of the class of `value`; None of None.
 
@@ -51,6 +59,11 @@ LIMITS = (
            "P. A. Korswagen, dissertation on light damage of masonry, TU Delft: Psi = 1 just visible (0.1 mm), 2 "
            "about 1 mm, 3.5 about 5 mm and the end of light damage, 8 near collapse"),
 )
+
+
+def bound(name, number):
+    """The bound of that number, from 0, of the LIMITS of that name."""
+    return next(limits for limits in LIMITS if limits.name == name).bounds[number]
 
 
 def classes(max_drift_ratio, max_psi):

@@ -8,8 +8,9 @@ import pandas as pd
 from scipy.integrate import trapezoid
 
 from damage.errors import InputError
+from damage.history.moments import PASSINGS
 from damage.index import COMPONENTS, THRESHOLD
-from damage.motion.loading import EASE_S, TopDisplacement
+from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
 from damage.wall.layout import CAP_HEIGHT
 
@@ -25,15 +26,40 @@ ULTIMATE_SHARE = 0.8
 
 def pushed_loading(history):
     """The TopDisplacement of a pushed run; InputError for any other."""
-    loading = history.parameters["loading"]
-    if loading["kind"] not in ("pushover", "cyclic"):
-        raise InputError(f"{history.path} is a run under {loading['name']}; give one of --pushover or --cyclic")
-    return TopDisplacement(tuple(loading["amplitudes_pct"]), loading["cycles"], loading["boundary"],
-                           loading["speed_m_s"])
+    if not history.loading.drives_top:
+        raise InputError(f"{history.path} is a run under {history.loading.name}; give one of --pushover or --cyclic")
+    return history.loading
 
 
 def _force_and_drift(history):
     return history.series["base_shear_n"].to_numpy(), history.series["drift_ratio"].to_numpy()
+
+
+# --- on first loading -------------------------------------------------------------------------------
+
+INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
+"""Shares of the peak force at which the initial and the secant stiffness are taken, on first loading."""
+
+
+def first_loading(history):
+    """Peak force and stiffnesses of a pushed History, None for any other.
+
+    Of the whole run, to whichever side it was pushed first; `bilinear` takes one side's envelope, whose peak and
+    secant differ where the wall is weaker to that side.
+    """
+    names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
+    if not history.loading.drives_top:
+        return dict.fromkeys(names)
+    # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
+    # the base feels less of the jolts of a prescribed top.
+    force, drift = _force_and_drift(history)
+    displacement = history.series["top_displacement_m"].to_numpy()
+    peak = int(np.argmax(np.abs(force)))
+    values = [float(abs(force[peak])), float(abs(drift[peak]))]
+    for share in (INITIAL_SHARE, SECANT_SHARE):
+        first = int(np.argmax(np.abs(force) >= share * values[0]))
+        values.append(float(force[first] / displacement[first]) if displacement[first] != 0 else None)
+    return dict(zip(names, values))
 
 
 # --- the envelope ---------------------------------------------------------------------------------
@@ -52,13 +78,13 @@ def envelope(history, sign=1):
 def bilinear(curve, height):
     """The elastic-plastic line of the same area as an envelope, up to its ultimate drift.
 
-    Elastic stiffness is the secant to 0.7 of the peak, the ultimate drift the last one at which the force is
-    at least 0.8 of it.  height [m] turns drifts into displacements.
+    Elastic stiffness is the secant to SECANT_SHARE of the peak, the ultimate drift the last one at which the force is
+    at least ULTIMATE_SHARE of it.  height [m] turns drifts into displacements.
     Returns stiffness_n_per_m, force_n, ultimate_drift.
     """
     drift, force = (np.concatenate([[0.0], curve[name]]) for name in ("drift_ratio", "force_n"))
     peak = force.max()
-    secant = int(np.argmax(force >= 0.7 * peak))
+    secant = int(np.argmax(force >= SECANT_SHARE * peak))
     stiffness = force[secant] / (drift[secant] * height)
     last = int(np.flatnonzero(force >= ULTIMATE_SHARE * peak)[-1])
     area = trapezoid(force[:last + 1], drift[:last + 1] * height)
@@ -70,7 +96,7 @@ def bilinear(curve, height):
 
 def drift_at_first_crack(history):
     """|Drift ratio| at which the first joint opens or slips by 0.1 mm, None where none does."""
-    visible = history.events[history.events["kind"].isin(["opened", "slipped"])]
+    visible = history.events[history.events["kind"].isin(PASSINGS)]
     if len(visible) == 0:
         return None
     return float(np.interp(visible["time_s"].min(), history.series["time_s"], history.series["drift_ratio"].abs()))
@@ -126,15 +152,15 @@ def hand_capacities(history):
     base.  diagonal: bed joints fail in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t / b
     / (1 + 2 mu h / l) with bricks of l by h and b = 1.5 for a parabola of shear stress.
     """
-    wall, fixed = history.parameters["wall"], pushed_loading(history).boundary == "fixed"
-    brick, joint = wall["brick"], wall["joint"]
-    height, area = history.attributes["height_m"], wall["length"] * brick["thickness"]
-    course = brick["density"] * GRAVITY * area * brick["height"]
-    above, weight = wall["precompression"] * area, course * height / brick["height"]
-    arm, friction = wall["length"] / 2 - brick["length"] / 8, float(np.tan(joint["friction_angle"]))
+    wall, fixed = history.masonry_wall, pushed_loading(history).boundary == "fixed"
+    brick, joint = wall.brick, wall.joint
+    height, area = history.attributes["height_m"], wall.length * brick.thickness
+    course = brick.density * GRAVITY * area * brick.height
+    above, weight = wall.precompression * area, course * height / brick.height
+    arm, friction = wall.length / 2 - brick.length / 8, float(np.tan(joint.friction_angle))
     middle = (above + weight / 2) / area
-    stress = (joint["cohesion"] + friction * middle) / (1 + 2 * friction * brick["height"] / brick["length"])
-    rocking = (2 * above + course + weight) * arm / (height - brick["height"]) if fixed else \
+    stress = (joint.cohesion + friction * middle) / (1 + 2 * friction * brick.height / brick.length)
+    rocking = (2 * above + course + weight) * arm / (height - brick.height) if fixed else \
         (above + weight) * arm / (height + CAP_HEIGHT / 2)
     return {"rocking": rocking, "sliding_top": friction * (above + course),
             "sliding_base": friction * (above + weight), "diagonal": stress * area / 1.5}
@@ -151,15 +177,15 @@ def mode_shares(history, sample=None):
     mode: "flexure" where more is opened than slipped, "shear, diagonal" where a third or more of the slipped length
     lies on stairs, else "shear, sliding"; None where no joint is over the threshold of 0.1 mm.
     """
-    joints, brick = history.joints, history.parameters["wall"]["brick"]
+    joints, brick = history.joints, history.masonry_wall.brick
     if sample is None:
         sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))
     opening, slip = history.opening_m[sample], np.abs(history.slip_m[sample])
     length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
     slipped, opened, risers = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD), ~bed & (opening > THRESHOLD)
     x, z = joints["x_m"].to_numpy(), joints["z_m"].to_numpy()
-    beside = (np.abs(x[slipped, None] - x[risers]) < brick["length"] / 2 * (1 - 1e-6)) \
-        & (np.abs(z[slipped, None] - z[risers]) < brick["height"] / 2 * (1 + 1e-6))
+    beside = (np.abs(x[slipped, None] - x[risers]) < brick.length / 2 * (1 - 1e-6)) \
+        & (np.abs(z[slipped, None] - z[risers]) < brick.height / 2 * (1 + 1e-6))
     stairs = float(length[slipped][beside.any(axis=1)].sum())
     shares = {"drift_ratio": float(history.series["drift_ratio"].iloc[sample]),
               "opened_m": float(length[opened].sum()), "slipped_m": float(length[slipped].sum()),

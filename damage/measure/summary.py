@@ -8,6 +8,7 @@ from damage.measure.cracks import psi_summary
 from damage.measure.cycles import cycle_measures
 from damage.measure.energy import energy_error, energy_measures
 from damage.measure.limits import classes
+from damage.measure.pushed import first_loading
 from damage.measure.vibration import period_of
 
 
@@ -25,7 +26,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
     cracks = psi_summary(history, threshold)
     return {
-        "wall": history.wall, "solver": history.solver, "motion": history.parameters["loading"]["name"],
+        "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
         "slip": slip, "max": _largest(index), "residual": _last(index, history),
         "max_shear_limit": _largest(latched), "residual_shear_limit": _last(latched, history),
@@ -38,40 +39,15 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "energy_error_fraction": None if _infers_damping(history) else energy_error(series),
-        "period_s": period_of(history), **_pushed(history),
+        "period_s": period_of(history), **first_loading(history),
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),
     }
 
 
-INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
-"""Shares of the peak force at which the initial and the secant stiffness are taken, on first loading."""
-
-
 def _infers_damping(history):
     """Whether the damping energy of the motion itself closes the balance: it then tells no error."""
-    return history.solver == "yade" and _is_pushed(history)
-
-
-def _is_pushed(history):
-    return history.parameters["loading"]["kind"] in ("pushover", "cyclic")
-
-
-def _pushed(history):
-    """Peak force and stiffnesses of a quasi-static run, None for any other."""
-    names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
-    if not _is_pushed(history):
-        return dict.fromkeys(names)
-    # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
-    # the base feels less of the jolts of a prescribed top.
-    force = history.series["base_shear_n"].to_numpy()
-    displacement = history.series["top_displacement_m"].to_numpy()
-    peak = int(np.argmax(np.abs(force)))
-    values = [float(abs(force[peak])), float(abs(history.series["drift_ratio"].iloc[peak]))]
-    for share in (INITIAL_SHARE, SECANT_SHARE):
-        first = int(np.argmax(np.abs(force) >= share * values[0]))
-        values.append(float(force[first] / displacement[first]) if displacement[first] != 0 else None)
-    return dict(zip(names, values))
+    return history.solver == "yade" and history.loading.drives_top
 
 
 def _largest(index):

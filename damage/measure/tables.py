@@ -1,75 +1,63 @@
 """Tables of histories as CSV for spreadsheets and scripts; units stand in the column names.
 
-    python3 -m damage.measure.tables run FILE.h5 --out STEM          STEM_index.csv, _events.csv, _joints.csv,
-                                                             _cycles.csv; of a sequence also _shocks.csv
-    python3 -m damage.measure.tables summary FILE.h5 ... --out FILE.csv      one row a history
+`python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, and of a
+sequence _shocks.csv; `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` one row a history.
 """
 
-import argparse
-import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.files import whole_or_nothing
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
-from damage.measure.cycles import cycles_table
+from damage.measure.cycles import cycles_table, index_by_both
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
 
-_PER_COMPONENT = ("max", "residual", "max_shear_limit", "residual_shear_limit")
-
 
 def summary_row(history, run="", point=""):
-    """The key figures of a History as one flat dictionary; `run` names the row, `point` that of a study.
+    """The key numbers of a History as one flat dictionary; `run` names the row, `point` that of a study.
 
     What drove the run and how it was modelled comes first, then `damage.measure.summary.summarise`, its
-    entries per component spread over columns like max_DI_open.  What does not apply is None.
+    entries per component spread over columns like max_DI_open.  What does not apply is None; the columns are those of
+    `damage.measure.columns`.
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
-    figures = summarise(history)
-    del figures["complete"]  # status says it
+    numbers = summarise(history)
+    del numbers["complete"]  # status says it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
-        row[key] = figures.pop(key)
-    row |= _record_columns(history) | _motion_columns(history.parameters) | _model_columns(history.parameters)
-    for key, value in figures.items():
-        if key in _PER_COMPONENT:
+        row[key] = numbers.pop(key)
+    row |= _motion_columns(history) | _model_columns(history)
+    for key, value in numbers.items():
+        if key in ("max", "residual", "max_shear_limit", "residual_shear_limit"):
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
         else:
             row[key] = value
     return row
 
 
-def _record_columns(history):
-    """The record's name, and the horizontal peak acceleration of the motion as it was applied [g]."""
-    motion = history.parameters["loading"]
-    factor = max(abs(one) for one in history.parameters.get("sequence", [1.0]))
-    pga_g = motion.get("amplitude_g", motion.get("pga_g"))
-    if pga_g is None and motion["kind"] == "record":  # of files that do not say it: within a sample of it
-        pga_g, factor = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY, 1.0
-    sa_g = motion.get("sa_0.2_s_g")
-    return {"record": motion.get("horizontal", {}).get("record"), "pga_g": pga_g and pga_g * factor,
-            "sa_0.2_s_g": sa_g and sa_g * max(map(abs, history.parameters.get("sequence", [1.0])))}
+def _motion_columns(history):
+    """What drove the run; accelerations are of the motion as it was applied, at the largest factor of a sequence."""
+    loading, factor = history.loading, max(map(abs, history.sequence))
+    told = loading.as_dict()
+    start, end = told.get("window_s") or (None, None)
+    pga_g = loading.pga_g and loading.pga_g * factor
+    if loading.shakes_base and loading.pga_g is None:  # an older file: within a sample of it
+        pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
+    return {"record": told.get("horizontal", {}).get("record"), "pga_g": pga_g,
+            "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, "motion_period_s": told.get("period_s"),
+            **{name: told.get(name) for name in ("amplitude_g", "cycles", "scale")}, "window_start_s": start,
+            "window_end_s": end, "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
+            "motion_duration_s": told.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
 
 
-def _motion_columns(parameters):
-    motion = parameters["loading"]
-    window = motion.get("window_s") or (None, None)
-    return {"motion_period_s": motion.get("period_s"), "amplitude_g": motion.get("amplitude_g"),
-            "cycles": motion.get("cycles"), "scale": motion.get("scale"), "window_start_s": window[0],
-            "window_end_s": window[1], "vertical": int(motion.get("vertical") is not None),
-            "shocks": len(parameters.get("sequence", [1.0])), "motion_duration_s": motion.get("duration_s"),
-            "rest_s": parameters.get("rest_s")}
-
-
-def _model_columns(parameters):
-    model = parameters.get("model", {})
-    return {**{key: model.get(key) for key in ("lintel", "top", "cells", "contacts", "strength_cov",
-                                           "strength_seed")},
-            **{key: parameters.get(key) for key in ("alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s",
-                                                     "eigen_period_s")}}
+def _model_columns(history):
+    return asdict(history.model) | {name: history.parameters.get(name) for name in (
+        "alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s", "eigen_period_s")}
 
 
 def summary_table(paths):
@@ -78,14 +66,11 @@ def summary_table(paths):
 
 
 def index_table(history):
-    """The damage index over time, with slip by displacement and, `_shear_limit`, by its limit."""
+    """The damage index over time, with slip by displacement and, shear_limit_..., by its limit."""
     table = history.index()
-    latched = history.index(slip="shear-limit")
     table.insert(1, "stage", history.series["stage"].astype(str))
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
-    table["DI_slip_shear_limit"] = latched["DI_slip"]
-    table["DI_shear_limit"] = latched["DI"]
-    return table
+    return table.join(index_by_both(history)[["shear_limit_DI_slip", "shear_limit_DI"]])
 
 
 def shocks_table(history):
@@ -94,18 +79,14 @@ def shocks_table(history):
 
     Residual values are those of the last sample of its settling stage, empty where it has none.
     """
-    index, series = history.index(), history.series
-    latched = history.index(slip="shear-limit")[["DI_slip", "DI"]].add_suffix("_shear_limit")
-    index = index.join(latched)
-    factors = history.parameters.get("sequence", [1.0])
-    rows = []
-    for shock, members in series.groupby("shock"):
+    index, rows = index_by_both(history), []
+    for shock, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
-        row = {"shock": shock, "factor": factors[shock - 1], "start_s": members["time_s"].iloc[0],
+        row = {"shock": shock, "factor": history.sequence[shock - 1], "start_s": members["time_s"].iloc[0],
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
         mine = index.loc[members.index]
-        for name in (*COMPONENTS, *latched):
+        for name in index:
             row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
         rows.append(row)
     return pd.DataFrame(rows)
@@ -149,11 +130,8 @@ def write_run_tables(history, stem, names=RUN_TABLES):
 
 def write_table(table, path):
     """Write a DataFrame as CSV, numbers with nine digits; returns the path."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        table.to_csv(path, index=False, float_format="%.9g")
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}; choose another --out") from error
+    with whole_or_nothing(path) as unfinished:
+        table.to_csv(unfinished, index=False, float_format="%.9g")
     return path
 
 
@@ -166,29 +144,5 @@ def describe_table(table):
     for _, row in table.iterrows():
         status = row["status"] + (f", collapsed at {row['collapsed_at_s']:.2f} s"
                                   if pd.notna(row["collapsed_at_s"]) else "")
-        lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns)
-                     + f"  {status}")
+        lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns) + f"  {status}")
     return "\n".join(lines)
-
-
-def main(arguments=None):
-    """Run one command; returns the exit status: 0 done, 2 bad input."""
-    parser = argparse.ArgumentParser(prog="python3 -m damage.measure.tables", description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("run", "summary"))
-    parser.add_argument("histories", nargs="+", type=Path, metavar="FILE.h5")
-    parser.add_argument("--out", type=Path, required=True, metavar="STEM or FILE.csv")
-    parsed = parser.parse_args(arguments)
-    try:
-        if parsed.what == "summary":
-            write_table(summary_table(parsed.histories), parsed.out)
-        else:
-            for path in parsed.histories:
-                write_run_tables(read_history(path), parsed.out)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

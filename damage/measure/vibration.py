@@ -29,10 +29,9 @@ def upward_crossings(time_s, value, rearm=REARM):
 
 def period_of(history):
     """Natural period [s] of a free-vibration run, None for any other."""
-    if history.parameters["loading"]["kind"] != "free_vibration":
+    if not history.loading.initial_velocity_m_s:
         return None
-    moving = history.series[history.series["stage"] != "settling"]
-    return natural_period(moving["time_s"].to_numpy(), moving["drift_ratio"].to_numpy())
+    return natural_period(history.moving["time_s"].to_numpy(), history.moving["drift_ratio"].to_numpy())
 
 
 def natural_period(time_s, displacement):

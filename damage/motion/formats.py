@@ -3,7 +3,6 @@
 import hashlib
 import io
 import math
-import os
 import re
 import warnings
 from dataclasses import replace
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from damage.errors import InputError
-from damage.files import DATA
+from damage.files import DATA, write_text
 from damage.motion.record import Record, _shown, _utc
 from damage.units import GRAVITY
 
@@ -78,15 +77,7 @@ def write_csv(record: Record, path, comments=()) -> Path:
     """
     rows = (f"{t:.4f},{a:.6e}" for t, a in zip(record.time_s, record.acceleration_m_s2, strict=True))
     lines = [*(f"# {comment}" for comment in comments), "time_s,acc_m_s2", *rows]
-    unfinished = Path(path).with_name(f".{Path(path).name}.{os.getpid()}.tmp")
-    try:
-        unfinished.write_text("\n".join(lines) + "\n")
-        os.replace(unfinished, path)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}; choose another place") from error
-    finally:
-        unfinished.unlink(missing_ok=True)
-    return Path(path)
+    return write_text(path, "\n".join(lines) + "\n")
 
 
 def _read_csv(path, lines: list[str]) -> Record:
@@ -131,19 +122,15 @@ def _uniform_step(path, line_numbers: list[int], time_s: np.ndarray) -> float:
     steps = np.diff(time_s)
     if (steps <= 0).any():
         k = int(np.argmax(steps <= 0))
-        raise InputError(
-            f"{path}: line {line_numbers[k + 1]}: time {time_s[k + 1]:g} s after {time_s[k]:g} s;"
-            " expected times that increase, sort the rows"
-        )
+        raise InputError(f"{path}: line {line_numbers[k + 1]}: time {time_s[k + 1]:g} s after {time_s[k]:g} s;"
+                         " expected times that increase, sort the rows")
     step = (time_s[-1] - time_s[0]) / steps.size
     off_grid = np.abs(time_s - time_s[0] - step * np.arange(time_s.size))
     if off_grid.max() > TIME_TOLERANCE * step:
         usual = np.median(steps)
         k = int(np.argmax(np.abs(steps - usual)))
-        raise InputError(
-            f"{path}: line {line_numbers[k + 1]}: a step of {steps[k]:g} s among {usual:g} s;"
-            f" expected uniform times within {TIME_TOLERANCE:.0%} of the step, resample the record"
-        )
+        raise InputError(f"{path}: line {line_numbers[k + 1]}: a step of {steps[k]:g} s among {usual:g} s;"
+                         f" expected uniform times within {TIME_TOLERANCE:.0%} of the step, resample the record")
     # twelve digits: the 0.01 s that was meant, not the nearest double of 0.29 s / 29
     return float(f"{step:.12g}")
 
@@ -161,9 +148,7 @@ def _read_at2(path, lines: list[str]) -> Record:
     values = [value for i, line in enumerate(lines[4:], 5) for value in _numbers(path, i, line)]
     count, step_s = found
     if len(values) != count:
-        raise InputError(
-            f"{path}: {len(values)} values; expected the NPTS = {count} of line 4, fetch it anew"
-        )
+        raise InputError(f"{path}: {len(values)} values; expected the NPTS = {count} of line 4, fetch it anew")
     return Record(Path(path).stem, step_s, np.array(values) * GRAVITY, "", str(path))
 
 
@@ -185,10 +170,8 @@ def _read_miniseed(path, data: bytes, response) -> Record:
     counts = trace.data.astype(np.float64)
     quiet = round(QUIET_S / trace.stats.delta)
     if counts.size < quiet:
-        raise InputError(
-            f"{path}: {counts.size} samples; expected {quiet} or more, as the mean of the first"
-            f" {QUIET_S:g} s is the instrument's offset"
-        )
+        raise InputError(f"{path}: {counts.size} samples; expected {quiet} or more, as the mean of the first"
+                         f" {QUIET_S:g} s is the instrument's offset")
     acceleration = (counts - counts[:quiet].mean()) / sensitivity
     start_utc = str(trace.stats.starttime)
     return Record(trace.id, trace.stats.delta, acceleration, start_utc, str(path))
@@ -201,10 +184,8 @@ def _obspy(path):
             warnings.simplefilter("ignore")  # obspy's own deprecations are not the user's
             import obspy
     except ImportError:
-        raise InputError(
-            f"{path}: miniSEED is read with obspy, which is missing;"
-            " run pip install obspy (the extra masonry-damage[obspy]) or give the record as CSV"
-        ) from None
+        raise InputError(f"{path}: miniSEED is read with obspy, which is missing;"
+                         " run pip install obspy (the extra masonry-damage[obspy]) or give the record as CSV") from None
     return obspy
 
 
@@ -213,42 +194,32 @@ def _only_trace(obspy, path, data: bytes):
     try:
         stream = obspy.read(io.BytesIO(data), format="MSEED").merge(method=-1)
     except Exception as error:  # obspy lets errors of several libraries through
-        raise InputError(
-            f"{path}: obspy says {_shown(error)}; expected miniSEED, fetch the file anew"
-        ) from error
+        raise InputError(f"{path}: obspy says {_shown(error)}; expected miniSEED, fetch the file anew") from error
     components = sorted({trace.id for trace in stream})
     if len(components) != 1:
         raise InputError(f"{path}: holds {', '.join(components)}; expected one a file, split it")
     if len(stream) != 1:
         before, after = stream.get_gaps()[0][4:6]
-        raise InputError(
-            f"{path}: gap or overlap between {before} and {after};"
-            " expected an unbroken record, cut the file to one side of it"
-        )
+        raise InputError(f"{path}: gap or overlap between {before} and {after};"
+                         " expected an unbroken record, cut the file to one side of it")
     return stream[0]
 
 
 def _sensitivity(obspy, station_xml: Path, trace) -> float:
     """Overall sensitivity of the trace's instrument [counts per m/s2]."""
     if not station_xml.is_file():
-        raise InputError(
-            f"{station_xml}: no such file; expected the StationXML of {trace.id} there,"
-            " or another path given as response"
-        )
+        raise InputError(f"{station_xml}: no such file; expected the StationXML of {trace.id} there,"
+                         " or another path given as response")
     try:
         inventory = obspy.read_inventory(io.BytesIO(station_xml.read_bytes()))
         found = inventory.get_response(trace.id, trace.stats.starttime).instrument_sensitivity
     except Exception as error:  # obspy raises a bare Exception where no channel matches
-        raise InputError(
-            f"{station_xml}: obspy says {_shown(error)};"
-            f" expected the StationXML of {trace.id} at {trace.stats.starttime}"
-        ) from error
+        raise InputError(f"{station_xml}: obspy says {_shown(error)};"
+                         f" expected the StationXML of {trace.id} at {trace.stats.starttime}") from error
     units = str(found.input_units).upper() if found and found.value else "no sensitivity"
     if units not in ACCELERATION_UNITS:
-        raise InputError(
-            f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
-            " in counts per M/S**2, give an acceleration channel"
-        )
+        raise InputError(f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
+                         " in counts per M/S**2, give an acceleration channel")
     return found.value
 
 

@@ -46,15 +46,11 @@ def arias_m_s(record: Record) -> float:
     return math.pi / (2 * GRAVITY) * float(_squared_acceleration_integral(record)[-1])
 
 
-def significant_duration_s(
-    record: Record, start_fraction: float = 0.05, end_fraction: float = 0.75
-) -> float:
+def significant_duration_s(record: Record, start_fraction: float = 0.05, end_fraction: float = 0.75) -> float:
     """Time between two fractions of the Arias intensity, linear between samples [s]."""
     if not 0 <= start_fraction < end_fraction <= 1:
-        raise InputError(
-            f"fractions {start_fraction!r} and {end_fraction!r} of the Arias intensity;"
-            " expected 0 <= start < end <= 1, such as 0.05 and 0.75"
-        )
+        raise InputError(f"fractions {start_fraction!r} and {end_fraction!r} of the Arias intensity;"
+                         " expected 0 <= start < end <= 1, such as 0.05 and 0.75")
     integral = _squared_acceleration_integral(record)
     if integral[-1] == 0:
         raise InputError(f"{record.name}: no motion, all samples are 0; expected some to measure")
@@ -65,9 +61,7 @@ def significant_duration_s(
 
 def _squared_acceleration_integral(record: Record) -> np.ndarray:
     """Running integral of the squared acceleration, trapezoidal, (n_samples,) [m2/s3]."""
-    return integrate.cumulative_trapezoid(
-        record.acceleration_m_s2**2, dx=record.time_step_s, initial=0.0
-    )
+    return integrate.cumulative_trapezoid(record.acceleration_m_s2**2, dx=record.time_step_s, initial=0.0)
 
 
 def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.ndarray:
@@ -90,9 +84,7 @@ def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.nd
 
 def _pseudo_acceleration(record: Record, period_s: float, damping: float) -> float:
     """Peak displacement of one oscillator times its squared angular frequency [g]."""
-    response = oscillator_response(
-        record.acceleration_m_s2, record.time_step_s, period_s, damping
-    )
+    response = oscillator_response(record.acceleration_m_s2, record.time_step_s, period_s, damping)
     return float(np.abs(response).max()) / GRAVITY
 
 
@@ -114,9 +106,7 @@ def oscillator_response(
     start = acceleration_m_s2[:-1]
     change = np.diff(acceleration_m_s2)
     phi0, phi1 = _ramp_weights(pole * time_step_s, time_step_s)
-    state = signal.lfilter(
-        [1.0], [1.0, -np.exp(pole * time_step_s)], -(start * phi0 + change * phi1)
-    )
+    state = signal.lfilter([1.0], [1.0, -np.exp(pole * time_step_s)], -(start * phi0 + change * phi1))
     state = np.concatenate(([0.0], state[:-1]))  # (n_samples - 1,) at the start of each step
     instants = math.ceil(POINTS_PER_PERIOD * time_step_s / period_s)
     response = np.empty((instants, start.size))
@@ -153,3 +143,10 @@ def summary(record: Record) -> dict:
         "d5_95_s": significant_duration_s(filtered, 0.05, 0.95),
         "sa_g": {str(t): float(g) for t, g in zip(SPECTRUM_PERIODS_S, spectrum_g, strict=True)},
     }
+
+
+def describe(measures: dict) -> str:
+    """A `summary` as lines for people."""
+    lines = [f"{name:12s}{value:10.4f}" for name, value in measures.items() if name != "sa_g"]
+    return "\n".join([*lines, *(f"sa_g({period} s){value:>{19 - len(period) - 5}.4f}"
+                                for period, value in measures["sa_g"].items())])

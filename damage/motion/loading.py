@@ -1,54 +1,63 @@
 """What drives a run: a harmonic base motion, a record, or a push into free vibration.
 
-Each loading has a `name` fit for a file name, the `duration_s` of its driven part, `preferred_step_s`,
-`base_acceleration` and `describe`, and says what it does: `shakes_base`, `drives_top`, and the
-`initial_velocity_m_s` of the wall's top in its first mode [m/s].
+Each is a `Loading` with a `name` fit for a file name; `as_dict` is what a history keeps of it, `loading_from_dict`
+makes the record again.
 """
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
+from damage.checks import check_choice, check_not_negative, check_number, check_positive, check_whole, record_from
 from damage.errors import InputError
+from damage.motion import record as prepare
 from damage.motion.intensity import pga_g, response_spectrum
-from damage.motion.record import (
-    Record,
-    band_passed,
-    baseline_corrected,
-    scaled,
-    start_difference_s,
-    steps_per_sample,
-    whole_steps,
-    windowed,
-)
+from damage.motion.record import Record
 from damage.units import GRAVITY
 
 
+class Loading:
+    """What all loadings tell, as it is where nothing moves the base or the top.
+
+    shakes_base, drives_top: whether it does; initial_velocity_m_s: of the wall's top in its first mode at time zero
+    [m/s]; duration_s: of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
+    pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where not told.
+    """
+
+    shakes_base, drives_top, initial_velocity_m_s, duration_s = False, False, 0.0, 0.0
+    cycle_edges_s = np.zeros(0)
+    pga_g = sa_02_s_g = None
+
+    def preferred_step_s(self, max_step_s: float) -> float:
+        """The time step that fits the motion, at most max_step [s]."""
+        return max_step_s
+
+    def base_acceleration(self, time_s) -> np.ndarray:
+        """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s]."""
+        return np.zeros((np.size(time_s), 2))
+
+
 @dataclass(frozen=True)
-class Harmonic:
+class Harmonic(Loading):
     """Horizontal base acceleration: a sine from zero, a whole number of cycles.
 
-    period_s: period [s].
-    amplitude_g: amplitude [g].
-    cycles: number of cycles.
+    period_s [s]; amplitude_g [g]; cycles: how many.
     """
 
     period_s: float
     amplitude_g: float
     cycles: int = 3
-    shakes_base, drives_top, initial_velocity_m_s = True, False, 0.0
+    shakes_base: ClassVar[bool] = True
 
     def __post_init__(self):
-        if not (math.isfinite(self.period_s) and self.period_s > 0):
-            raise InputError(f"harmonic period {self.period_s!r} s; expected a positive number")
-        if not (math.isfinite(self.amplitude_g) and self.amplitude_g >= 0):
-            raise InputError(f"harmonic amplitude {self.amplitude_g!r} g; expected 0 or more")
-        if not (math.isfinite(self.cycles) and self.cycles == int(self.cycles) >= 1):
-            raise InputError(f"{self.cycles!r} cycles; expected a whole number, 1 or more")
+        check_positive("harmonic period [s]", self.period_s)
+        check_not_negative("harmonic amplitude [g]", self.amplitude_g)
+        check_whole("cycles", self.cycles, 1)
 
     @property
     def name(self) -> str:
@@ -60,10 +69,18 @@ class Harmonic:
         """Time of the last cycle's end [s]."""
         return self.cycles * self.period_s
 
+    @property
+    def cycle_edges_s(self) -> np.ndarray:
+        return self.period_s * np.arange(self.cycles + 1)
+
+    @property
+    def pga_g(self) -> float:
+        return self.amplitude_g
+
     def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings the sine's peaks onto steps [s]."""
         quarter_s = self.period_s / 4
-        return quarter_s / whole_steps(quarter_s, max_step_s)
+        return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s]."""
@@ -72,20 +89,15 @@ class Harmonic:
         driven = (time_s >= 0) & (time_s <= self.duration_s)
         return np.column_stack((np.where(driven, sine, 0.0), np.zeros_like(time_s)))
 
-    def describe(self) -> dict:
+    def as_dict(self) -> dict:
         """Everything that defines the motion, fit for JSON."""
-        return {
-            "kind": "harmonic",
-            "name": self.name,
-            "period_s": float(self.period_s),
-            "amplitude_g": float(self.amplitude_g),
-            "cycles": int(self.cycles),
-            "duration_s": float(self.duration_s),
-        }
+        return {"kind": "harmonic", "name": self.name, "period_s": float(self.period_s),
+                "amplitude_g": float(self.amplitude_g), "cycles": int(self.cycles),
+                "duration_s": float(self.duration_s)}
 
 
 @dataclass(frozen=True)
-class Recorded:
+class Recorded(Loading):
     """Base acceleration of a record, after baseline, band-pass, window and scale, in this order.
 
     record: horizontal component.
@@ -102,7 +114,7 @@ class Recorded:
     vertical: Record | None = None
     baseline_order: int | None = None
     band_hz: tuple[float, float] | None = None
-    shakes_base, drives_top, initial_velocity_m_s = True, False, 0.0
+    shakes_base: ClassVar[bool] = True
 
     def __post_init__(self):
         for key in ("window_s", "band_hz"):
@@ -121,12 +133,12 @@ class Recorded:
     def _prepared(self, record: Record) -> Record:
         """Filters before the window: they need the quiet parts on both sides."""
         if self.baseline_order is not None:
-            record = baseline_corrected(record, self.baseline_order)
+            record = prepare.baseline_corrected(record, self.baseline_order)
         if self.band_hz is not None:
-            record = band_passed(record, *self.band_hz)
+            record = prepare.band_passed(record, *self.band_hz)
         if self.window_s is not None:
-            record = windowed(record, *self.window_s)
-        return scaled(record, self.scale)
+            record = prepare.windowed(record, *self.window_s)
+        return prepare.scaled(record, self.scale)
 
     @property
     def name(self) -> str:
@@ -148,7 +160,7 @@ class Recorded:
 
     def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings every sample onto a step [s]."""
-        return self.record.time_step_s / steps_per_sample(self.record, max_step_s)
+        return self.record.time_step_s / prepare.steps_per_sample(self.record, max_step_s)
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s].
@@ -158,42 +170,64 @@ class Recorded:
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         acceleration = np.zeros((time_s.size, 2))
         for column, part in enumerate(self.motion):
-            acceleration[:, column] = np.interp(
-                time_s, part.time_s, part.acceleration_m_s2, left=0.0, right=0.0
-            )
+            acceleration[:, column] = np.interp(time_s, part.time_s, part.acceleration_m_s2, left=0.0, right=0.0)
         return acceleration
 
-    def describe(self) -> dict:
-        """Everything that defines the motion, fit for JSON."""
-        return {
-            "kind": "record",
-            "name": self.name,
-            "horizontal": _origin(self.record),
-            "vertical": None if self.vertical is None else _origin(self.vertical),
-            "time_step_s": float(self.record.time_step_s),
-            "scale": float(self.scale),
-            "pga_g": pga_g(self.motion[0]),
-            "sa_0.2_s_g": float(response_spectrum(self.motion[0], [0.2])[0]),
-            "window_s": _floats(self.window_s),
-            "baseline_order": None if self.baseline_order is None else int(self.baseline_order),
-            "band_hz": _floats(self.band_hz),
-            "duration_s": float(self.duration_s),
-        }
+    def as_dict(self) -> dict:
+        """Everything that defines the motion but the samples, fit for JSON."""
+        return RecordedMotion(
+            name=self.name, horizontal=_origin(self.record),
+            vertical=None if self.vertical is None else _origin(self.vertical),
+            time_step_s=float(self.record.time_step_s), scale=float(self.scale), pga_g=pga_g(self.motion[0]),
+            sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]), window_s=_floats(self.window_s),
+            baseline_order=None if self.baseline_order is None else int(self.baseline_order),
+            band_hz=_floats(self.band_hz), duration_s=float(self.duration_s)).as_dict()
 
 
 @dataclass(frozen=True)
-class FreeVibration:
+class RecordedMotion(Loading):
+    """What a history keeps of a `Recorded`: all but the samples, which stay in the record's file.
+
+    horizontal, vertical: {"record": its name, "file": without its folder, "sha256", "start_utc"} of the components;
+    time_step_s: of the record [s]; pga_g, sa_02_s_g: of the motion as it was used [g]; the rest as in `Recorded`.
+    None is what an older file does not say.
+    """
+
+    name: str
+    horizontal: dict = field(default_factory=dict)
+    vertical: dict | None = None
+    time_step_s: float | None = None
+    scale: float | None = None
+    pga_g: float | None = None
+    sa_02_s_g: float | None = None
+    window_s: tuple[float, float] | None = None
+    baseline_order: int | None = None
+    band_hz: tuple[float, float] | None = None
+    duration_s: float | None = None
+    shakes_base: ClassVar[bool] = True
+
+    def unscaled(self, record: Record) -> Record:
+        """The horizontal component as it was prepared, at scale 1, made from its record."""
+        return Recorded(record, window_s=self.window_s, baseline_order=self.baseline_order,
+                        band_hz=self.band_hz).motion[0]
+
+    def as_dict(self) -> dict:
+        """The table of which `loading_from_dict` makes this again, fit for JSON."""
+        table = {"kind": "record", **asdict(self)}
+        return table | {"sa_0.2_s_g": table.pop("sa_02_s_g")}
+
+
+@dataclass(frozen=True)
+class FreeVibration(Loading):
     """No base motion: the wall starts with a velocity in the shape of its first mode.
 
     top_velocity_m_s: velocity of the wall's top [m/s].
     """
 
     top_velocity_m_s: float = 1e-3
-    shakes_base, drives_top = False, False
 
     def __post_init__(self):
-        if not (math.isfinite(self.top_velocity_m_s) and self.top_velocity_m_s > 0):
-            raise InputError(f"top velocity {self.top_velocity_m_s!r} m/s; expected above 0")
+        check_positive("top velocity [m/s]", self.top_velocity_m_s)
 
     @property
     def name(self) -> str:
@@ -205,27 +239,10 @@ class FreeVibration:
         """Of the top at time zero [m/s]."""
         return self.top_velocity_m_s
 
-    @property
-    def duration_s(self) -> float:
-        """Nothing is driven [s]."""
-        return 0.0
-
-    def preferred_step_s(self, max_step_s: float) -> float:
-        """The largest step itself [s]."""
-        return max_step_s
-
-    def base_acceleration(self, time_s) -> np.ndarray:
-        """Zeros, (n, 2) [m/s2], at times (n,) [s]."""
-        return np.zeros((np.size(time_s), 2))
-
-    def describe(self) -> dict:
+    def as_dict(self) -> dict:
         """Everything that defines the motion, fit for JSON."""
-        return {
-            "kind": "free_vibration",
-            "name": self.name,
-            "top_velocity_m_s": float(self.top_velocity_m_s),
-            "duration_s": self.duration_s,
-        }
+        return {"kind": "free_vibration", "name": self.name, "top_velocity_m_s": float(self.top_velocity_m_s),
+                "duration_s": self.duration_s}
 
 
 BOUNDARIES = ("cantilever", "fixed")
@@ -235,7 +252,7 @@ so that it does not make the wall vibrate."""
 
 
 @dataclass(frozen=True)
-class TopDisplacement:
+class TopDisplacement(Loading):
     """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the base
     stands still.
 
@@ -251,38 +268,24 @@ class TopDisplacement:
     boundary: str = "cantilever"
     speed_m_s: float = 5e-3
     local_damping: float = 0.7
-    shakes_base, drives_top, initial_velocity_m_s = False, True, 0.0
+    drives_top: ClassVar[bool] = True
 
     def __post_init__(self):
-        if not self.amplitudes_pct or not all(math.isfinite(a) and a > 0 for a in self.amplitudes_pct):
-            raise InputError(f"drifts {self.amplitudes_pct!r} %; expected positive numbers")
-        if self.cycles != int(self.cycles) or self.cycles < 0:
-            raise InputError(f"{self.cycles!r} cycles; expected a whole number, 0 or more")
-        if self.boundary not in BOUNDARIES:
-            raise InputError(f"boundary {self.boundary!r}; expected one of {', '.join(BOUNDARIES)}")
-        if not (math.isfinite(self.speed_m_s) and self.speed_m_s > 0):
-            raise InputError(f"speed {self.speed_m_s!r} m/s; expected above 0")
-        if not 0 <= self.local_damping <= 0.7:
-            raise InputError(f"local damping {self.local_damping!r}; expected 0 to 0.7, for which steps are stable")
+        if not self.amplitudes_pct:
+            raise InputError("no drift to push the top to; expected one or more [%]; give some")
+        for drift in self.amplitudes_pct:
+            check_positive("drift [%]", drift)
+        check_whole("cycles", self.cycles)
+        check_choice("boundary", self.boundary, BOUNDARIES)
+        check_positive("speed [m/s]", self.speed_m_s)
+        check_number("local damping", self.local_damping, "a number from 0 to 0.7, for which steps are stable",
+                     lambda value: 0 <= value <= 0.7)
 
     @property
     def name(self) -> str:
         drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
         kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
         return f"{kind}_{self.boundary}"
-
-    @property
-    def duration_s(self) -> float:
-        """The base does not move [s]."""
-        return 0.0
-
-    def preferred_step_s(self, max_step_s: float) -> float:
-        """The largest step itself [s]."""
-        return max_step_s
-
-    def base_acceleration(self, time_s) -> np.ndarray:
-        """Zeros, (n, 2) [m/s2], at times (n,) [s]."""
-        return np.zeros((np.size(time_s), 2))
 
     def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion turns round, for a wall of that height [m]."""
@@ -321,21 +324,25 @@ class TopDisplacement:
         times = np.cumsum(np.column_stack([moves, np.full(len(moves), EASE_S)]))
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
-    def describe(self) -> dict:
+    def as_dict(self) -> dict:
         """Everything that defines the motion, fit for JSON."""
-        return {
-            "kind": "pushover" if self.cycles == 0 else "cyclic",
-            "name": self.name,
-            "amplitudes_pct": [float(a) for a in self.amplitudes_pct],
-            "cycles": int(self.cycles),
-            "boundary": self.boundary,
-            "speed_m_s": float(self.speed_m_s),
-            "ease_s": EASE_S,
-            "local_damping": float(self.local_damping),
-        }
+        return {"kind": "cyclic" if self.cycles else "pushover", "name": self.name,
+                "amplitudes_pct": [float(a) for a in self.amplitudes_pct], "cycles": int(self.cycles),
+                "boundary": self.boundary, "speed_m_s": float(self.speed_m_s), "ease_s": EASE_S,
+                "local_damping": float(self.local_damping)}
 
 
-Loading = Harmonic | Recorded | FreeVibration | TopDisplacement
+_KINDS = {"harmonic": Harmonic, "record": RecordedMotion, "free_vibration": FreeVibration,
+          "pushover": TopDisplacement, "cyclic": TopDisplacement}
+
+
+def loading_from_dict(table: dict) -> Loading:
+    """The record of which a loading's `as_dict` made the table; of a recorded motion all but its samples."""
+    if table.get("kind") not in _KINDS:
+        raise InputError(f"a loading of kind {table.get('kind')!r}: expected one of {', '.join(_KINDS)}; a later "
+                         "version wrote it, update the software")
+    table = {"sa_02_s_g" if name == "sa_0.2_s_g" else name: value for name, value in table.items()}
+    return record_from(_KINDS[table["kind"]], table, derived=("kind", "name", "duration_s", "ease_s"))
 
 
 def _check_simultaneous(record: Record, vertical: Record) -> None:
@@ -343,12 +350,10 @@ def _check_simultaneous(record: Record, vertical: Record) -> None:
     kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, vertical)]
     mend = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
     if kinds[0] != kinds[1]:
-        raise InputError(
-            f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
-            f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {mend}"
-        )
+        raise InputError(f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
+                         f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {mend}")
     if record.start_utc and vertical.start_utc:
-        late_s = start_difference_s(vertical, record)
+        late_s = prepare.start_difference_s(vertical, record)
         if abs(late_s) > 0.5 * record.time_step_s:
             raise InputError(f"{vertical.name} starts {late_s:g} s after {record.name}; {mend}")
 

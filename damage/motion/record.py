@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 from scipy import signal
 
+from damage.checks import check_number, check_positive
 from damage.errors import InputError
 
 
@@ -31,20 +32,15 @@ class Record:
 
     def __post_init__(self):
         where = self.source or self.name or "record"
-        if not (math.isfinite(self.time_step_s) and self.time_step_s > 0):
-            raise InputError(f"{where}: time step {self.time_step_s!r} s; expected above 0")
+        check_positive(f"{where}: time step [s]", self.time_step_s)
         acceleration = np.array(self.acceleration_m_s2, dtype=np.float64)
         if acceleration.ndim != 1 or acceleration.size < 2:
-            raise InputError(
-                f"{where}: acceleration of shape {acceleration.shape};"
-                " expected one column of at least 2 samples"
-            )
+            raise InputError(f"{where}: acceleration of shape {acceleration.shape};"
+                             " expected one column of at least 2 samples")
         finite = np.isfinite(acceleration)
         if not finite.all():
-            raise InputError(
-                f"{where}: sample {np.argmin(finite)} is {acceleration[np.argmin(finite)]};"
-                " expected finite numbers, fill or cut the gap"
-            )
+            raise InputError(f"{where}: sample {np.argmin(finite)} is {acceleration[np.argmin(finite)]};"
+                             " expected finite numbers, fill or cut the gap")
         acceleration.setflags(write=False)
         object.__setattr__(self, "acceleration_m_s2", acceleration)
         object.__setattr__(self, "start_utc", _utc(self.start_utc, 0.0, where))
@@ -62,8 +58,7 @@ class Record:
 
 def scaled(record: Record, factor: float) -> Record:
     """The record times a factor; a negative one turns its direction."""
-    if not math.isfinite(factor):
-        raise InputError(f"scale factor {factor!r}; expected a finite number such as 1.5")
+    check_number("scale factor", factor)
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
 
 
@@ -71,17 +66,13 @@ def windowed(record: Record, t0_s: float, t1_s: float) -> Record:
     """The samples nearest to t0 up to those nearest to t1, both included; time restarts at 0."""
     # half a step of room: an end that rounds to the last sample is inside
     if not 0 <= t0_s < t1_s <= record.duration_s + 0.5 * record.time_step_s:
-        raise InputError(
-            f"window {t0_s!r} to {t1_s!r} s; expected 0 <= start < end"
-            f" within the {record.duration_s:g} s of {record.name}"
-        )
+        raise InputError(f"window {t0_s!r} to {t1_s!r} s; expected 0 <= start < end"
+                         f" within the {record.duration_s:g} s of {record.name}")
     first, last = (round(t / record.time_step_s) for t in (t0_s, t1_s))
     last = min(last, record.acceleration_m_s2.size - 1)
     if first >= last:
-        raise InputError(
-            f"window {t0_s!r} to {t1_s!r} s holds one sample of {record.name};"
-            f" expected more than its time step of {record.time_step_s:g} s"
-        )
+        raise InputError(f"window {t0_s!r} to {t1_s!r} s holds one sample of {record.name};"
+                         f" expected more than its time step of {record.time_step_s:g} s")
     start_utc = _utc(record.start_utc, first * record.time_step_s, record.name)
     cut = record.acceleration_m_s2[first : last + 1]
     return replace(record, acceleration_m_s2=cut, start_utc=start_utc)
@@ -93,10 +84,8 @@ def aligned_with(record: Record, reference: Record) -> Record:
     spare_s = record.duration_s - reference.duration_s
     half_step_s = 0.5 * record.time_step_s
     if not -half_step_s < early_s < spare_s + half_step_s:
-        raise InputError(
-            f"{record.name} starts {early_s:g} s before {reference.name} and is {spare_s:g} s"
-            f" longer; expected it to cover the other, cut {reference.name} with windowed() first"
-        )
+        raise InputError(f"{record.name} starts {early_s:g} s before {reference.name} and is {spare_s:g} s"
+                         f" longer; expected it to cover the other, cut {reference.name} with windowed() first")
     early_s = max(early_s, 0.0)
     return windowed(record, early_s, early_s + reference.duration_s)
 
@@ -112,10 +101,8 @@ def start_difference_s(record: Record, other: Record) -> float:
 def baseline_corrected(record: Record, order: int = 1) -> Record:
     """The record minus its least-squares polynomial of the given order (0: minus the mean)."""
     if order not in range(min(10, record.acceleration_m_s2.size)):
-        raise InputError(
-            f"baseline order {order!r} for {record.acceleration_m_s2.size} samples;"
-            " expected a whole number from 0 to 9 and below the number of samples"
-        )
+        raise InputError(f"baseline order {order!r} for {record.acceleration_m_s2.size} samples;"
+                         " expected a whole number from 0 to 9 and below the number of samples")
     fit = np.polynomial.Polynomial.fit(record.time_s, record.acceleration_m_s2, int(order))
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 - fit(record.time_s))
 
@@ -128,20 +115,16 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
     """
     rate_hz = 1.0 / record.time_step_s
     if not 0 < low_hz < high_hz < 0.5 * rate_hz:
-        raise InputError(
-            f"band {low_hz!r} to {high_hz!r} Hz; expected 0 < low < high < {0.5 * rate_hz:g} Hz,"
-            f" half the sampling rate of {record.name}"
-        )
+        raise InputError(f"band {low_hz!r} to {high_hz!r} Hz; expected 0 < low < high < {0.5 * rate_hz:g} Hz,"
+                         f" half the sampling rate of {record.name}")
     if order not in range(2, 21, 2):
         raise InputError(f"filter order {order!r}; expected 2, 4, ... 20: two passes share it")
     sos = signal.butter(int(order) // 2, (low_hz, high_hz), "bandpass", fs=rate_hz, output="sos")
     try:
         filtered = signal.sosfiltfilt(sos, record.acceleration_m_s2)
     except ValueError as error:
-        raise InputError(
-            f"{record.name}: {record.acceleration_m_s2.size} samples are too few for a filter of"
-            f" order {order}; expected a longer record"
-        ) from error
+        raise InputError(f"{record.name}: {record.acceleration_m_s2.size} samples are too few for a filter of"
+                         f" order {order}; expected a longer record") from error
     return replace(record, acceleration_m_s2=filtered)
 
 
@@ -155,8 +138,7 @@ def steps_per_sample(record: Record, max_step_s: float) -> int:
 
 def whole_steps(interval_s: float, max_step_s: float) -> int:
     """Smallest number of equal steps, none above max_step [s], that fill an interval [s]."""
-    if not (math.isfinite(max_step_s) and max_step_s > 0):
-        raise InputError(f"largest time step {max_step_s!r} s; expected a positive number")
+    check_positive("largest time step [s]", max_step_s)
     # the quotient may be rounded up or down, so the definition has the last word
     steps = max(1, math.ceil(interval_s / max_step_s) - 1)
     while interval_s / steps > max_step_s:
@@ -182,7 +164,5 @@ def _utc(start_utc: str, later_s: float, where) -> str:
     try:
         moment = _datetime(start_utc) + timedelta(seconds=later_s)
     except ValueError:
-        raise InputError(
-            f"{where}: start time {_shown(start_utc)}; expected such as 2018-01-08T14:00:37Z"
-        ) from None
+        raise InputError(f"{where}: start time {_shown(start_utc)}; expected such as 2018-01-08T14:00:37Z") from None
     return moment.strftime("%Y-%m-%dT%H:%M:%S.%fZ")

@@ -7,10 +7,13 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.measure.columns import CRITERIA, read_table
+from damage.wall.parameters import USUAL_MODEL
 
-SHAPE = {"cells": 2, "contacts": "interior", "top": "piers", "strength_cov": 0.0, "shocks": 1, "alpha_1_s": 0.0,
-         "vertical": 0}
-"""Parameters of the runs that are held against the paper; a table without one of these columns has none other."""
+SHAPE = {name: value for name, value in USUAL_MODEL.items() if name != "lintel"} \
+    | {"shocks": 1, "alpha_1_s": 0.0, "vertical": 0}
+"""Parameters of the runs that are held against the paper; a table without one of these columns has none other.
+Lintels are held against it one by one."""
 LEAST_STEP_S = 2e-5
 """Runs with smaller steps are studies of the step [s]."""
 BETA_S = 1e-6
@@ -42,23 +45,11 @@ def load_runs(folder):
     if not paths:
         raise InputError(f"{folder}: no tables/summary.csv below it; expected the results of studies, as "
                          "./run_all.sh harmonic writes them")
-    runs = pd.concat([_read(path) for path in paths], ignore_index=True)
+    needed = ("run", "wall", "solver", "status", "motion")
+    runs = pd.concat([read_table(path, needed).assign(cycles_file=lambda table, folder=path.parent: (
+        f"{folder}/" + table["run"].astype(str) + "_cycles.csv")) for path in paths], ignore_index=True)
     runs = runs.reindex(columns=[*runs.columns, *(name for name in MEASURES if name not in runs)])
     return runs[runs["status"] == "complete"].reset_index(drop=True)
-
-
-def _read(path):
-    """A summary as it is, with the places of its runs' cycle tables."""
-    try:
-        table = pd.read_csv(path)
-    except (OSError, ValueError) as error:  # of the file, or of its text
-        raise InputError(f"{path} cannot be read as a table ({error}); make it again: python3 -m damage.measure.tables "
-                         "summary RUN.h5 ... --out FILE.csv") from error
-    lacking = [name for name in ("run", "wall", "solver", "status", "motion") if name not in table]
-    if lacking:
-        raise InputError(f"{path} lacks the column {lacking[0]}; expected a summary of runs, as python3 -m "
-                         "damage.measure.tables summary writes it")
-    return table.assign(cycles_file=f"{path.parent}/" + table["run"].astype(str) + "_cycles.csv")
 
 
 def comparable(runs):
@@ -108,7 +99,7 @@ class Point:
     def cycles(self, name):
         """A column of the cycle tables by driven cycle, (n_cycles,): the median over the members."""
         self.stood()
-        tables = [pd.read_csv(path) for path in self.rows["cycles_file"] if Path(path).is_file()]
+        tables = [read_table(path) for path in self.rows["cycles_file"] if Path(path).is_file()]
         if not tables:
             raise NotThere(f"no table of cycles ({self.label})")
         return np.median([table.loc[table["kind"] == "driven", name] for table in tables], axis=0)
@@ -130,11 +121,7 @@ class Evidence:
 
     def column(self, kind, component):
         """Name of a column of the index, kind "max" or "residual", with this slip criterion."""
-        return f"{kind}{'_shear_limit' if self.slip == 'shear-limit' else ''}_{component}"
-
-    def cycle_column(self):
-        """Name of the DI column of the cycle tables with this slip criterion."""
-        return "max_DI" + ("_shear_limit" if self.slip == "shear-limit" else "")
+        return f"{kind}_{CRITERIA[self.slip]}{component}"
 
     def harmonic(self, wall, period_s, cycles=3):
         """{amplitude [g]: Point} of a wall's harmonic motions, rising."""

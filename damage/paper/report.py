@@ -1,10 +1,10 @@
 """The verdict on the paper as text, JSON, Markdown, and as a block of the README."""
 
-import os
 from itertools import groupby
 from pathlib import Path
 
 from damage.errors import InputError
+from damage.files import write_text
 from damage.paper.verdict import IN_PART, SOLVERS, UNJUDGED, statement_verdict
 
 STATEMENTS = {
@@ -122,8 +122,7 @@ def as_json(findings):
 
 
 def _variant(findings, solver, lintel, slip):
-    return [finding for finding in findings
-            if (finding.solver, finding.lintel, finding.slip) == (solver, lintel, slip)]
+    return [finding for finding in findings if (finding.solver, finding.lintel, finding.slip) == (solver, lintel, slip)]
 
 
 def _solvers(findings):
@@ -187,7 +186,7 @@ def _cell(words):
 
 def write_markdown(findings, path):
     """Write the document; returns its path."""
-    return _replace(path, as_markdown(findings))
+    return write_text(path, as_markdown(findings))
 
 
 def update_readme(findings, path):
@@ -205,16 +204,4 @@ def update_readme(findings, path):
         raise InputError(f"{path} lacks the line {BEGIN if not begin else END}; expected both markers around the "
                          "results")
     block = "\n".join([*overview(findings), "", *(f"- {line}" for line in _counts(findings))])
-    return _replace(path, f"{before}{BEGIN}\n\n{block}\n\n{END}{after}")
-
-
-def _replace(path, text):
-    """Write a whole file or none."""
-    unfinished = Path(path).with_name(f".{Path(path).name}.{os.getpid()}.tmp")
-    try:
-        unfinished.write_text(text, encoding="utf-8")
-        os.replace(unfinished, path)
-    except OSError as error:
-        unfinished.unlink(missing_ok=True)
-        raise InputError(f"cannot write {path}: {error.strerror}; choose another file") from error
-    return path
+    return write_text(path, f"{before}{BEGIN}\n\n{block}\n\n{END}{after}")

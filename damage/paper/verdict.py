@@ -114,7 +114,7 @@ def _negligible_off_resonance(evidence):
 
 def _first_cycle_is_not_exceeded(evidence):
     [point] = evidence.harmonic_at("symmetric", 0.33, [0.1])
-    cycles = point.cycles(evidence.cycle_column())
+    cycles = point.cycles(evidence.column("max", "DI"))
     return _list(cycles), bool((cycles[1:] <= criteria.NOT_EXCEEDED * cycles[0]).all())
 
 
@@ -130,7 +130,7 @@ def _rises(values, factor=criteria.GROWS):
 def _grows_every_cycle(amplitude_g):
     def judged(evidence):
         [point] = evidence.harmonic_at("symmetric", 0.2, [amplitude_g])
-        cycles = point.cycles(evidence.cycle_column())
+        cycles = point.cycles(evidence.column("max", "DI"))
         return _list(cycles), _rises(cycles)
     return judged
 
@@ -233,8 +233,7 @@ def _lengthen(lengths):
 
 
 def _as_in_figure_9(lengths):
-    return all(_near(ours, paper, criteria.PRINTED_TOLERANCE)
-               for ours, paper in zip(lengths, criteria.CYCLE_LENGTHS_S))
+    return all(_near(ours, paper, criteria.PRINTED_TOLERANCE) for ours, paper in zip(lengths, criteria.CYCLE_LENGTHS_S))
 
 
 def _of_the_record(name, measure, target, share):

@@ -2,14 +2,15 @@
 
 import argparse
 import re
+from dataclasses import fields
 from pathlib import Path
 
 from damage.errors import InputError
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
-from damage.run.settings import LOCAL_DAMPING, RELAXATIONS, RunSettings, rayleigh_factors
-from damage.wall.parameters import CONTACT_OPTIONS, LINTEL_OPTIONS, TOP_OPTIONS, ModelOptions
+from damage.run.settings import RELAXATIONS, RunSettings, rayleigh_factors
+from damage.wall.parameters import ModelOptions
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -32,10 +33,8 @@ def parse_run(arguments, prog, solver):
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
-        pictures=parsed.pictures, view=getattr(parsed, "view", False),
-        model=ModelOptions(lintel=parsed.lintel, top=parsed.top, cells=parsed.cells,
-                           contacts=getattr(parsed, "contacts", "interior"),
-                           strength_cov=parsed.strength_cov, strength_seed=parsed.strength_seed))
+        pictures=parsed.pictures, view=getattr(parsed, "view", False), command=" ".join([prog, *arguments]),
+        model=model_of(parsed))
 
 
 def make_parser(prog, solver):
@@ -50,18 +49,15 @@ def make_parser(prog, solver):
 
 
 def _add_motion(group):
-    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
-                       help="a sine from zero")
+    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"), help="a sine from zero")
     group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each "
                        "drift of --cyclic (default 2)")
     group.add_argument("--record", type=Path, metavar="FILE",
                        help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
     group.add_argument("--scale", type=float, help="factor on the record (default 1)")
-    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"),
-                       help="part of the record to use")
+    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
     group.add_argument("--vertical", type=Path, metavar="FILE", help="the record's vertical component")
-    group.add_argument("--baseline", type=int, metavar="ORDER",
-                       help="take a polynomial of this order off the record")
+    group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase")
     group.add_argument("--free-vibration", action="store_true",
@@ -80,19 +76,23 @@ def _add_push(group):
                        "(default 0.7); the reference solver has it with --relaxation local only")
 
 
+def add_model_options(group, names):
+    """Add the named fields of ModelOptions to a parser, or a group of one."""
+    for one in fields(ModelOptions):
+        metavar, told = one.metadata["metavar"], one.metadata["help"]
+        if one.name in names:
+            group.add_argument(f"--{one.name.replace('_', '-')}", default=one.default, type=type(one.default),
+                               choices=one.metadata["choices"], metavar=metavar,
+                               help=f"{told} (default {one.default:g})" if metavar else told)
+
+
+def model_of(parsed):
+    """The ModelOptions of parsed options, defaults where an option was not offered."""
+    return ModelOptions(**{one.name: getattr(parsed, one.name) for one in fields(ModelOptions) if one.name in parsed})
+
+
 def _add_model(group, solver):
-    group.add_argument("--lintel", default="elastic", choices=LINTEL_OPTIONS,
-                       help="joints over an opening stay elastic, or break like any other")
-    group.add_argument("--top", default="piers", choices=TOP_OPTIONS,
-                       help="where the precompression's mass sits")
-    group.add_argument("--cells", type=int, default=2, metavar="N",
-                       help="contact points per half brick (default 2)")
-    if solver == "reference":
-        group.add_argument("--contacts", default="interior", choices=CONTACT_OPTIONS,
-                           help="where the contact points of a joint lie")
-    group.add_argument("--strength-cov", type=float, default=0.0, metavar="COV",
-                       help="lognormal scatter of the joints' strengths: coefficient of variation (default 0)")
-    group.add_argument("--strength-seed", type=int, default=0, metavar="N", help="of that scatter (default 0)")
+    add_model_options(group, [one.name for one in fields(ModelOptions) if solver in one.metadata["solvers"]])
     group.add_argument("--beta", type=float, default=0.0, metavar="S",
                        help="stiffness-proportional damping (default 0)")
     if solver == "reference":
@@ -113,8 +113,7 @@ def _add_run(group, solver):
     group.add_argument("--rest", type=float, default=2.0, metavar="S",
                        help="free vibration after the motion (default 2)")
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
-    group.add_argument("--no-pictures", dest="pictures", action="store_false",
-                       help="write the history only")
+    group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     if solver == "yade":
         group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
 
@@ -150,8 +149,12 @@ def _damping(parsed):
 
 
 def _harmonic(parsed):
-    period, amplitude = parsed.harmonic or (0.2, 0.05)
-    return Harmonic(period, amplitude, 3 if parsed.cycles is None else parsed.cycles)
+    return Harmonic(*(parsed.harmonic or (0.2, 0.05)), **_given(cycles=parsed.cycles))
+
+
+def _given(**options):
+    """The options that were given; of the others the loading has its own default."""
+    return {name: value for name, value in options.items() if value is not None}
 
 
 def _sequence(parsed):
@@ -166,38 +169,28 @@ def _numbers(option, words, what, example):
 
 
 def _pushed(parsed):
-    cycles = 0
+    more = _given(boundary=parsed.boundary, speed_m_s=parsed.speed, local_damping=parsed.damping)
     if parsed.pushover is not None:
-        drifts = (parsed.pushover,)
-    else:
-        cycles = 2 if parsed.cycles is None else parsed.cycles
-        drifts = _numbers("--cyclic", parsed.cyclic, "drifts in percent", "0.05,0.1,0.2")
-        if cycles < 1:
-            raise InputError(f"--cycles {cycles}: expected at least one cycle at each drift; mend it")
-    return TopDisplacement(drifts, cycles, parsed.boundary or "cantilever",
-                           5e-3 if parsed.speed is None else parsed.speed,
-                           LOCAL_DAMPING if parsed.damping is None else parsed.damping)
+        return TopDisplacement((parsed.pushover,), cycles=0, **more)
+    if parsed.cycles is not None and parsed.cycles < 1:
+        raise InputError(f"--cycles {parsed.cycles}: expected at least one cycle at each drift; mend it")
+    return TopDisplacement(_numbers("--cyclic", parsed.cyclic, "drifts in percent", "0.05,0.1,0.2"),
+                           **_given(cycles=parsed.cycles), **more)
 
 
 def _recorded(parsed):
     record = read_record(parsed.record)
     return Recorded(
-        record, scale=1.0 if parsed.scale is None else parsed.scale,
-        window_s=tuple(parsed.window) if parsed.window else None,
-        vertical=aligned_with(read_record(parsed.vertical), record) if parsed.vertical else None,
-        baseline_order=parsed.baseline, band_hz=tuple(parsed.band) if parsed.band else None)
+        record, vertical=aligned_with(read_record(parsed.vertical), record) if parsed.vertical else None,
+        **_given(scale=parsed.scale, window_s=parsed.window and tuple(parsed.window), baseline_order=parsed.baseline,
+                 band_hz=parsed.band and tuple(parsed.band)))
 
 
 def free_name(wall, settings, solver, folder="results"):
     """A path for the history that does not exist yet: WALL_MOTION_SOLVER.h5, then _2, _3, ..."""
-    parts = [wall.name, settings.loading.name, solver]
-    parts += [f"lintel-{settings.model.lintel}"] if settings.model.lintel != "elastic" else []
-    parts += [f"top-{settings.model.top}"] if settings.model.top != "piers" else []
-    parts += [settings.model.contacts] if settings.model.contacts != "interior" else []
+    parts = [wall.name, settings.loading.name, solver, *settings.model.tags()]
     parts += ["sequence-" + "-".join(f"{factor:g}" for factor in settings.sequence)] \
         if settings.sequence != (1.0,) else []
-    parts += [f"strength-{settings.model.strength_cov:g}-{settings.model.strength_seed}"] \
-        if settings.model.strength_cov else []
     stem, number = "_".join(parts), 1
     while True:
         path = Path(folder) / f"{stem}{'' if number == 1 else f'_{number}'}.h5"

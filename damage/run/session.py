@@ -62,7 +62,7 @@ def _run(backend, make_wall, arguments, prog):
     time_step = choose_time_step(settings, modes.critical_time_step_s)
     show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
-    parameters = {"wall": wall.describe(), **settings.describe(), "time_step_s": time_step,
+    parameters = {"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": time_step,
                   "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0])}
     writer = HistoryWriter(out, layout, solver=backend.name, parameters=parameters,

@@ -4,6 +4,7 @@ import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from damage.checks import check_not_negative, check_positive
 from damage.errors import InputError
 from damage.wall.parameters import ModelOptions
 
@@ -29,7 +30,7 @@ class RunSettings:
     with a settling stage; time_step_s: None for the solver's own;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics; relaxation: how static
     solutions are found, one of RELAXATIONS; perturb_m: size of random offsets of the bricks [m]
-    drawn with `seed`; out: history file, None for a name of its own below `results/`.
+    drawn with `seed`; out: history file, None for a name of its own below `results/`; command: what asked for it.
     """
 
     loading: object
@@ -46,26 +47,27 @@ class RunSettings:
     overwrite: bool = False
     pictures: bool = True
     view: bool = False
+    command: str = ""
 
     def __post_init__(self):
         if not self.sequence or not all(map(math.isfinite, self.sequence)):
             raise InputError(f"--sequence {self.sequence}: expected factors of the motion, like 1,0.5,0.4")
         for option, value in (("--rest", self.rest_s), ("--beta", self.beta_s), ("--perturb", self.perturb_m)):
-            if not (math.isfinite(value) and value >= 0):
-                raise InputError(f"{option} {value:g}: expected zero or a positive number; mend it")
-        if self.time_step_s is not None and not (math.isfinite(self.time_step_s) and self.time_step_s > 0):
-            raise InputError(f"--dt {self.time_step_s:g}: expected a positive number of seconds; mend it")
+            check_not_negative(option, value)
+        if self.time_step_s is not None:
+            check_positive("--dt [s]", self.time_step_s)
 
     @property
     def duration_s(self):
         """From time zero to the end of the last settling stage [s]."""
         return len(self.sequence) * (self.loading.duration_s + self.rest_s + SETTLE_S)
 
-    def describe(self):
+    def as_dict(self):
         """All parameters as a plain dictionary, for files."""
-        return {"loading": self.loading.describe(), "sequence": [float(factor) for factor in self.sequence],
+        return {"loading": self.loading.as_dict(), "sequence": [float(factor) for factor in self.sequence],
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
-                "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m, "seed": self.seed}
+                "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m, "seed": self.seed,
+                "command": self.command}
 
 
 def rayleigh_factors(ratio, first_hz, second_hz):

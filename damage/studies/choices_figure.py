@@ -5,12 +5,15 @@ from matplotlib.lines import Line2D
 
 from damage.draw.panels import SLIP_LABELS, add_heading, describe_members, finish, grid, letter, motion_label
 from damage.draw.style import BLACK, BLUE, LIGHT, VERMILLION, styled
+from damage.motion.loading import Harmonic
+from damage.run.settings import RunSettings
 from damage.studies.results import REFERENCE, Missing
+from damage.wall.parameters import USUAL_MODEL
 
-DEFAULTS = {"cycles": 3, "contacts": "interior", "cells": 2, "top": "piers", "lintel": "elastic", "beta_s": 0.0}
-"""Columns that are varied, and what stands in them where they are not."""
 _WORDS = {"cycles": "{:g} cycles", "contacts": "contacts at {}", "cells": "{:g} contacts a half brick",
           "top": "top mass: {}", "lintel": "lintel: {}", "beta_s": "β = {:g} s"}
+DEFAULTS = dict.fromkeys(_WORDS) | USUAL_MODEL | {"cycles": Harmonic.cycles, "beta_s": RunSettings.beta_s}
+"""Columns that are varied, and what stands in them where they are not."""
 _STYLES = {"max_DI": (BLACK, "D", SLIP_LABELS["displacement"]),
            "max_shear_limit_DI": (BLUE, "o", SLIP_LABELS["shear-limit"])}
 
@@ -49,7 +52,7 @@ def choice(point):
     >>> choice({"cycles": 5, "top": "piers"})
     '5 cycles'
     """
-    differs = [_WORDS[name].format(point[name]) for name, usual in DEFAULTS.items()
+    differs = [_WORDS.get(name, f"{name} {{}}").format(point[name]) for name, usual in DEFAULTS.items()
                if name in point and point[name] == point[name] and point[name] not in (usual, None, "")]
     return ", ".join(differs) or "default"
 
@@ -76,4 +79,4 @@ def _draw(ax, rows):
 
 
 def _default_words():
-    return ", ".join(_WORDS[name].format(value) for name, value in DEFAULTS.items() if name not in ("cells", "beta_s"))
+    return ", ".join(words.format(DEFAULTS[name]) for name, words in _WORDS.items() if name not in ("cells", "beta_s"))

@@ -46,7 +46,6 @@ PERTURB_M = 1e-9
 """Offsets of the bricks in an ensemble where the study says nothing else [m]: far below what a joint opens."""
 _ENTRY_KEYS = {"id", "wall", "options", "solvers", "members", "perturb", "samples"}
 
-REPOSITORY = Path(__file__).resolve().parents[2]
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 _LONGEST_ID = 120  # characters; file names end at 255 and tables add theirs
 
@@ -89,10 +88,9 @@ class StudyRun:
         """Name of the first, or only, run."""
         return f"{self.id}_s1" if self.is_ensemble else self.id
 
-    def digests(self, root=REPOSITORY):
+    def digests(self, root=Path()):
         """SHA-256 of every file that the run reads, in a fixed order: what changes when they do."""
-        paths = [self.wall] + [word for option, word in zip(self.words, self.words[1:])
-                               if option in PATH_OPTIONS]
+        paths = [self.wall] + [word for option, word in zip(self.words, self.words[1:]) if option in PATH_OPTIONS]
         return [hashlib.sha256((root / path).read_bytes()).hexdigest() for path in paths]
 
 
@@ -130,13 +128,14 @@ def _check_ids_differ(study):
         first[run.id] = number
 
 
-def load_study(path, solver="yade", root=REPOSITORY):
+def load_study(path, solver="yade", root=None):
     """Read and check the study file at `path`; every run's options are tried now, not after hours.
 
-    solver: "yade", "reference", or "both", which makes every run twice.
+    solver: "yade", "reference", or "both", which makes every run twice; root: the repository, where walls and records
+    are that do not lie beside the study file, None for the working folder.
     Raises InputError, which says what came, what was expected and how to mend it.
     """
-    path = Path(path).absolute()
+    path, root = Path(path).absolute(), Path(root or ".").resolve()
     table = _read_toml(path)
     _check_keys(table, {"name", "title", "pictures", "runs", "grid"}, f"{path}")
     runs = [run for entry, where in _entries(table, path) for run in _load_entry(entry, where, path.parent, root)]

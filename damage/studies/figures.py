@@ -6,11 +6,13 @@ repeated of either from crosscheck, walls without a lintel from nolintel; where 
 such points.
 """
 
+from functools import partial
+
 import pandas as pd
 
-from damage.draw.panels import CRITERIA
 from damage.draw.style import save_figures
 from damage.errors import InputError
+from damage.measure.columns import CRITERIA
 from damage.studies.choices_figure import choices
 from damage.studies.crack_maps import crack_maps
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
@@ -44,41 +46,45 @@ def _figures(results):
     yield from _sequences(results)
     varied = results.points["folder"].map(lambda folder: folder.name.startswith("sensitivity")).astype(bool)
     if varied.any():
-        yield "sensitivity", lambda: choices(results.points[varied])
+        yield "sensitivity", partial(choices, results.points[varied])
 
 
 def _harmonic(results):
     points = _having(results, "harmonic", "motion_period_s", "amplitude_g")
     if len(points) == 0:
-        for name in ("fig06_motions", "fig07_evolution", "fig08_amplitude", "fig09_drift", "cracks_harmonic"):
-            yield name, _lacking("no point has a harmonic motion; run the study harmonic")
+        yield from _none("no point has a harmonic motion; run the study harmonic", "fig06_motions", "fig07_evolution",
+                         "fig08_amplitude", "fig09_drift", "cracks_harmonic")
         return
-    yield "fig06_motions", lambda: motions(points)
+    yield "fig06_motions", partial(motions, points)
     for variant in variants(points):
         part = variant.file_part
-        yield f"fig07_evolution_{part}", lambda variant=variant: evolution(results, variant)
+        yield f"fig07_evolution_{part}", partial(evolution, results, variant)
         for slip in CRITERIA:
-            yield (f"fig08_amplitude_{part}{_slip_part(slip)}",
-                   lambda variant=variant, slip=slip: against_amplitude(results, variant, slip))
-        yield f"fig09_drift_{part}", lambda variant=variant: drifts(results, variant)
-        yield f"cracks_harmonic_{part}", lambda variant=variant: crack_maps(results, variant)
+            yield f"fig08_amplitude_{part}{_slip_part(slip)}", partial(against_amplitude, results, variant, slip)
+        yield f"fig09_drift_{part}", partial(drifts, results, variant)
+        yield f"cracks_harmonic_{part}", partial(crack_maps, results, variant)
 
 
 def _ida(results):
     points = _having(results, "ida", "record", "scale", "pga_g")
     if len(points) == 0:
-        for name in ("fig10_records", "fig11_residual", "fig12_drift", "cracks_ida"):
-            yield name, _lacking("no point has a record with its scale and PGA; run the study ida")
+        yield from _none("no point has a record with its scale and PGA; run the study ida", "fig10_records",
+                         "fig11_residual", "fig12_drift", "cracks_ida")
         return
-    yield "fig10_records", lambda: records(results, points)
+    yield "fig10_records", partial(records, results, points)
     for variant in variants(points):
         part = variant.file_part
         for slip in CRITERIA:
-            yield (f"fig11_residual_{part}{_slip_part(slip)}",
-                   lambda variant=variant, slip=slip: residual_against_pga(variant, slip))
-            yield (f"fig12_drift_{part}{_slip_part(slip)}",
-                   lambda variant=variant, slip=slip: against_drift(variant, slip))
-        yield f"cracks_ida_{part}", lambda variant=variant: crack_maps(results, variant)
+            yield f"fig11_residual_{part}{_slip_part(slip)}", partial(residual_against_pga, variant, slip)
+            yield f"fig12_drift_{part}{_slip_part(slip)}", partial(against_drift, variant, slip)
+        yield f"cracks_ida_{part}", partial(crack_maps, results, variant)
+
+
+def _none(reason, *names):
+    """Figures that cannot be drawn, and why."""
+    def draw():
+        raise Missing(reason)
+    return [(name, draw) for name in names]
 
 
 def _sequences(results):
@@ -86,7 +92,7 @@ def _sequences(results):
     for solver, part in ((REFERENCE, "sequences"), (YADE, "sequences_yade")):
         mine = points[points["solver"] == solver]
         if len(mine):
-            yield part, lambda mine=mine: sequences(results, mine)
+            yield part, partial(sequences, results, mine)
 
 
 def _having(results, study, *columns):
@@ -105,9 +111,3 @@ def _repeated(points):
 
 def _slip_part(slip):
     return "" if slip == "displacement" else f"_{slip}"
-
-
-def _lacking(reason):
-    def draw():
-        raise Missing(reason)
-    return draw

@@ -16,6 +16,7 @@ from scipy.optimize import minimize
 from scipy.special import log_ndtr, ndtr
 
 from damage.errors import InputError
+from damage.measure.columns import read_table
 
 LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}
 """Levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
@@ -96,8 +97,7 @@ def fit(intensity, exceeding, runs):
         below, above = log_ndtr(z), log_ndtr(-z)
         density = -0.5 * z**2 - 0.5 * np.log(2 * np.pi)
         dz = y * np.exp(density - below) - (n - y) * np.exp(density - above)
-        return (-np.sum(y * below + (n - y) * above),
-                np.array([np.sum(dz) / np.exp(parameters[1]), np.sum(dz * z)]))
+        return (-np.sum(y * below + (n - y) * above), np.array([np.sum(dz) / np.exp(parameters[1]), np.sum(dz * z)]))
 
     centre = np.average(x, weights=n)
     best = minimize(misfit, (centre, np.log(0.5)), jac=True, method="L-BFGS-B",
@@ -143,11 +143,7 @@ def load_runs(folder):
     if not path.is_file():
         raise InputError(f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
                          "./run_all.sh fragility --solver reference")
-    runs = pd.read_csv(path)
-    lacking = [name for name in (*LEVELS, "pga_g", "strength_cov", "strength_seed") if name not in runs]
-    if lacking:
-        raise InputError(f"{path} has no column {lacking[0]}; expected the tables of a study of this version; "
-                         "run it again")
+    runs = read_table(path, (*LEVELS, "pga_g", "strength_cov", "strength_seed"))
     runs = runs[(runs["strength_cov"] > 0) & (runs["status"] == "complete")]
     if len(runs) == 0:
         raise InputError(f"{path} holds no finished run with scattered strengths; expected some with strength-cov, "
@@ -157,6 +153,10 @@ def load_runs(folder):
 
 def fit_all(runs, intensity="pga_g", replicates=REPLICATES):
     """{wall: [Fragility of each level]} of runs."""
+    if intensity not in INTENSITIES:
+        raise InputError(f"--intensity {intensity}: expected {' or '.join(INTENSITIES)}; mend it")
+    if replicates < 0:
+        raise InputError(f"--replicates {replicates}: expected zero or more; mend it")
     if intensity not in runs or runs[intensity].isna().any():
         raise InputError(f"not every run has {intensity}; expected a study of recorded motions; choose "
                          f"{' or '.join(name for name in INTENSITIES if name != intensity)}")

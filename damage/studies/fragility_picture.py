@@ -12,6 +12,12 @@ _PANELS = {"max_DI": "maximum DI", "max_crack_width_mm": "maximum crack width [m
 _STYLES = ((BLUE, "o", "-"), (GREEN, "s", "--"), (ORANGE, "^", "-."))
 
 
+def fragility_pictures(runs, fits, intensity="pga_g"):
+    """(name, Figure) of every wall; runs, fits: of `damage.studies.fragility`."""
+    return [(f"fragility_{wall}_{intensity}", fragility_picture(wall, runs[runs["wall"] == wall], ones, intensity))
+            for wall, ones in fits.items()]
+
+
 @styled
 def fragility_picture(wall, runs, fits, intensity="pga_g"):
     """Panels by measure, a curve a level; runs: the rows of this wall; fits: its list of Fragility."""

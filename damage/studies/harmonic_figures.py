@@ -9,23 +9,9 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.draw.panels import (
-    COMPONENTS,
-    CRITERIA,
-    NOTHING,
-    SLIP_LABELS,
-    add_heading,
-    component_handles,
-    draw_components,
-    finish,
-    from_zero,
-    grid,
-    letter,
-    numbers,
-    shade_settling,
-    solver_handles,
-)
-from damage.draw.style import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, styled
+from damage.draw import panels
+from damage.draw.style import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, shade_settling, styled
+from damage.measure.columns import CRITERIA
 from damage.measure.cycles import drift_cycles
 from damage.motion.loading import Harmonic
 from damage.studies.results import REFERENCE, Missing
@@ -44,7 +30,7 @@ def motions(points):
     """Figure 6: base acceleration over time, a panel a period, a line an amplitude."""
     cases = points.drop_duplicates(["motion_period_s", "amplitude_g", "cycles"])
     periods = np.unique(cases["motion_period_s"])
-    figure, axes = grid(len(periods), 1, 1.25)
+    figure, axes = panels.grid(len(periods), 1, 1.25)
     amplitudes = np.unique(cases["amplitude_g"])
     colours = dict(zip(amplitudes, AMPLITUDE_COLOURS * len(amplitudes)))
     for number, (ax, period_s) in enumerate(zip(axes[:, 0], periods)):
@@ -52,12 +38,12 @@ def motions(points):
             motion = Harmonic(period_s, case.amplitude_g, int(case.cycles))
             time_s = np.linspace(0, motion.duration_s, 60 * int(case.cycles) + 1)
             ax.plot(time_s, motion.base_acceleration(time_s)[:, 0] / GRAVITY, color=colours[case.amplitude_g])
-        letter(ax, number, f"period {period_s:g} s")
+        panels.letter(ax, number, f"period {period_s:g} s")
         ax.set_ylabel("acceleration [g]")
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
-    add_heading(figure, "Harmonic base motions")
-    return finish(figure, [Line2D([], [], color=colours[a], label=f"{a:g} g") for a in amplitudes], 5)
+    panels.add_heading(figure, "Harmonic base motions")
+    return panels.finish(figure, [Line2D([], [], color=colours[a], label=f"{a:g} g") for a in amplitudes], 5)
 
 
 @styled
@@ -67,21 +53,20 @@ def evolution(results, variant):
     Lines are a point's first run; the band is the range of DI over all its runs, where their
     histories are there.
     """
-    shown = [(period_s, amplitude_g, _at(variant.points, period_s, amplitude_g))
-             for period_s, amplitude_g in EVOLUTION]
+    shown = [(period_s, amplitude_g, _at(variant.points, period_s, amplitude_g)) for period_s, amplitude_g in EVOLUTION]
     if all(len(points) == 0 for *_, points in shown):
         raise Missing("no point at 0.33 or 0.2 s with 0.025 or 0.1 g")
-    figure, axes = grid(2, 2, 1.9)
-    handles = component_handles(slip_marker=False)
+    figure, axes = panels.grid(2, 2, 1.9)
+    handles = panels.component_handles(slip_marker=False)
     for number, (ax, (period_s, amplitude_g, points)) in enumerate(zip(axes.flat, shown)):
-        letter(ax, number, f"{period_s:g} s, {amplitude_g:g} g" + ("" if len(points) else ": no run"))
+        panels.letter(ax, number, f"{period_s:g} s, {amplitude_g:g} g" + ("" if len(points) else ": no run"))
         if len(points) == 0:
             ax.set_axis_off()
             continue
         ax.set(xlabel="time [s]", ylabel="damage index [-]")
         for _, point in points.iterrows():
             _draw_evolution(ax, results, point)
-        from_zero(ax)
+        panels.from_zero(ax)
         ax.margins(x=0)
     handles.append(Line2D([], [], color=BLACK, lw=0.6, ls="--", label="DI, slip by the shear limit"))
     if len(variant.reference) and len(variant.yade):
@@ -89,9 +74,9 @@ def evolution(results, variant):
     if variant.reference["members"].max() > 1:
         handles.append(Patch(color="0.8", label="range of DI over runs"))
     handles.append(Patch(color=LIGHT, label="settling"))
-    add_heading(figure, f"Damage index over time: {variant.title}",
+    panels.add_heading(figure, f"Damage index over time: {variant.title}",
                 f"components: first run of each motion, {'reference solver' if len(variant.reference) else 'YADE'}")
-    return finish(figure, handles)
+    return panels.finish(figure, handles)
 
 
 def _draw_evolution(ax, results, point):
@@ -102,10 +87,10 @@ def _draw_evolution(ax, results, point):
         return
     _draw_band(ax, results, point, lambda history: history.index()["DI"])
     shade_settling(ax, table)
-    for name, (_, colour, _) in list(COMPONENTS.items())[::-1]:
+    for name, (_, colour, _) in list(panels.COMPONENTS.items())[::-1]:
         ax.plot(table["time_s"], table[name], color=colour, lw=1.6 if name == "DI" else 0.8)
-    if "DI_shear_limit" in table:
-        ax.plot(table["time_s"], table["DI_shear_limit"], color=BLACK, lw=0.6, ls="--")
+    if "shear_limit_DI" in table:
+        ax.plot(table["time_s"], table["shear_limit_DI"], color=BLACK, lw=0.6, ls="--")
 
 
 def _draw_band(ax, results, point, value, until_s=np.inf):
@@ -124,19 +109,19 @@ def _draw_band(ax, results, point, value, until_s=np.inf):
 def against_amplitude(results, variant, slip="displacement"):
     """Figure 8: (a) maximum, (b) residual index and components against amplitude, a row a period."""
     periods = np.unique(variant.points["motion_period_s"])
-    figure, axes = grid(len(periods), 2, 1.55, sharex=True, sharey="row")
+    figure, axes = panels.grid(len(periods), 2, 1.55, sharex=True, sharey="row")
     collapsed = False
     for row, period_s in zip(axes, periods):
         for number, (ax, state) in enumerate(zip(row, ("max", "residual"))):
-            letter(ax, number, f"{'maximum' if number == 0 else 'residual'}, {period_s:g} s")
+            panels.letter(ax, number, f"{'maximum' if number == 0 else 'residual'}, {period_s:g} s")
             reference, yade = (_at(points, period_s) for points in (variant.reference, variant.yade))
-            collapsed |= draw_components(ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}")
+            collapsed |= panels.draw_components(ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}")
         row[0].set_ylabel("damage index [-]")
-        from_zero(row[0], NOTHING)
+        panels.from_zero(row[0], panels.NOTHING)
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
-    add_heading(figure, f"Damage index against amplitude: {variant.title}", SLIP_LABELS[slip])
-    return finish(figure, component_handles() + solver_handles(variant, collapsed), columns=7)
+    panels.add_heading(figure, f"Damage index against amplitude: {variant.title}", panels.SLIP_LABELS[slip])
+    return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed), columns=7)
 
 
 @styled
@@ -147,18 +132,18 @@ def drifts(results, variant):
     """
     points = _resonant(variant.points)
     amplitudes = np.unique(points["amplitude_g"])
-    figure, axes = grid(len(amplitudes), 1, 1.15, sharex=True)
+    figure, axes = panels.grid(len(amplitudes), 1, 1.15, sharex=True)
     period_s = points["motion_period_s"].iloc[0]
     marked = set()
     for number, (ax, amplitude_g) in enumerate(zip(axes[:, 0], amplitudes)):
-        letter(ax, number, f"{amplitude_g:g} g")
+        panels.letter(ax, number, f"{amplitude_g:g} g")
         for _, point in _at(points, period_s, amplitude_g).iterrows():
             marked |= _draw_drift(ax, results, point)
         ax.set_ylabel("drift ratio [%]")
         ax.ticklabel_format(axis="y", style="plain", useOffset=False)
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
-    add_heading(figure, f"Drift ratio over time, motion of {period_s:g} s: {variant.title}",
+    panels.add_heading(figure, f"Drift ratio over time, motion of {period_s:g} s: {variant.title}",
                 "T: duration of the last full cycle, the last that begins while the base moves")
     first = "reference solver, first run" if len(variant.reference) else "YADE"
     handles = [Line2D([], [], color=SKY, lw=1.5, label=first)]
@@ -170,7 +155,7 @@ def drifts(results, variant):
         handles.append(Line2D([], [], color=VERMILLION, ls="", marker="x", ms=6, label="collapse"))
     if variant.reference["members"].max() > 1:
         handles.append(Patch(color="0.8", label="range over runs"))
-    return finish(figure, handles)
+    return panels.finish(figure, handles)
 
 
 def _draw_drift(ax, results, point):
@@ -179,8 +164,7 @@ def _draw_drift(ax, results, point):
     Only the run that is drawn first has its last cycle marked.
     """
     history = results.history(point)
-    series = history.series[history.series["stage"] != "settling"]
-    time_s, drift_pct = series["time_s"], 100 * series["drift_ratio"]
+    time_s, drift_pct = history.moving["time_s"], 100 * history.moving["drift_ratio"]
     marked = set()
     if history.collapsed_at_s is not None:
         ax.plot(time_s.iloc[-1], drift_pct.iloc[-1], "x", color=VERMILLION, ms=6, zorder=7)
@@ -208,7 +192,7 @@ def _cycle_text(point, duration_s):
 
 def _resonant(points):
     """The points at the period nearest to the intact wall's."""
-    eigen_s = numbers(points, "eigen_period_s")
+    eigen_s = panels.numbers(points, "eigen_period_s")
     eigen_s = eigen_s[np.isfinite(eigen_s)][:1] if np.isfinite(eigen_s).any() else PERFORATED_PERIOD_S
     off = np.abs(points["motion_period_s"] - eigen_s)
     return points[off < off.min() + SAME]

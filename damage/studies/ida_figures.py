@@ -6,44 +6,21 @@ when there is nothing to draw.
 """
 
 import hashlib
-from pathlib import Path
 
 import matplotlib
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.panels import (
-    CRITERIA,
-    NOTHING,
-    SINGLE_MARKERS,
-    SLIP_LABELS,
-    add_heading,
-    component_handles,
-    describe_members,
-    draw_cloud,
-    draw_components,
-    draw_yade,
-    finish,
-    from_zero,
-    grid,
-    in_order,
-    letter,
-    median_and_range,
-    record_label,
-    record_markers,
-    solver_handles,
-)
+from damage.draw import panels
 from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
+from damage.measure.columns import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
-from damage.motion.loading import Recorded
 from damage.studies.results import Missing
 from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = np.geomspace(0.02, 2.0, 120)
 WALL_PERIOD_S = 0.2  # of the walls with an opening, marked in the spectra
-RECORDS_FOLDER = Path(__file__).resolve().parents[2] / "records"
-"""Where users put records that do not ship."""
 TREND_POINTS = 4
 """Fewest points through which a parabola is laid."""
 
@@ -53,17 +30,16 @@ TREND_POINTS = 4
 @styled
 def records(results, points):
     """Figure 10: each record as it was used, and its response spectra at every scale factor."""
-    names = in_order(points["record"].unique())
-    figure, axes = grid(len(names), 2, 1.9, width_ratios=(3, 2))
+    names = panels.in_order(points["record"].unique())
+    figure, axes = panels.grid(len(names), 2, 1.9, width_ratios=(3, 2))
     scales = np.unique(points["scale"])
     colours = dict(zip(scales, matplotlib.colormaps["cividis"](np.linspace(0, 0.95, len(scales)))))
     for number, (name, row) in enumerate(zip(names, axes)):
         of_record = points[points["record"] == name]
         motion = unscaled_motion(results, of_record.iloc[0])
-        _draw_motion(row[0], motion, f"{record_label(name)}, PGA {pga_g(motion):.3f} g", number)
+        _draw_motion(row[0], motion, f"{panels.record_label(name)}, PGA {pga_g(motion):.3f} g", number)
         for scale in np.unique(of_record["scale"]):
-            row[1].plot(SPECTRUM_PERIODS_S, scale * response_spectrum(motion, SPECTRUM_PERIODS_S),
-                        color=colours[scale])
+            row[1].plot(SPECTRUM_PERIODS_S, scale * response_spectrum(motion, SPECTRUM_PERIODS_S), color=colours[scale])
         row[1].axvline(WALL_PERIOD_S, color=MEDIUM, ls=":", lw=0.8)
         row[1].set(xscale="log", ylabel="Sa (5 %) [g]", xlim=(0.02, 2.0))
         row[1].set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1, 2], labels=["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"])
@@ -71,40 +47,38 @@ def records(results, points):
         row[1].set_ylim(bottom=0)
     axes[-1, 0].set_xlabel("time [s]")
     axes[-1, 1].set_xlabel("period [s]")
-    add_heading(figure, "Records and their response spectra at all scale factors", _synthetic_note(names))
+    panels.add_heading(figure, "Records and their response spectra at all scale factors", _synthetic_note(names))
     handles = [Line2D([], [], color=colours[scale], label=f"× {scale:g}") for scale in scales]
     handles.append(Line2D([], [], color=MEDIUM, ls=":", lw=0.8, label=f"{WALL_PERIOD_S:g} s"))
-    return finish(figure, handles, columns=9)
+    return panels.finish(figure, handles, columns=9)
 
 
 def _draw_motion(ax, motion, text, number):
     ax.plot(motion.time_s, motion.acceleration_m_s2 / GRAVITY, color=BLACK, lw=0.6)
     ax.set_ylabel("acceleration [g]")
     ax.margins(x=0)
-    letter(ax, number, text)
+    panels.letter(ax, number, text)
 
 
 def _synthetic_note(names):
     """A line that says it where a record is not a recording, else ""."""
-    synthetic = [record_label(name) for name in names if "synthetic" in name]
+    synthetic = [panels.record_label(name) for name in names if "synthetic" in name]
     return f"Not recorded but made to match a published spectrum: {'; '.join(synthetic)}" if synthetic else ""
 
 
 def unscaled_motion(results, point):
     """The record of a point's first run as it was prepared for it, at scale 1."""
-    loading = results.history(point).parameters["loading"]
-    record = read_record(_record_path(loading["horizontal"]))
-    return Recorded(record, window_s=loading["window_s"], baseline_order=loading["baseline_order"],
-                    band_hz=loading["band_hz"]).motion[0]
+    loading = results.history(point).loading
+    return loading.unscaled(read_record(_record_path(loading.horizontal, results.records)))
 
 
-def _record_path(origin):
-    """The file that a run's record came from, shipped or in `records/`, with the same bytes."""
+def _record_path(origin, own):
+    """The file that a run's record came from, shipped or in the folder `own`, with the same bytes."""
     shipped = shipped_record_path().parents[1]
-    for path in (*shipped.glob(f"*/{origin['file']}"), RECORDS_FOLDER / origin["file"]):
+    for path in (*shipped.glob(f"*/{origin['file']}"), own / origin["file"]):
         if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == origin["sha256"]:
             return path
-    raise Missing(f"no record {origin['file']} with the bytes that the runs read, neither shipped nor in records/")
+    raise Missing(f"no record {origin['file']} with the bytes that the runs read, neither shipped nor in {own}/")
 
 
 # --- what they do ---------------------------------------------------------------------------------
@@ -112,20 +86,20 @@ def _record_path(origin):
 @styled
 def residual_against_pga(variant, slip="displacement"):
     """Figure 11: residual index and components against PGA, a panel a record."""
-    names = in_order(variant.points["record"].unique())
-    figure, axes = grid(len(names), 1, 1.9, sharex=True, sharey=True)
+    names = panels.in_order(variant.points["record"].unique())
+    figure, axes = panels.grid(len(names), 1, 1.9, sharex=True, sharey=True)
     collapsed = False
     for number, (ax, name) in enumerate(zip(axes[:, 0], names)):
-        letter(ax, number, record_label(name))
+        panels.letter(ax, number, panels.record_label(name))
         reference, yade = (points[points["record"] == name] for points in (variant.reference, variant.yade))
-        collapsed |= draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
+        collapsed |= panels.draw_components(ax, reference, yade, "pga_g", f"residual_{CRITERIA[slip]}")
         ax.set_ylabel("residual damage index [-]")
     axes[0, 0].set_xlim(left=0)  # of all panels, once all is drawn
-    from_zero(axes[0, 0], NOTHING)
+    panels.from_zero(axes[0, 0], panels.NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
-    add_heading(figure, f"Residual damage index against PGA: {variant.title}", SLIP_LABELS[slip],
+    panels.add_heading(figure, f"Residual damage index against PGA: {variant.title}", panels.SLIP_LABELS[slip],
                 _synthetic_note(names))
-    return finish(figure, component_handles() + solver_handles(variant, collapsed), columns=7)
+    return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed), columns=7)
 
 
 @styled
@@ -135,23 +109,23 @@ def against_drift(variant, slip="displacement"):
     The parabola is a least-squares fit to the medians of the reference solver over all records, or to
     YADE's runs where there are no others.
     """
-    names = in_order(variant.points["record"].unique())
-    markers, hollow = record_markers(names), dict(zip(names, SINGLE_MARKERS * len(names)))
-    figure, axes = grid(1, 2, 2.5)
+    names = panels.in_order(variant.points["record"].unique())
+    markers, hollow = panels.record_markers(names), dict(zip(names, panels.SINGLE_MARKERS * len(names)))
+    figure, axes = panels.grid(1, 2, 2.5)
     for number, (ax, state) in enumerate(zip(axes[0], ("max", "residual"))):
         column = f"{state}_{CRITERIA[slip]}DI"
         for name in names:
             reference, yade = (in_percent(points[points["record"] == name])
                                for points in (variant.reference, variant.yade))
-            draw_cloud(ax, reference, "max_drift_pct", column, BLACK, markers[name])
-            draw_yade(ax, yade, "max_drift_pct", column, VERMILLION, hollow[name])
+            panels.draw_cloud(ax, reference, "max_drift_pct", column, BLACK, markers[name])
+            panels.draw_yade(ax, yade, "max_drift_pct", column, VERMILLION, hollow[name])
         label = _draw_trend(ax, in_percent(variant.reference if len(variant.reference) else variant.yade), column)
-        letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
+        panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
-        from_zero(ax, NOTHING)
-    add_heading(figure, f"Damage index against maximum drift: {variant.title}", SLIP_LABELS[slip],
+        panels.from_zero(ax, panels.NOTHING)
+    panels.add_heading(figure, f"Damage index against maximum drift: {variant.title}", panels.SLIP_LABELS[slip],
                 _synthetic_note(names))
-    return finish(figure, _record_handles(variant, names, markers, hollow), columns=2)
+    return panels.finish(figure, _record_handles(variant, names, markers, hollow), columns=2)
 
 
 def in_percent(points):
@@ -163,7 +137,7 @@ def in_percent(points):
 
 def _draw_trend(ax, points, column):
     """Draw the least-squares parabola; returns its R2 for the title, "" where points are too few."""
-    drift, value = (median_and_range(points, name)[0] for name in ("max_drift_pct", column))
+    drift, value = (panels.median_and_range(points, name)[0] for name in ("max_drift_pct", column))
     known = np.isfinite(drift) & np.isfinite(value)
     if np.unique(drift[known]).size < TREND_POINTS:
         return ""
@@ -178,10 +152,10 @@ def _draw_trend(ax, points, column):
 def _record_handles(variant, names, markers, hollow):
     handles = []
     for name in names:
-        if len(variant.reference):
-            handles.append(Line2D([], [], ls="", marker=markers[name], color=BLACK, ms=5,
-                                  label=f"{record_label(name)}: reference, {describe_members(variant.reference)}"))
-        if len(variant.yade):
-            handles.append(Line2D([], [], ls="", marker=hollow[name], mfc="none", mec=VERMILLION, ms=5,
-                                  label=f"{record_label(name)}: YADE, {describe_members(variant.yade)}"))
+        for solver, points, look in (
+                ("reference", variant.reference, {"marker": markers[name], "color": BLACK}),
+                ("YADE", variant.yade, {"marker": hollow[name], "mfc": "none", "mec": VERMILLION})):
+            if len(points):
+                label = f"{panels.record_label(name)}: {solver}, {panels.describe_members(points)}"
+                handles.append(Line2D([], [], ls="", ms=5, label=label, **look))
     return handles + [Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares")]

@@ -6,17 +6,19 @@ NAME_min and NAME_max; `tables/summary.csv`, a row for each run; `tables/RUN_ind
 `runs/RUN.h5`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pandas as pd
 
 from damage.errors import InputError
 from damage.history.reader import read_history
+from damage.measure.columns import read_table
 from damage.measure.tables import index_table
+from damage.wall.parameters import USUAL_MODEL
 
 NEEDED = ("point", "solver", "wall", "members")
-MODEL = {"lintel": "elastic", "top": "piers", "cells": 2, "contacts": "interior", "cycles": None, "strength_cov": 0.0}
+MODEL = USUAL_MODEL | {"cycles": None}
 """Columns that say how a point was modelled, whichever solver did it, and what an empty cell stands for."""
 REFERENCE, YADE = "reference", "yade"
 
@@ -30,10 +32,12 @@ class Results:
     """Points and runs of all studies below a folder, each row with its study's folder.
 
     points, runs: DataFrames with the columns of points.csv and summary.csv, and `folder`.
+    records: the folder where users put records that do not ship.
     """
 
     points: pd.DataFrame
     runs: pd.DataFrame
+    records: Path = Path("records")
 
     def of_studies(self, names, chosen):
         """The chosen points (a mask) of the studies called so, or of all where none has them.
@@ -53,7 +57,7 @@ class Results:
         """These results with only the points whose runs came to their end, a collapse included."""
         if "status" not in self.points:
             return self
-        return Results(self.points[self.points["status"] == "complete"], self.runs)
+        return replace(self, points=self.points[self.points["status"] == "complete"])
 
     def members(self, point):
         """Names of a point's runs (a row of `points`), in the order of the summary."""
@@ -84,7 +88,7 @@ class Results:
     def index(self, point):
         """The damage index over time of a point's first run, from its table or else its history."""
         path = point["folder"] / "tables" / f"{self.run(point)['run']}_index.csv"
-        return _read_csv(path) if path.is_file() else index_table(self.history(point))
+        return read_table(path) if path.is_file() else index_table(self.history(point))
 
 
 @dataclass(frozen=True)
@@ -115,32 +119,17 @@ class Variant:
         return "_".join([str(self.wall), *(f"{name}-{value}" for name, value in self.differs.items())])
 
 
-def load_results(folder):
-    """Read the tables of every study below a folder, itself included."""
+def load_results(folder, records=Path("records")):
+    """Read the tables of every study below a folder, itself included; records: of `Results`."""
     folder = Path(folder)
     paths = sorted(folder.rglob("tables/points.csv"))
     if not paths:
         raise InputError(f"{folder} holds no */tables/points.csv; expected a folder with the results of studies, "
                          "run one with ./run_all.sh")
-    points, runs = [], []
-    for path in paths:
-        for tables, name, needed in ((points, "points.csv", NEEDED), (runs, "summary.csv", ("run", "point", "solver"))):
-            table = _read_csv(path.with_name(name))
-            lacking = [column for column in needed if column not in table]
-            if lacking:
-                raise InputError(f"{path.with_name(name)} has no column {lacking[0]}; expected the tables of a study, "
-                                 "run it again with ./run_all.sh")
-            tables.append(table.assign(folder=path.parents[1]))
-    return Results(pd.concat(points, ignore_index=True), pd.concat(runs, ignore_index=True))
-
-
-def _read_csv(path):
-    """A table; "none" is a word, only an empty cell is missing."""
-    try:
-        return pd.read_csv(path, keep_default_na=False, na_values=[""])
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); "
-                         "run the study again") from error
+    tables = [pd.concat([read_table(path.with_name(name), needed).assign(folder=path.parents[1]) for path in paths],
+                        ignore_index=True)
+              for name, needed in (("points.csv", NEEDED), ("summary.csv", ("run", "point", "solver")))]
+    return Results(*tables, Path(records))
 
 
 def variants(points):

@@ -12,8 +12,8 @@ from damage.studies.results import REFERENCE
 _LINES = {  # column of the table of shocks: label, style
     "max_DI": ("maximum DI", {"color": BLACK, "marker": "D"}),
     "residual_DI": ("residual DI", {"color": BLACK, "marker": "D", "mfc": "none", "ls": "--"}),
-    "max_DI_shear_limit": ("maximum, slip by the shear limit", {"color": BLUE, "marker": "o"}),
-    "residual_DI_shear_limit": ("residual, slip by the shear limit",
+    "max_shear_limit_DI": ("maximum, slip by the shear limit", {"color": BLUE, "marker": "o"}),
+    "residual_shear_limit_DI": ("residual, slip by the shear limit",
                                 {"color": BLUE, "marker": "o", "mfc": "none", "ls": "--"}),
     "max_DI_drift": (r"maximum DI$_\mathrm{drift}$", {"color": GREEN, "marker": "^"}),
 }

@@ -1,36 +1,23 @@
 """The tables of a whole study, of whichever runs are there: one row a run, one row a point.
 
-    python3 -m damage.studies.tables STUDY.toml DIR [-j N]
-
-writes below DIR/tables: summary.csv, a row for each run; points.csv, a row for each point and solver, with the
-median over its members under a measure's NAME and their range under NAME_min and NAME_max; study.h5, both of them
-as HDF5 (`read_study_table`).  A run's row is worked out once and kept in DIR/tables/rows; it is worked out anew
-when the history is younger.
+`python3 -m damage study-tables STUDY.toml DIR` writes below DIR/tables: summary.csv, a row for each run; points.csv, a
+row for each point and solver, with the median over its members under a measure's NAME and their range under NAME_min
+and NAME_max; study.h5, both of them as HDF5 (`read_study_table`).  A run's row is worked out once and kept in
+DIR/tables/rows; it is worked out anew when the history is younger.
 """
 
-import argparse
 import json
-import os
-import sys
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
+from damage.files import whole_or_nothing, write_text
 from damage.history.reader import read_history
+from damage.measure.columns import PARAMETERS, RUN, names
 from damage.measure.tables import summary_row, write_table
-from damage.studies.definition import load_study
-
-COUNTED = ("run", "seed", "status", "collapsed_at_s")
-"""Columns of a run that a point counts instead of taking medians of, or leaves out."""
-PARAMETERS = ("point", "solver", "wall", "motion", "record", "pga_g", "sa_0.2_s_g", "motion_period_s", "amplitude_g",
-              "cycles", "scale", "window_start_s", "window_end_s", "vertical", "shocks", "motion_duration_s", "rest_s",
-              "lintel", "top", "cells", "contacts", "strength_cov", "alpha_1_s", "beta_s", "perturb_m", "time_step_s",
-              "eigen_period_s", "slip", "total_joint_length_m")
-"""Columns that all runs of a point share; a point's value is that of its first run."""
 
 
 def runs_there(run, folder):
@@ -52,10 +39,7 @@ def row_of(folder, name, point):
 def write_row(history, path, point):
     """Write the summary's row of a History as JSON, whole or not at all; returns it."""
     row = summary_row(history, run=path.stem, point=point)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    part.write_text(json.dumps(row), encoding="utf-8")
-    os.replace(part, path)
+    write_text(path, json.dumps(row))
     return row
 
 
@@ -91,11 +75,11 @@ def points_of(summary):
 
 def _point(runs):
     first, fallen = runs.iloc[0], runs["collapsed_at_s"].astype(float).dropna()
-    row = {name: first[name] for name in PARAMETERS if name in runs}
+    row = {name: first[name] for name in names(PARAMETERS) if name in runs}
     ended = runs["status"] == "complete"
     row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
             "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None}
-    for name in runs.columns.difference([*row, *COUNTED, "strength_seed"], sort=False):
+    for name in runs.columns.difference([*row, *RUN], sort=False):
         values = runs[name].dropna()
         if _is_number(values):
             numbers = values.astype(float)
@@ -114,8 +98,7 @@ def write_hdf5(tables, path):
 
     Numbers are f8, NaN where empty; words are UTF-8, empty where missing.
     """
-    part = path.with_name(f"{path.name}.part")
-    with h5py.File(part, "w") as file:
+    with whole_or_nothing(path) as unfinished, h5py.File(unfinished, "w") as file:
         for table, frame in tables.items():
             group = file.create_group(table, track_order=True)
             for name, column in frame.items():
@@ -123,7 +106,6 @@ def write_hdf5(tables, path):
                 values = column.fillna("").astype(str).to_numpy(object) if words else column.to_numpy(dtype="f8",
                                                                                                      na_value=np.nan)
                 group.create_dataset(name, data=values, dtype=h5py.string_dtype() if words else "f8")
-    os.replace(part, path)
 
 
 def read_study_table(path, table="runs"):
@@ -145,24 +127,3 @@ def write_study_tables(study, folder, jobs=1):
     paths = [write_table(points, tables / "points.csv"), tables / "study.h5"]
     write_hdf5({"runs": summary, "points": points}, paths[1])
     return [*paths, write_table(summary, tables / "summary.csv")]
-
-
-def main(arguments=None):
-    """Run the command; returns the exit status: 0 done, 2 bad input."""
-    parser = argparse.ArgumentParser(prog="python3 -m damage.studies.tables", description=__doc__.splitlines()[0])
-    parser.add_argument("study", type=Path, metavar="STUDY.toml")
-    parser.add_argument("folder", type=Path, metavar="DIR")
-    parser.add_argument("--solver", default="both")
-    parser.add_argument("-j", dest="jobs", type=int, default=1)
-    parsed = parser.parse_args(arguments)
-    try:
-        for path in write_study_tables(load_study(parsed.study, parsed.solver), parsed.folder, parsed.jobs):
-            print(path)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

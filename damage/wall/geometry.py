@@ -1,9 +1,29 @@
 """Where bodies and joints of a history are when the bodies move; its tables `joints` and `bodies` in, points out."""
 
 import numpy as np
+import pandas as pd
+
+from damage.wall.kinematics import rigid_displacement
+from damage.wall.layout import KINDS
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]
+
+
+def body_table(layout):
+    """The bodies of a Layout as `History.bodies` has them: x_m, z_m, length_m, height_m, course."""
+    bodies = layout.bodies
+    return pd.DataFrame({"x_m": bodies.x, "z_m": bodies.z, "length_m": bodies.length, "height_m": bodies.height,
+                         "course": bodies.course})
+
+
+def joint_table(layout):
+    """The joints of a Layout as `History.joints` has them: kind, bodies, x_m, z_m, length_m."""
+    contacts, n = layout.contacts, layout.n_joints
+    return pd.DataFrame({
+        "kind": np.array(KINDS)[contacts.kind[:n]], "first_body": contacts.first[:n],
+        "second_body": contacts.second[:n], "x_m": contacts.x[:n], "z_m": contacts.z[:n],
+        "length_m": contacts.length[:n]})
 
 
 def displaced(bodies, motion, body, points, magnify=1.0):
@@ -14,12 +34,9 @@ def displaced(bodies, motion, body, points, magnify=1.0):
     Returns (n, k, 2) [m].
     """
     # GROUND is -1, which takes the last row: one more body, at rest.
-    motion = np.vstack([motion, np.zeros(3)])[body] * magnify
+    ux, uz, turn = (np.vstack([motion, np.zeros(3)])[body] * magnify).T[..., None]
     centre = np.vstack([bodies[["x_m", "z_m"]].to_numpy(), np.zeros(2)])[body][:, None]
-    turn = motion[:, 2, None]
-    cos, sin = np.cos(turn), np.sin(turn)
-    x, z = np.moveaxis(points - centre, 2, 0)
-    return centre + motion[:, None, :2] + np.stack([cos * x - sin * z, sin * x + cos * z], axis=2)
+    return points + np.stack(rigid_displacement(ux, uz, turn, *np.moveaxis(points - centre, 2, 0)), axis=2)
 
 
 def body_corners(bodies, motion, magnify=1.0):

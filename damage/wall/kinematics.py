@@ -9,14 +9,22 @@ import numpy as np
 from damage.wall.layout import GROUND, HEAD
 
 
+def rigid_displacement(ux, uz, turn, x, z):
+    """Displacement along x and z of points of a rigid body, exact for any rotation.
+
+    ux, uz [m], turn [rad, x towards z]: of the body's centre; x, z [m]: of the points from the centre at rest.
+    """
+    cos, sin = np.cos(turn) - 1, np.sin(turn)
+    return ux + cos * x - sin * z, uz + sin * x + cos * z
+
+
 class ContactKinematics:
     """Opening and shear of the contacts of a layout, all of them or those of `select`."""
 
     def __init__(self, layout):
         contacts, bodies = layout.contacts, layout.bodies
         # The ground is one more body at the end, at rest.
-        self.ends = [np.where(body == GROUND, len(bodies), body)
-                     for body in (contacts.first, contacts.second)]
+        self.ends = [np.where(body == GROUND, len(bodies), body) for body in (contacts.first, contacts.second)]
         x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
         self.arms = [(contacts.x - x[body], contacts.z - z[body]) for body in self.ends]
         self.head = contacts.kind == HEAD
@@ -26,19 +34,14 @@ class ContactKinematics:
 
         motion: (n_bodies, 3) displacement of the centres [m] and rotation x towards z [rad].
         """
-        motion = np.vstack([motion, np.zeros(3)])
-        first, second = (self._point_motion(motion, end, select) for end in (0, 1))
+        moved = np.vstack([motion, np.zeros(3)])
+        # Copies, row by row: where an output happens to lie right behind a strided input numpy takes another cosine,
+        # which may differ in its last bit, and two runs of one command would not be the same.
+        motions = [np.array(moved[end[select]].T, order="C") for end in self.ends]
+        first, second = (rigid_displacement(*of, rx[select], rz[select]) for of, (rx, rz) in zip(motions, self.arms))
         dx, dz = second[0] - first[0], second[1] - first[1]
-        turn = (first[2] + second[2]) / 2
+        turn = (motions[0][2] + motions[1][2]) / 2
         cos, sin = np.cos(turn), np.sin(turn)
         along_x, along_z = cos * dx + sin * dz, cos * dz - sin * dx
         head = self.head[select]
         return np.where(head, along_x, along_z), np.where(head, along_z, along_x)
-
-    def _point_motion(self, motion, end, select):
-        # A copy, row by row: where an output happens to lie right behind a strided input numpy takes another cosine,
-        # which may differ in its last bit, and two runs of one command would not be the same.
-        ux, uz, turn = np.array(motion[self.ends[end][select]].T, order="C")
-        rx, rz = self.arms[end][0][select], self.arms[end][1][select]
-        cos, sin = np.cos(turn) - 1, np.sin(turn)
-        return ux + cos * rx - sin * rz, uz + sin * rx + cos * rz, turn

@@ -6,32 +6,11 @@ paper gives a value; `docs/choices.md` gives the source of every other one.
 """
 
 import math
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 
+from damage.checks import check_choice, check_fields, check_number, check_whole, record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
-
-TOP_OPTIONS = ("piers", "uniform", "beam")
-LINTEL_OPTIONS = ("elastic", "none")
-CONTACT_OPTIONS = ("interior", "corners")
-
-
-def _check_numbers(record, positive=(), not_negative=()):
-    """Raise InputError unless the named fields of a record are finite and of the right sign."""
-    kind = type(record).__name__
-    for name in (*positive, *not_negative):
-        value = getattr(record, name)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise InputError(f"{kind}.{name} = {value!r}: expected a finite number; give one")
-        if value < 0 or (value == 0 and name in positive):
-            wanted = "positive" if name in positive else "zero or positive"
-            raise InputError(f"{kind}.{name} = {value:g}: expected a {wanted} number; mend its sign")
-
-
-def check_choice(what, value, choices):
-    """Raise InputError unless `value` is one of `choices`."""
-    if value not in choices:
-        raise InputError(f"{what} = {value!r}: expected one of {', '.join(choices)}; choose one of them")
 
 
 @dataclass(frozen=True)
@@ -51,7 +30,7 @@ class Brick:
     shear_modulus: float = 2.16e9
 
     def __post_init__(self):
-        _check_numbers(self, positive=self.__dataclass_fields__)
+        check_fields(self, positive=self.__dataclass_fields__)
 
 
 @dataclass(frozen=True)
@@ -69,7 +48,7 @@ class Joint:
     cohesion: float = 0.24e6
 
     def __post_init__(self):
-        _check_numbers(self, positive=("normal_stiffness", "shear_stiffness"),
+        check_fields(self, positive=("normal_stiffness", "shear_stiffness"),
                        not_negative=("friction_angle", "tensile_strength", "cohesion"))
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
@@ -101,7 +80,7 @@ class Opening:
     sill: float = 0.0
 
     def __post_init__(self):
-        _check_numbers(self, positive=("width", "height"), not_negative=("left", "sill"))
+        check_fields(self, positive=("width", "height"), not_negative=("left", "sill"))
 
     @property
     def right(self):
@@ -132,7 +111,7 @@ class Wall:
             raise InputError(f"Wall.name = {self.name!r}: expected letters, digits, '-' or '_', since "
                              "it names files; rename the wall")
         object.__setattr__(self, "openings", tuple(self.openings))
-        _check_numbers(self, positive=("length", "height"), not_negative=("precompression",))
+        check_fields(self, positive=("length", "height"), not_negative=("precompression",))
         check_choice("Wall.base_course", self.base_course, ("whole", "half"))
         if self.courses < 1 or self.length < self.brick.length / 2:
             raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
@@ -159,9 +138,16 @@ class Wall:
         height = self.brick.height
         return round(opening.sill / height), round((opening.sill + opening.height) / height)
 
-    def describe(self):
+    def as_dict(self):
         """All parameters as a plain dictionary, for files and tables."""
         return asdict(self)
+
+    @classmethod
+    def from_dict(cls, table):
+        """The wall of which `as_dict` made the table."""
+        parts = {name: record_from(kind, table.get(name, {})) for name, kind in (("brick", Brick), ("joint", Joint))}
+        openings = tuple(record_from(Opening, one) for one in table.get("openings", ()))
+        return record_from(cls, table | parts | {"openings": openings})
 
 
 def _check_openings(wall):
@@ -200,6 +186,16 @@ def _check_opening_apart(wall, opening, other, what):
                          f"({wall.brick.length / 2:g} m) or one course must stay between; move one of them")
 
 
+def _option(default, help_, **more):
+    """A field of ModelOptions and all that the command line, file names and tables need of it.
+
+    help_: for people; metavar: of a number; choices: of a word; solvers: that have it; tag: what a history's file is
+    called where the option is not the default, a template of the options; seed: it only draws one of many alike.
+    """
+    return field(default=default, metadata={"help": help_, "metavar": None, "choices": None,
+                                            "solvers": ("yade", "reference"), "tag": None, "seed": False, **more})
+
+
 @dataclass(frozen=True)
 class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
@@ -214,20 +210,30 @@ class ModelOptions:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     """
 
-    lintel: str = "elastic"
-    top: str = "piers"
-    cells: int = 2
-    contacts: str = "interior"
-    strength_cov: float = 0.0
-    strength_seed: int = 0
+    lintel: str = _option("elastic", "joints over an opening stay elastic, or break like any other",
+                          choices=("elastic", "none"), tag="lintel-{lintel}")
+    top: str = _option("piers", "where the precompression's mass sits", choices=("piers", "uniform", "beam"),
+                       tag="top-{top}")
+    cells: int = _option(2, "contact points per half brick", metavar="N")
+    contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
+                            solvers=("reference",), tag="{contacts}")
+    strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
+                                  metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
+    strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
 
     def __post_init__(self):
-        check_choice("lintel", self.lintel, LINTEL_OPTIONS)
-        check_choice("top", self.top, TOP_OPTIONS)
-        check_choice("contacts", self.contacts, CONTACT_OPTIONS)
-        if not isinstance(self.cells, int) or not 1 <= self.cells <= 16:
-            raise InputError(f"cells = {self.cells!r}: expected a whole number from 1 to 16; two is usual")
-        if not 0 <= self.strength_cov <= 2:
-            raise InputError(f"strength_cov = {self.strength_cov!r}: expected a number from 0 to 2; 0.3 is usual")
-        if not isinstance(self.strength_seed, int) or self.strength_seed < 0:
-            raise InputError(f"strength_seed = {self.strength_seed!r}: expected a whole number, 0 or more; mend it")
+        for one in fields(self):
+            if one.metadata["choices"]:
+                check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
+        check_whole("cells", self.cells, 1, 16)
+        check_number("strength_cov", self.strength_cov, "a number from 0 to 2", lambda value: 0 <= value <= 2)
+        check_whole("strength_seed", self.strength_seed)
+
+    def tags(self):
+        """What tells this model from the default in a file's name, a list of words."""
+        return [one.metadata["tag"].format(**asdict(self)) for one in fields(self)
+                if one.metadata["tag"] and getattr(self, one.name) != one.default]
+
+
+USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]}
+"""{option: default} of the choices that tell one model from another."""

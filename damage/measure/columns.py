@@ -1,0 +1,131 @@
+"""Every column of summary.csv and points.csv, once: what it is called, its unit, what it means.
+
+The tables of `docs/measures.md` are these; `damage.measure.tables.summary_row` fills them, `damage.studies.tables` sums
+them up by point.
+"""
+
+import re
+from dataclasses import fields
+
+import pandas as pd
+
+from damage.errors import InputError
+from damage.history.schema import Column
+from damage.index import COMPONENTS
+from damage.measure.limits import LIMITS
+from damage.wall.parameters import ModelOptions
+
+CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
+"""What counts as slipped, and what stands before a component's name in the columns for it."""
+
+
+def _model(seeds):
+    return {one.name: Column("", one.metadata["help"]) for one in fields(ModelOptions) if one.metadata["seed"] == seeds}
+
+
+def _index(kind, slip):
+    return ", ".join(f"{kind}_{CRITERIA[slip]}{name}" for name in COMPONENTS)
+
+
+PARAMETERS = {
+    "point": Column("", "point of a study that the run belongs to"), "solver": Column("", "yade or reference"),
+    "wall": Column("", "name of the wall"), "motion": Column("", "name of the loading"),
+    "record": Column("", "name of the record"),
+    "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
+    "motion_period_s, amplitude_g": Column("s, g", "of a harmonic motion"),
+    "cycles": Column("1", "of a harmonic motion, or at each drift of a pushed top"),
+    "scale": Column("1", "factor on the record"),
+    "window_start_s, window_end_s": Column("s", "part of the record that was used"),
+    "vertical": Column("1", "1 with the record's vertical component, else 0"),
+    "shocks": Column("1", "how many, of a sequence"),
+    "motion_duration_s, rest_s": Column("s", "of the base's motion, and of the free vibration after it"),
+    **_model(seeds=False),
+    "alpha_1_s, beta_s": Column("1/s, s", "damping proportional to mass, and to stiffness"),
+    "perturb_m": Column("m", "size of the bricks' random offsets"),
+    "time_step_s": Column("s", "of the solver"),
+    "eigen_period_s": Column("s", "first period of the intact wall, by its eigenvalues"),
+    "slip": Column("", "criterion of slip in the columns that name none"),
+    "total_joint_length_m": Column("m", "of all contact points"),
+}
+"""What all runs of a point share."""
+RUN = {
+    "run": Column("", "name of the run"),
+    "status": Column("", "complete, interrupted, failed, unfinished"),
+    "collapsed_at_s": Column("s", "when a brick had dropped by half its height"),
+    **_model(seeds=True),
+    "seed": Column("1", "of the bricks' random offsets"),
+}
+"""What tells one run from another of its point, and how it ended."""
+MEASURES = {
+    "Index, drift": {
+        _index("max", "displacement"): Column("1", "each its own maximum over the run, slip by displacement"),
+        _index("residual", "displacement"): Column("1", "the last state of the settling stage, or of a collapse"),
+        _index("max", "shear-limit"): Column("1", "the same with slip by the shear limit"),
+        _index("residual", "shear-limit"): Column("1", "the same with slip by the shear limit"),
+        "max_drift_ratio, residual_drift_ratio": Column("1", "largest absolute drift ratio; drift ratio at the end, "
+                                                        "with its sign"),
+    },
+    "Forces": {
+        "peak_base_shear_n": Column("N", "largest absolute horizontal force of the wall on the ground"),
+        "peak_force_n, drift_at_peak_force": Column("N, 1", "of a pushed wall: largest base shear, the drift there"),
+        "initial_stiffness_n_per_m, secant_stiffness_n_per_m": Column(
+            "N/m", "of a pushed wall: base shear over top displacement at 0.15 and 0.7 of the peak, on first loading"),
+    },
+    "Cycles and period": {
+        "last_cycle_s": Column("s", "length of the last cycle that begins while the base moves; it may end in free "
+                               "vibration"),
+        "first_free_cycle_s": Column("s", "length of the first cycle that begins after the base has come to rest"),
+        "period_elongation": Column("1", "`first_free_cycle_s` over `eigen_period_s`"),
+        "period_s": Column("s", "natural period of a run in free vibration"),
+    },
+    "Cracks": {
+        "max_crack_width_mm, residual_crack_width_mm": Column(
+            "mm", "width of the widest crack, sqrt(opening² + slip²), where it reaches 0.1 mm; largest over the run, "
+            "and at its end"),
+        "max_psi, residual_psi": Column("1", "Korswagen's damage parameter Psi = 2 n^0.15 c_w^0.3"),
+        "max_opening_mm, max_slip_mm": Column("mm", "largest opening and slip of any contact point"),
+        "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
+    },
+    "Energy": {
+        "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),
+        "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost when bonds break, up to the "
+                                                       "run's end"),
+        "dissipated_energy_j": Column("J", "their sum"),
+        "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
+        "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out"),
+    },
+    "Classes by published limits": {one.name: Column("", one.told) for one in LIMITS},
+}
+"""By section of the document."""
+
+
+def names(columns):
+    """The single names of {names: Column}, a list."""
+    return [name for several in columns for name in several.split(", ")]
+
+
+def one_spelling(table):
+    """A table with the names of this version: older ones wrote max_DI_shear_limit for max_shear_limit_DI.
+
+    >>> import pandas as pd
+    >>> list(one_spelling(pd.DataFrame(columns=["max_DI_slip_shear_limit", "DI_shear_limit", "max_DI"])))
+    ['max_shear_limit_DI_slip', 'shear_limit_DI', 'max_DI']
+    """
+    return table.rename(columns=lambda name: re.sub(r"(DI|DI_slip)_shear_limit$", r"shear_limit_\1", name))
+
+
+def read_table(path, needed=()):
+    """A table of a study as a DataFrame, older spellings mended; "none" is a word, only an empty cell is missing.
+
+    Raises InputError where it cannot be read or lacks one of the needed columns.
+    """
+    try:
+        table = one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""]))
+    except (OSError, ValueError) as error:  # of the file, or of its text
+        raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
+                         "study, run it again with ./run_all.sh") from error
+    lacking = [name for name in needed if name not in table]
+    if lacking:
+        raise InputError(f"{path} has no column {lacking[0]}; expected the tables of a study of this version, run it "
+                         "again with ./run_all.sh, or make them anew: python3 -m damage tables summary")
+    return table

@@ -1,0 +1,43 @@
+"""Columns of tables and datasets of histories: each named once, with unit and meaning, and so in the documents."""
+
+import h5py
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+from small_history import make_history
+
+from damage.history.schema import TABLES, markdown
+from damage.measure import columns
+from damage.measure.tables import summary_row
+from damage.studies.tables import points_of
+
+SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, **columns.MEASURES}
+
+
+@pytest.mark.parametrize("section", SUMMARY)
+def test_the_measures_document_shows_the_table(section):
+    assert markdown(SUMMARY[section]) in (REPOSITORY / "docs/measures.md").read_text()
+
+
+@pytest.mark.parametrize("group", TABLES)
+def test_the_schema_document_shows_the_table(group):
+    assert markdown(TABLES[group]) in (REPOSITORY / "docs/history-schema.md").read_text()
+
+
+def test_a_summary_has_these_columns_and_no_others(tmp_path):
+    row = summary_row(make_history(tmp_path / "a.h5"))
+    known = [name for table in SUMMARY.values() for name in columns.names(table)]
+    assert sorted(row) == sorted(known)
+
+
+def test_a_point_begins_with_what_its_runs_share(tmp_path):
+    runs = pd.DataFrame([summary_row(make_history(tmp_path / "a.h5"))])
+    assert list(points_of(runs).columns)[:len(columns.names(columns.PARAMETERS))] == columns.names(columns.PARAMETERS)
+
+
+def test_a_history_has_these_datasets_with_their_units(tmp_path):
+    make_history(tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5") as file:
+        for group, table in TABLES.items():
+            assert {name: data.attrs["unit"] for name, data in file[group].items()} == {
+                name: column.unit for name, column in table.items()}

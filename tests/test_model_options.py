@@ -1,0 +1,41 @@
+"""The default model stands once, in ModelOptions: command lines, names and tables follow from its fields."""
+
+from dataclasses import fields
+
+import pytest
+from small_history import make_history
+
+from damage.motion.loading import Harmonic
+from damage.paper.evidence import SHAPE
+from damage.run.options import free_name, make_parser, parse_run
+from damage.run.settings import RunSettings
+from damage.studies.choices_figure import choice
+from damage.wall.parameters import USUAL_MODEL, ModelOptions, Wall
+
+
+@pytest.mark.parametrize("solver", ["yade", "reference"])
+def test_every_option_of_a_solver_is_on_its_command_line(solver):
+    offered = vars(make_parser("test", solver).parse_args([]))
+    for one in fields(ModelOptions):
+        assert (one.name in offered) == (solver in one.metadata["solvers"])
+    assert parse_run([], "test", solver).model == ModelOptions()
+
+
+@pytest.mark.parametrize(("options", "name"), [
+    ({}, "w_harmonic_0.2s_0.05g_yade.h5"),
+    ({"lintel": "none", "contacts": "corners"}, "w_harmonic_0.2s_0.05g_yade_lintel-none_corners.h5"),
+    ({"top": "beam", "strength_cov": 0.3}, "w_harmonic_0.2s_0.05g_yade_top-beam_strength-0.3-0.h5"),
+])
+def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
+    settings = RunSettings(Harmonic(0.2, 0.05), ModelOptions(**options))
+    assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path) == tmp_path / name
+
+
+def test_figures_and_evidence_know_every_choice():
+    assert {"cells", "contacts", "top", "strength_cov"} == USUAL_MODEL.keys() & SHAPE.keys()
+    assert choice({**USUAL_MODEL, "cycles": 3}) == "default"
+    assert choice({**USUAL_MODEL, "strength_cov": 0.3}) == "strength_cov 0.3"
+
+
+def test_an_old_history_has_the_defaults_of_younger_options(tmp_path):
+    assert make_history(tmp_path / "old.h5").model == ModelOptions()  # its parameters hold no option
