@@ -15,10 +15,11 @@ from pathlib import Path
 REPOSITORY = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(REPOSITORY))
 
+from synthetic import HUIZINGE, SEED, synthetic_record
+
 from damage.errors import InputError
 from damage.motion.formats import read_record, write_csv
 from damage.motion.intensity import response_spectrum, summary
-from damage.motion.synthetic import HUIZINGE, SEED, synthetic_record
 
 DATA = REPOSITORY / "damage" / "data"
 KNMI = "KNMI NL network, CC BY 4.0, doi 10.21944/e970fd34-23b9-3411-b366-e4f72877d2c5"

@@ -8,12 +8,12 @@ import pytest
 from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
-from damage.motion import synthetic
 from damage.motion.formats import QUIET_S, read_record, shipped_record_path, write_csv
 from damage.motion.intensity import pgv_cm_s, response_spectrum, summary
 from damage.motion.record import Record, scaled, windowed
-from damage.motion.synthetic import HUIZINGE, SEED, Target, synthetic_record
 from damage.units import GRAVITY
+from scripts import synthetic
+from scripts.synthetic import HUIZINGE, SEED, Target, synthetic_record
 
 SCRIPT = REPOSITORY / "scripts" / "make_records.py"
 STATIONS = ("BGAR", "BWSE", "BZN1", "BLOP")

@@ -1,6 +1,7 @@
 """The compiled functions run once as plain Python: where coverage sees them, and with the same results."""
 
 import os
+import shutil
 import subprocess
 import sys
 
@@ -8,7 +9,7 @@ import numpy as np
 from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
-from damage.reference import kernel
+from damage.reference import kernel, tables
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
@@ -80,7 +81,23 @@ def test_plain_python_gives_what_the_compiled_functions_give(tmp_path):
 
 
 if __name__ == "__main__":
-    for name, table in vars(kernel).items():  # rows whose fields are attributes without numba, too
+    for name, table in list(vars(tables).items()):  # rows whose fields are attributes without numba, too
         if isinstance(table, np.dtype) and table.names:
-            setattr(kernel, name, np.dtype((np.record, table)))
+            setattr(tables, name, np.dtype((np.record, table)))
     np.savez(sys.argv[1], **all_results())
+
+
+def test_a_newer_law_is_compiled_anew(tmp_path):
+    """numba's cache looks at the kernel's own file: without a look at the law's it would go on with the old one."""
+    package = tmp_path / "damage"
+    shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
+    index = package / "reference" / "__pycache__" / "kernel.spring-1.py311.nbi"
+    index.parent.mkdir()
+    index.touch()
+    os.utime(package / "reference" / "tables.py", (0, 0))
+    law = package / "wall" / "joint_law.py"
+    for age_s, kept in ((-10, True), (10, False)):
+        os.utime(law, (index.stat().st_mtime + age_s,) * 2)
+        subprocess.run([sys.executable, "-c", "import damage.reference.kernel"], cwd=tmp_path, check=True,
+                       env={**os.environ, "PYTHONPATH": str(tmp_path)})
+        assert index.exists() == kept

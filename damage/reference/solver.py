@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.reference.kernel import OPENED, SLIPPED
+from damage.reference.tables import OPENED, SLIPPED
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import Instant
 from damage.wall.joint_law import SHEAR, TENSION

@@ -8,7 +8,7 @@ import numpy as np
 
 from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
-from damage.reference import kernel
+from damage.reference import kernel, tables
 from damage.units import GRAVITY
 from damage.wall.joint_law import LawParameters, elastic_energy, elastic_range
 from damage.wall.layout import GROUND, HEAD
@@ -106,7 +106,7 @@ class ReferenceWall:
         if self.adaptive_damping == 0.0:
             self.system.relaxation[:] = 0.0
         joint = self.layout.wall.joint
-        return kernel.Constants(self.time_step, float(np.tan(joint.friction_angle)), THRESHOLD,
+        return tables.Constants(self.time_step, float(np.tan(joint.friction_angle)), THRESHOLD,
                                 self.local_damping, self.alpha, self.beta, self.adaptive_damping)
 
     def drain_events(self):
@@ -128,7 +128,7 @@ class ReferenceWall:
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the jump's work is input."""
         old, mass = self.system.motion["vx"][self._held], self.layout.bodies.mass[self._held]
-        self.energy[kernel.INPUT] += 0.5 * np.sum(mass * (velocity**2 - old**2))
+        self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity**2 - old**2))
         self.system.motion["vx"][self._held] = velocity
 
     def push_force(self):
@@ -177,13 +177,13 @@ def _make_system(layout):
     area = contacts.area
     # Offsets turn with the joint's axes: along +x in bed joints, along -z in head joints.
     offset = np.where(contacts.kind == HEAD, middle[1] - contacts.z, contacts.x - middle[0])
-    return kernel.System(
+    return tables.System(
         pairs=pairs,
-        contacts=_table(kernel.CONTACT, n, offset=offset, kn=contacts.normal_stiffness * area,
+        contacts=_table(tables.CONTACT, n, offset=offset, kn=contacts.normal_stiffness * area,
                         ks=contacts.shear_stiffness * area, tensile_force=contacts.tensile_strength * area,
                         cohesive_force=contacts.cohesion * area, idle=np.full(n, -1.0)),
-        joints=_table(kernel.JOINT, n, area=area), place=np.zeros(m + 1, kernel.PLACE),
-        motion=_table(kernel.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, inverse_mass_x=1 / bodies.mass,
+        joints=_table(tables.JOINT, n, area=area), place=np.zeros(m + 1, tables.PLACE),
+        motion=_table(tables.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, inverse_mass_x=1 / bodies.mass,
                       inverse_mass_z=1 / bodies.mass, inverse_inertia=1 / bodies.inertia),
         energy=np.zeros(4), events=np.zeros((_CAPACITY, 3), np.int64), values=np.zeros((_CAPACITY, 4)),
         n_events=np.zeros(1, np.int64), relaxation=np.zeros(2))
@@ -201,7 +201,7 @@ def _make_pairs(layout):
               for place in (contacts.x, contacts.z)]
     x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
     a, b = first[start], contacts.second[start]
-    pairs = _table(kernel.PAIR, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
+    pairs = _table(tables.PAIR, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
                    bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.kind[start] == HEAD)
     return pairs, [np.repeat(values, stop - start) for values in middle]
 
