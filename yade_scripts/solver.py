@@ -13,15 +13,15 @@ from yade import O, PyRunner, Vector3
 from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
-from damage.run.solver import NO_MOTION, Instant
+from damage.run.solver import NO_MOTION, Instant, Solver
 from damage.wall.kinematics import ContactKinematics
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 
 
-class YadeSolver:
-    """A wall in YADE that a Run can move."""
+class YadeSolver(Solver):
+    """A wall in YADE that a Run can move; `Solver` says what each verb does."""
 
     def __init__(self, layout, time_step):
         self.layout, self.time_step = layout, time_step
@@ -43,7 +43,6 @@ class YadeSolver:
     # --- what moves it --------------------------------------------------------------------------
 
     def start(self, base, gravity):
-        """From this step on move the base by `base` (k, 2) under `gravity` (k,) [m/s2], whose last value stays."""
         self._base, self._gravity, self.clock = base, gravity, 0
         self._set_field()
 
@@ -54,17 +53,14 @@ class YadeSolver:
         self.model.newton.damping = local
 
     def shift(self, offsets):
-        """Move the bodies by (n_bodies, 2) [m]."""
         for state, (dx, dz) in zip(self.scene.states, offsets):
             state.pos += Vector3(dx, 0, dz)
 
     def set_velocities(self, velocities):
-        """(n_bodies, 3) [m/s, m/s, rad/s]."""
         for state, (vx, vz, turn) in zip(self.scene.states, velocities):
             state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -turn, 0)
 
     def hold(self, bodies, rotation):
-        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
         self._held = bodies
         for body in bodies:
             self.scene.states[body].blockedDOFs = "xyXYZ" if rotation else "xyXZ"
@@ -81,7 +77,6 @@ class YadeSolver:
         self._input_power = self._push_force() * self._velocity
 
     def advance(self, n_steps, sample_steps=None, on_sample=None):
-        """Take steps, `on_sample()` at time zero and after every `sample_steps`, until it returns False."""
         self._sample_steps, self._on_sample = sample_steps, on_sample
         if on_sample and self.clock == 0:
             self._observe()
@@ -184,14 +179,11 @@ class YadeSolver:
                        self._input_energy, tracker.friction_energy, tracker.fracture_energy, None)
 
     def forces(self):
-        """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact, (n_contacts,) [N]."""
         return self.scene.resultants(), self.scene.contact_forces()
 
     def base_reaction(self):
-        """Vertical force of the wall on the ground [N], downwards positive."""
         return self.scene.base_reaction()
 
     def drain_events(self):
-        """Events since the last call, tuples as `HistoryWriter.event` takes them, with steps in place of times."""
         events, self._events = self._events, []
         return events

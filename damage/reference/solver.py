@@ -4,14 +4,14 @@ import numpy as np
 
 from damage.reference.tables import OPENED, SLIPPED
 from damage.reference.wall import ReferenceWall
-from damage.run.solver import Instant
+from damage.run.solver import Instant, Solver
 from damage.wall.joint_law import SHEAR, TENSION
 
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
 
 
-class ReferenceSolver(ReferenceWall):
-    """A ReferenceWall that a Run can move."""
+class ReferenceSolver(ReferenceWall, Solver):
+    """A ReferenceWall that a Run can move; `Solver` says what each verb does."""
 
     @property
     def clock(self):
@@ -24,21 +24,17 @@ class ReferenceSolver(ReferenceWall):
         self.energy[:] = 0.0
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
-        """From now on damp so, and in no other way."""
         self.local_damping, self.adaptive_damping, self.alpha, self.beta = local, adaptive, alpha, beta
 
     def shift(self, offsets):
-        """Move the bodies by (n_bodies, 2) [m]."""
         for name, offset in zip("xz", np.transpose(offsets)):
             self.system.place[name][:-1] += offset
         self.refresh()
 
     def set_velocities(self, velocities):
-        """(n_bodies, 3) [m/s, m/s, rad/s]."""
         self.velocity = velocities
 
     def advance(self, n_steps, sample_steps=None, on_sample=None):
-        """Take steps, `on_sample()` at time zero and after every `sample_steps`; False from it ends them."""
         if on_sample is None:
             self.run(n_steps)
             return
@@ -48,22 +44,18 @@ class ReferenceSolver(ReferenceWall):
             goes_on = self.clock % sample_steps > 0 or on_sample()
 
     def instant(self, base_acceleration):
-        """The Instant now; base_acceleration: (2,) of this step [m/s2]."""
         input_j, friction_j, fracture_j, damping_j = self.energy.tolist()
         return Instant(self.displacement, self.opening, self.slip.copy(), self.state, self.base_force()[0],
                        self.push_force(), self.kinetic_energy(base_acceleration), self.elastic_energy(),
                        input_j, friction_j, fracture_j, damping_j)
 
     def forces(self):
-        """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact, (n_contacts,) [N]."""
         joints = self.system.joints
         return self.force[:-1], np.hypot(joints["sigma"], joints["tau"]) * self.layout.contacts.area
 
     def base_reaction(self):
-        """Vertical force of the wall on the ground [N], downwards positive."""
         return self.base_force()[1]
 
     def drain_events(self):
-        """Events since the last call, tuples as `HistoryWriter.event` takes them, with steps in place of times."""
         return [(int(step), int(joint), EVENT_KINDS[kind], *values)
                 for step, joint, kind, values in zip(*super().drain_events())]

@@ -4,14 +4,7 @@ import numpy as np
 
 from damage.history.writer import SNAPSHOT_SAMPLES
 from damage.run import schedule
-from damage.run.settings import (
-    ADAPTIVE_DAMPING,
-    AT_REST,
-    HOLD_AT_MOST_S,
-    HOLD_S,
-    LOCAL_DAMPING,
-    RAMP_S,
-)
+from damage.run.settings import ADAPTIVE_DAMPING, AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import NO_MOTION
 from damage.run.watch import has_collapsed, index_now, unbalanced_force
 from damage.units import GRAVITY
