@@ -137,11 +137,14 @@ def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command)
     child = subprocess.Popen(["yade", "-n", small_wall, "--harmonic", "0.1", "0.1", "--rest", "60",
                               "--out", out, "--no-pictures"], stdout=subprocess.PIPE,
                              stderr=subprocess.STDOUT, text=True)
-    deadline = time.monotonic() + 300
-    while time.monotonic() < deadline and count_samples(out) == 0:
-        time.sleep(0.5)
-    os.kill(child.pid, signal.SIGINT)
-    text = child.communicate(timeout=300)[0]
+    try:
+        deadline = time.monotonic() + 300
+        while time.monotonic() < deadline and count_samples(out) == 0:
+            time.sleep(0.5)
+        os.kill(child.pid, signal.SIGINT)
+        text = child.communicate(timeout=300)[0]
+    finally:
+        child.kill()
     assert child.returncode == 130, text
     history = damage.read_history(out)
     assert history.status == "interrupted" and len(history.series) > 0
