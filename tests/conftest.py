@@ -35,7 +35,7 @@ def run_command(*words, **options):
     """Run a command from the repository with no screen; returns the completed process with text."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     return subprocess.run([str(word) for word in words], capture_output=True, text=True,
-                          env=environment, **{"timeout": 600, "cwd": REPOSITORY, **options})
+                          env=environment, **{"timeout": 3000, "cwd": REPOSITORY, **options})
 
 
 @pytest.fixture(scope="session")

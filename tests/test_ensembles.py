@@ -207,7 +207,7 @@ class TestBatch:
     def test_killed_while_a_history_grows_it_goes_on_and_ends_in_the_same_tables(self, reference, whole):
         study = write_study(reference.folder, POINTS % "0.5, 0.4, 0.01")
         batch = reference.start(study)
-        until = time.monotonic() + 120
+        until = time.monotonic() + 300
         while len(reference.members()) < 3 or not list((reference.out / "runs").glob("*.part.h5")):
             assert batch.poll() is None and time.monotonic() < until, "it ended before it could be killed"
             time.sleep(0.02)

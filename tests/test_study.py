@@ -249,7 +249,7 @@ class Batches:
         return process
 
 
-def wait_until(condition, at_most_s=60):
+def wait_until(condition, at_most_s=300):
     until = time.monotonic() + at_most_s
     while not condition():
         assert time.monotonic() < until, "waited in vain"
@@ -322,7 +322,7 @@ class TestBatch:
         log = batches.out / "logs" / "snakemake.log"
         wait_until(lambda: "1 of 8 steps" in log.read_text())  # b is done and noted
         process.send_signal(getattr(signal, name))
-        _, told = process.communicate(timeout=60)
+        _, told = process.communicate(timeout=300)
         assert process.returncode == 130 and "goes on from here" in told
         assert running(batches.folder) == []
         done, calls = batches.run(batches.study("all", a=1.2, b=1))
@@ -331,7 +331,7 @@ class TestBatch:
     def test_after_a_kill_the_next_call_goes_on_at_once(self, batches):
         process = batches.start(batches.study(a=4))
         process.kill()
-        process.communicate(timeout=60)
+        process.communicate(timeout=300)
         done, calls = batches.run(batches.study(a=1.2))
         assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
         assert running(batches.folder) == []
@@ -341,7 +341,7 @@ class TestBatch:
         done = subprocess.run(batches.command(batches.folder / "study.toml"), capture_output=True,
                               **batches.options())
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
+        process.communicate(timeout=300)
         assert done.returncode == 2 and "another batch is at work" in done.stderr
 
 

@@ -12,6 +12,7 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
 import damage
+from damage.errors import InputError
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
@@ -123,18 +124,27 @@ class TestDamagedWall:
         assert (folder / "wall_max.pdf").read_bytes()[:4] == b"%PDF"
 
 
+def count_samples(path):
+    """Of a history that may not be there yet, or still be locked while its datasets are made."""
+    try:
+        return len(damage.read_history(path).series)
+    except InputError:
+        return 0
+
+
 def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command):
     out = tmp_path / "small.h5"
     child = subprocess.Popen(["yade", "-n", small_wall, "--harmonic", "0.1", "0.1", "--rest", "60",
                               "--out", out, "--no-pictures"], stdout=subprocess.PIPE,
                              stderr=subprocess.STDOUT, text=True)
-    deadline = time.monotonic() + 120
-    while time.monotonic() < deadline:
-        time.sleep(0.5)
-        if out.exists() and len(damage.read_history(out).series) > 0:
-            break
-    os.kill(child.pid, signal.SIGINT)
-    text = child.communicate(timeout=60)[0]
+    try:
+        deadline = time.monotonic() + 300
+        while time.monotonic() < deadline and count_samples(out) == 0:
+            time.sleep(0.5)
+        os.kill(child.pid, signal.SIGINT)
+        text = child.communicate(timeout=300)[0]
+    finally:
+        child.kill()
     assert child.returncode == 130, text
     history = damage.read_history(out)
     assert history.status == "interrupted" and len(history.series) > 0
