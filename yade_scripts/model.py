@@ -9,21 +9,8 @@ area of its joint.  The contact normal is the line between the two cell centres.
 from dataclasses import dataclass
 
 import numpy as np
-from yade import (
-    Bo1_Polyhedra_Aabb,
-    ForceResetter,
-    Ig2_Polyhedra_Polyhedra_ScGeom,
-    InsertionSortCollider,
-    InteractionLoop,
-    Ip2_JCFpmMat_JCFpmMat_JCFpmPhys,
-    JCFpmMat,
-    Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM,
-    NewtonIntegrator,
-    O,
-    Vector3,
-    log,
-    utils,
-)
+import yade
+from yade import O, Vector3, log, utils
 
 from damage.wall.layout import GROUND, HEAD
 
@@ -35,7 +22,7 @@ _BRICK_COLORS = ((0.75, 0.42, 0.32), (0.66, 0.35, 0.27), (0.82, 0.50, 0.38))  # 
 
 @dataclass(frozen=True)
 class YadeWall:
-    """What the recorder needs of the model, in the order of the layout.
+    """What the solver needs of the model, in the order of the layout.
 
     clumps: body ids (n_bodies,); bonds: YADE interactions (n_contacts,); signs: +1 where YADE's
     second body is the layout's second (n_contacts,); ground: ids of the fixed cells below the base.
@@ -55,13 +42,12 @@ def build(layout, dt):
     log.setLevel("Polyhedra_support.cpp", 0)  # it warns at every cell of a legitimate shape
     O.reset()
     O.dt = dt
-    ig2 = Ig2_Polyhedra_Polyhedra_ScGeom(interactionDetectionFactor=1.02)
-    ip2 = Ip2_JCFpmMat_JCFpmMat_JCFpmPhys(cohesiveTresholdIteration=1)
-    law = Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM(neverErase=True, smoothJoint=False,
-                                                            label="jointLaw")
-    newton = NewtonIntegrator(damping=0.0, gravity=(0, 0, 0), label="newton")
-    collider = InsertionSortCollider([Bo1_Polyhedra_Aabb(aabbEnlargeFactor=_BOX_FACTOR)], verletDist=1e-4)
-    O.engines = [ForceResetter(), collider, InteractionLoop([ig2], [ip2], [law]), newton]
+    ig2 = yade.Ig2_Polyhedra_Polyhedra_ScGeom(interactionDetectionFactor=1.02)
+    ip2 = yade.Ip2_JCFpmMat_JCFpmMat_JCFpmPhys(cohesiveTresholdIteration=1)
+    law = yade.Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM(neverErase=True, smoothJoint=False, label="jointLaw")
+    newton = yade.NewtonIntegrator(damping=0.0, gravity=(0, 0, 0), label="newton")
+    collider = yade.InsertionSortCollider([yade.Bo1_Polyhedra_Aabb(aabbEnlargeFactor=_BOX_FACTOR)], verletDist=1e-4)
+    O.engines = [yade.ForceResetter(), collider, yade.InteractionLoop([ig2], [ip2], [law]), newton]
 
     cells, clumps, ground = _add_bodies(layout)
     bonds = [_bond(layout, index, cells, ground) for index in range(len(layout.contacts))]
@@ -76,7 +62,7 @@ def build(layout, dt):
 def _material(layout):
     """Material of new contacts between loose bricks: about a bed joint's stiffness, friction only."""
     joint, brick = layout.wall.joint, layout.wall.brick
-    return JCFpmMat(young=9.4e9, poisson=0.41, frictionAngle=joint.friction_angle, density=brick.density,
+    return yade.JCFpmMat(young=9.4e9, poisson=0.41, frictionAngle=joint.friction_angle, density=brick.density,
                     tensileStrength=0.0, cohesion=0.0, label="brick")
 
 
