@@ -13,6 +13,7 @@ from damage.wall.joint_law import (
     TENSION,
     ContactState,
     LawParameters,
+    Material,
     advance,
     elastic_energy,
     elastic_range,
@@ -21,7 +22,7 @@ from damage.wall.joint_law import (
 )
 
 KN, KS, FT, C, MU = 6.557e10, 2.687e10, 0.21e6, 0.24e6, math.tan(math.radians(32))
-LAW = LawParameters(KN, KS, FT, C, MU)
+LAW = LawParameters(KN, KS, FT, C, Material(MU))
 
 
 def follow(path, state=None, law=LAW):

@@ -1,12 +1,11 @@
 """The tracker that YADE's runs use sees, from samples, what the joint law knows exactly."""
 
-import math
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance
+from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, material_of
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
 from yade_scripts.joint_tracker import JointTracker
@@ -20,7 +19,7 @@ def follow_both(path, every):
     tracker, contacts = JointTracker(layout, 1e-4), layout.contacts
     joint = layout.wall.joint
     law = LawParameters(contacts.normal_stiffness[0], contacts.shear_stiffness[0], joint.tensile_strength,
-                        joint.cohesion, math.tan(joint.friction_angle))
+                        joint.cohesion, material_of(joint))
     state, shear, events = ContactState(), 0.0, []
     for step, (opening, target) in enumerate(path):
         trial = state.shear_stress + law.shear_stiffness * (target - shear)

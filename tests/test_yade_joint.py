@@ -8,7 +8,7 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.integrate import trapezoid
 
-from damage.wall.joint_law import ContactState, LawParameters, advance
+from damage.wall.joint_law import ContactState, LawParameters, Material, advance
 from damage.wall.layout import BED, lay_out
 from damage.wall.parameters import Wall
 
@@ -18,7 +18,7 @@ PAIR = lay_out(Wall("pair", length=0.1125, height=0.15, precompression=0.0))
 BETWEEN = np.flatnonzero((PAIR.contacts.kind == BED) & (PAIR.contacts.first >= 0))[0]
 KN, KS = PAIR.contacts.normal_stiffness[BETWEEN], PAIR.contacts.shear_stiffness[BETWEEN]
 FT, C, MU = 0.21e6, 0.24e6, math.tan(math.radians(32))
-LAW = LawParameters(KN, KS, FT, C, MU)
+LAW = LawParameters(KN, KS, FT, C, Material(MU))
 PRESSURES = {"0": 0.0, "0.1": 0.1e6, "0.3": 0.3e6, "1": 1.0e6}  # [Pa]
 
 TOLERANCE = 2e-3

@@ -7,6 +7,8 @@ the contact is open, and over a sample in which it opens or closes.
 
 import numpy as np
 
+from damage.wall.joint_law import friction_left, material_of
+
 _SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint slid
 
 
@@ -15,7 +17,7 @@ class JointTracker:
 
     def __init__(self, layout, threshold):
         n, contacts = layout.n_joints, layout.contacts
-        self.friction = np.tan(layout.wall.joint.friction_angle)
+        self.friction = friction_left(True, material_of(layout.wall.joint))
         self.area = contacts.area[:n]
         self.normal_stiffness = contacts.normal_stiffness[:n]
         self.shear_stiffness = contacts.shear_stiffness[:n]

@@ -12,6 +12,7 @@ import numpy as np
 import yade
 from yade import O, Vector3, log, utils
 
+from damage.wall.joint_law import friction_left, material_of
 from damage.wall.layout import GROUND, HEAD
 
 _UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
@@ -123,7 +124,7 @@ def _bond(layout, index, cells, ground):
     phys.ks = float(contacts.shear_stiffness[index]) * area
     phys.FnMax = min(_UNBREAKABLE, float(contacts.tensile_strength[index]) * area)
     phys.FsMax = min(_UNBREAKABLE, float(contacts.cohesion[index]) * area)
-    phys.tanFrictionAngle = float(np.tan(joint.friction_angle))
+    phys.tanFrictionAngle = friction_left(False, material_of(joint))
     return bond
 
 

@@ -122,6 +122,7 @@ class YadeSolver(Solver):
             tau = tracker.shear_stiffness[joint] * slip
             kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
             tracker.breaks(joint, kind, sigma, tau)
+            self.model.bonds[joint].phys.tanFrictionAngle = tracker.friction
             self._events.append((self.clock, int(joint), kind, sigma, tau))
 
     def _follow_joints(self):

@@ -125,7 +125,7 @@ def contact_forces(system, constants, step, singly):
         if pair.broken == 0 and not singly and stays_whole(pair, gap):
             forces = whole_pair(pair, gap)
         else:
-            forces, elastic = springs(contacts, pair, gap, constants.friction)
+            forces, elastic = springs(contacts, pair, gap, constants.material)
             if damped or not elastic:
                 forces = joint_forces(system, constants, step, pair, gap)
             elif pair.broken:
@@ -206,7 +206,7 @@ def whole_pair(pair, gap):
 
 
 @_compile
-def springs(contacts, pair, gap, friction):
+def springs(contacts, pair, gap, material):
     """Forces of a pair's springs one by one [N, N m], and whether none is beyond its strength."""
     normal, along, couple, elastic = 0.0, 0.0, 0.0, True
     for i in range(pair.start, pair.stop):
@@ -216,7 +216,7 @@ def springs(contacts, pair, gap, friction):
             contact.shear0 = gap.shear
             continue
         elastic &= joint_law.stays_elastic(trial.sigma, trial.tau, contact.tensile_force, contact.cohesive_force,
-                                           friction)
+                                           joint_law.friction_left(contact.idle >= 0.0, material))
         normal += trial.sigma
         along += trial.tau
         couple += trial.sigma * contact.offset
@@ -260,7 +260,7 @@ def joint_forces(system, constants, step, pair, gap):
     for i in range(pair.start, pair.stop):
         contact, joint = system.contacts[i], system.joints[i]
         trial = spring(contact, gap)
-        new, event = judge(contact, joint, trial.opening, gap.shear, constants.friction)
+        new, event = judge(contact, joint, trial.opening, gap.shear, constants.material)
         if new.broken:
             log_joint(system, constants, step, i, trial, new, event)
             pair.broken = 1
@@ -277,11 +277,11 @@ def joint_forces(system, constants, step, pair, gap):
 
 
 @_compile
-def judge(contact, joint, opening, shear, friction):
+def judge(contact, joint, opening, shear, material):
     """Show a contact at this opening and shear displacement [m] to the joint law, and keep what it leaves of it.
 
     Returns what `joint_law.advance` does, in forces [N] and works [J]."""
-    law = LawParameters(contact.kn, contact.ks, contact.tensile_force, contact.cohesive_force, friction)
+    law = LawParameters(contact.kn, contact.ks, contact.tensile_force, contact.cohesive_force, material)
     old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0)
     new, event = joint_law.advance(opening, shear - contact.shear0, old, law)
     if new.broken:

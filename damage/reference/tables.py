@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.wall.joint_law import Material
+
 OPENED, SLIPPED = 3, 4  # event kinds beside joint_law's TENSION and SHEAR
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)  # entries of `energy` [J]
 REAL, INDEX, FLAG, BITS = np.float64, np.uint32, np.bool_, np.uint8
@@ -99,12 +101,12 @@ class System(NamedTuple):
 
 
 class Constants(NamedTuple):
-    """dt [s]; friction = tan(phi); threshold [m] of first passings; local: Cundall's damping [-];
+    """dt [s]; material: of the joint law; threshold [m] of first passings; local: Cundall's damping [-];
     alpha [1/s], beta [s]: damping proportional to mass, to stiffness; adaptive: share of the change of
     kinetic energy that adaptive damping takes [-]."""
 
     dt: float
-    friction: float
+    material: Material
     threshold: float
     local: float
     alpha: float

@@ -10,7 +10,7 @@ from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
 from damage.reference import kernel, tables
 from damage.units import GRAVITY
-from damage.wall.joint_law import LawParameters, elastic_energy, elastic_range
+from damage.wall.joint_law import LawParameters, elastic_energy, elastic_range, material_of
 from damage.wall.layout import GROUND, HEAD
 
 _CAPACITY = 100_000  # events between two drains of the log
@@ -92,7 +92,7 @@ class ReferenceWall:
     def refresh(self):
         """Forces and stresses, to be called where places or contacts were changed by hand."""
         constants = self._constants()
-        _sum_springs(self.system.pairs, self.system.contacts, constants.friction)
+        _sum_springs(self.system.pairs, self.system.contacts, constants.material)
         kernel.contact_forces(self.system, constants, self.step - self.first_step, True)
         kernel.read_joints(self.system)
 
@@ -105,8 +105,7 @@ class ReferenceWall:
     def _constants(self):
         if self.adaptive_damping == 0.0:
             self.system.relaxation[:] = 0.0
-        joint = self.layout.wall.joint
-        return tables.Constants(self.time_step, float(np.tan(joint.friction_angle)), THRESHOLD,
+        return tables.Constants(self.time_step, material_of(self.layout.wall.joint), THRESHOLD,
                                 self.local_damping, self.alpha, self.beta, self.adaptive_damping)
 
     def drain_events(self):
@@ -206,7 +205,7 @@ def _make_pairs(layout):
     return pairs, [np.repeat(values, stop - start) for values in middle]
 
 
-def _sum_springs(pairs, contacts, friction):
+def _sum_springs(pairs, contacts, material):
     """Write into the pairs what their contacts do as long as none of them can break."""
     start = pairs["start"]
     kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
@@ -215,7 +214,7 @@ def _sum_springs(pairs, contacts, friction):
     pairs["reach"] = np.maximum.reduceat(np.abs(offset), start)
     with np.errstate(divide="ignore", invalid="ignore"):
         opening, slide, ratio = elastic_range(
-            LawParameters(kn, ks, contacts["tensile_force"], contacts["cohesive_force"], friction))
+            LawParameters(kn, ks, contacts["tensile_force"], contacts["cohesive_force"], material))
         pairs["largest_opening"] = np.minimum.reduceat(opening, start)
         pairs["largest_slide"] = np.minimum.reduceat(slide, start)
     pairs["slide_loss"] = ratio[start]

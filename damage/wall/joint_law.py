@@ -9,23 +9,36 @@ positive, so that equation (11) reads |tau| >= c - sigma tan(phi).  Dilation is 
 The functions are scalar and pure; they run as plain Python, and numba compiles them as they are.
 """
 
+
 from typing import NamedTuple
 
+import numpy as np
 from numba.extending import register_jitable
 
 INTACT, TENSION, SHEAR = 0, 1, 2
 """What `advance` reports of a step: no break, the bond broke in tension, or in shear."""
 
 
+class Material(NamedTuple):
+    """What all contacts of a wall share: friction = tan(phi) [-], the same before and after the bond breaks."""
+
+    friction: float
+
+
+def material_of(joint):
+    """The Material of a damage.wall.parameters.Joint."""
+    return Material(float(np.tan(joint.friction_angle)))
+
+
 class LawParameters(NamedTuple):
     """normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa] (infinite for a
-    joint that stays elastic); friction = tan(phi) [-]."""
+    joint that stays elastic); material: Material."""
 
     normal_stiffness: float
     shear_stiffness: float
     tensile_strength: float
     cohesion: float
-    friction: float
+    material: Material
 
 
 class ContactState(NamedTuple):
@@ -57,8 +70,8 @@ def stays_elastic(normal_stress, shear_stress, tensile_strength, cohesion, frict
 def elastic_range(parameters):
     """The strengths as displacements: `stays_elastic(opening, shear, *elastic_range(parameters))` of a contact that
     never failed.  Largest opening [m], slide [m] and its loss per opening [-]; parameters may be arrays."""
-    kn, ks, strength, cohesion, friction = parameters
-    return strength / kn, cohesion / ks, kn / ks * friction
+    kn, ks, strength, cohesion, material = parameters
+    return strength / kn, cohesion / ks, kn / ks * friction_left(False, material)
 
 
 @register_jitable
@@ -70,6 +83,12 @@ def strength_left(broken, parameters):
 
 
 @register_jitable
+def friction_left(broken, material):
+    """The coefficient of friction [-] of a bond, or of the dry joint that it leaves."""
+    return material.friction
+
+
+@register_jitable
 def advance(opening, shear_increment, state, parameters):
     """Advance one contact by one step.
 
@@ -77,13 +96,13 @@ def advance(opening, shear_increment, state, parameters):
     shear_increment [m]: shear displacement during the step.
     Returns (new ContactState, INTACT | TENSION | SHEAR).
     """
-    kn, ks, _, _, friction = parameters
+    kn, ks, _, _, material = parameters
     slip, broken, at_limit = state.slip, state.broken, state.at_limit
     friction_work, fracture_work = state.friction_work, state.fracture_work
     strength, cohesion = strength_left(broken, parameters)
     sigma = kn * opening  # (7)
     trial = state.shear_stress + ks * shear_increment  # (8)
-    if stays_elastic(sigma, trial, strength, cohesion, friction):  # (10), (11)
+    if stays_elastic(sigma, trial, strength, cohesion, friction_left(broken, material)):  # (10), (11)
         return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work), INTACT
 
     event = INTACT
@@ -97,7 +116,7 @@ def advance(opening, shear_increment, state, parameters):
     if broken and trial == 0.0:  # closes without shear
         return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work), event
 
-    limit = -sigma * friction
+    limit = -sigma * friction_left(True, material)
     if not broken:
         if opening > 0.0:  # a bond under tension that fails in shear is open at once
             fracture_work += elastic_energy(sigma, trial, kn, ks)
