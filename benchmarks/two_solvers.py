@@ -39,7 +39,7 @@ def main():
     parser.add_argument("--out", type=Path, required=True)
     folder = parser.parse_args().out
     folder.mkdir(parents=True, exist_ok=True)
-    print("| motion | figure | YADE | reference: median (range) | allowed difference | |\n" + "| --- " * 6 + "|")
+    print("| motion | quantity | YADE | reference: median (range) | allowed difference | |\n" + "| --- " * 6 + "|")
     for motion, words in MOTIONS.items():
         for line in nonlinear_rows(folder, motion, words):
             print(line, flush=True)
@@ -67,7 +67,7 @@ def nonlinear_rows(folder, motion, words):
     parted = "never" if drift["diverged_at_s"] is None else f"{drift['diverged_at_s']:.3f} s"
     yield (f"| | drift to the first failure at {drift['first_failure_s']:.4f} s, RMS | | "
            f"{100 * drift['rms_before_failure']:.3f} % | 0.5 % | {'holds' if drift['agrees'] else 'DIFFERS'} |")
-    yield f"| | parted by 1 % of the peak; kappa of the joints | | {parted}; {joints['kappa']:.2f} | | |"
+    yield f"| | parted by 1 % of the peak; kappa of the contact points | | {parted}; {joints['kappa']:.2f} | | |"
 
 
 def pair(folder, wall, motion, words, reference=True):

@@ -21,7 +21,7 @@ ROOMS = [
     ("yade_scripts",),
     ("walls",),
     ("verification", "workflow", "scripts"),
-    ("benchmarks",),
+    ("benchmarks", "examples"),
     ("tests",),
 ]
 GROUND = ROOMS[0]  # small modules: they may import one another

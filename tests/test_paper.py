@@ -10,7 +10,7 @@ from conftest import REPOSITORY
 from damage.__main__ import main
 from damage.index import COMPONENTS
 from damage.paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
-from damage.paper.report import BEGIN, END, STATEMENTS, merged
+from damage.paper.report import BEGIN, END, SOLVER_NAMES, STATEMENTS, merged
 from damage.paper.verdict import DIFFERS, HOLDS, JUDGES, UNJUDGED, judge, statement_verdict
 
 EIGEN_S = {"solid": 0.06, "symmetric": 0.2, "asymmetric": 0.2}
@@ -263,8 +263,12 @@ def test_command_prints_writes_and_renews(papers_world, judged, tmp_path, capsys
     assert "P17d" in capsys.readouterr().out
     renewed = readme.read_text()
     assert renewed.startswith("before\n") and renewed.endswith("after\n") and "\nold\n" not in renewed
-    assert renewed.count("\n| P") == 17
-    assert document.read_text().count("\n## P") == 17
+    tallies = renewed.partition(BEGIN)[2].partition(END)[0].strip().splitlines()
+    assert [line.partition(":")[0] for line in tallies] == [
+        "- reference solver, elastic lintel", "- reference solver, no lintel"]
+    written = document.read_text()
+    assert set(tallies) <= set(written.splitlines())
+    assert written.count("\n| P") == written.count("\n## P") == 17
     assert main([*words, "--json"]) == 0
     verdict = json.loads(capsys.readouterr().out)
     assert [one["statement"] for one in verdict["statements"]] == list(STATEMENTS)
@@ -302,6 +306,8 @@ def test_a_readme_without_markers_is_left_alone(papers_world, judged, tmp_path, 
     assert readme.read_text() == "mine" and "lacks the line" in capsys.readouterr().err
 
 
-def test_the_readme_has_the_markers():
-    readme = (REPOSITORY / "README.md").read_text()
-    assert readme.index(BEGIN) < readme.index(END)
+def test_the_readme_has_a_line_a_column_of_the_verdict():
+    _, begin, rest = (REPOSITORY / "README.md").read_text().partition(BEGIN)
+    block, end, _ = rest.partition(END)
+    assert begin and end
+    assert len(block.strip().splitlines()) == 2 * len(SOLVER_NAMES)  # with the lintel and without

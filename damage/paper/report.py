@@ -133,7 +133,7 @@ def _solvers(findings):
 
 def as_markdown(findings):
     """The verdict as a document: an overview, then a section a statement with its claims."""
-    parts = [_HEAD, "\n".join(overview(findings)), "\n".join(f"- {line}" for line in _counts(findings))]
+    parts = [_HEAD, "\n".join(overview(findings)), "\n".join(_tallies(findings))]
     for statement, members in _by(findings, lambda finding: finding.claim.statement):
         parts.append(f"## {statement}: {STATEMENTS[statement]}")
         for claim, own in _by(members, lambda finding: finding.claim):
@@ -171,6 +171,11 @@ def overview(findings):
     return lines
 
 
+def _tallies(findings):
+    """How many claims hold, as items of a Markdown list: a line a column of the overview."""
+    return [f"- {line}" for line in _counts(findings)]
+
+
 def _short(findings):
     """The verdict on a statement in a few words."""
     verdict = statement_verdict(findings)
@@ -190,7 +195,7 @@ def write_markdown(findings, path):
 
 
 def update_readme(findings, path):
-    """Put the overview between the two markers of a README; returns its path.
+    """Put the tallies, a line a column of the overview, between the two markers of a README; returns its path.
 
     Raises InputError where the markers are missing.
     """
@@ -203,5 +208,5 @@ def update_readme(findings, path):
     if not (begin and end):
         raise InputError(f"{path} lacks the line {BEGIN if not begin else END}; expected both markers around the "
                          "results")
-    block = "\n".join([*overview(findings), "", *(f"- {line}" for line in _counts(findings))])
+    block = "\n".join(_tallies(findings))
     return write_text(path, f"{before}{BEGIN}\n\n{block}\n\n{END}{after}")

@@ -1,0 +1,88 @@
+"""What documents name is there: links, files, commands."""
+
+import re
+import subprocess
+from fnmatch import fnmatch
+
+import pytest
+from conftest import REPOSITORY
+
+from damage.__main__ import main
+
+ROOT_DOCUMENTS = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
+DOCUMENTS = [*(REPOSITORY / name for name in ROOT_DOCUMENTS), *sorted((REPOSITORY / "docs").glob("*.md"))]
+of_every_document = pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+CODE = re.compile(r"^```.*?^```|^ {4}\S.*?$|`[^`]+`", re.DOTALL | re.MULTILINE)
+COMMAND = re.compile(r"python3 -m damage (\w[\w-]*)")
+# What a reader is to have, or a run leaves: no part of the repository.
+NOT_OURS = ("records/*", "walls/NAME.py", "walls/{wall}.py", "walls/mine.py")
+
+
+def listed_files():
+    done = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=REPOSITORY, capture_output=True,
+                          text=True, check=True)
+    return [path for path in done.stdout.splitlines() if (REPOSITORY / path).exists()]
+
+
+FILES = listed_files()
+FOLDERS = {path.rpartition("/")[0] for path in FILES}
+TOPS = {path.partition("/")[0] for path in FILES if "/" in path}
+
+
+def named_files(text):
+    """Words in code that begin with a folder of the repository, or end in .md: a list of str."""
+    words = [word.strip("`,;:()'\"").removesuffix("/") for code in CODE.findall(text) for word in code.split()]
+    return [word.partition("#")[0].partition("::")[0] for word in words
+            if (word.partition("/")[0] in TOPS and "/" in word) or re.fullmatch(r"[\w./-]+\.md", word)]
+
+
+def is_there(name, document):
+    """Whether a name, with * for anything, is a file or folder seen from the document or from the repository."""
+    beside = (document.parent / name).exists()
+    return beside or name in FOLDERS or any(fnmatch(path, name) for path in FILES)
+
+
+def is_command(name):
+    """Whether `python3 -m damage NAME --help` gives its help."""
+    try:
+        return main([name, "--help"]) == 0
+    except SystemExit as end:
+        return end.code == 0
+
+
+@of_every_document
+def test_links_lead_somewhere(document):
+    links = [link.partition("#")[0] for link in LINK.findall(document.read_text()) if "://" not in link]
+    assert [link for link in links if link and not (document.parent / link).exists()] == []
+
+
+@of_every_document
+def test_named_files_are_there(document):
+    names = [name for name in named_files(document.read_text())
+             if not any(fnmatch(name, pattern) for pattern in NOT_OURS)]
+    assert [name for name in names if not is_there(name, document)] == []
+
+
+@of_every_document
+def test_commands_are_those_of_the_program(document):
+    if document.name != "CHANGELOG.md":  # it names old ones, too
+        assert [name for name in set(COMMAND.findall(document.read_text())) if not is_command(name)] == []
+
+
+def test_every_document_is_in_the_index():
+    index = (REPOSITORY / "docs" / "README.md").read_text()
+    linked = {link for link in LINK.findall(index) if "/" not in link}
+    assert linked - {"tables"} == {path.name for path in DOCUMENTS if path.parent.name == "docs"} - {"README.md"}
+
+
+def test_what_is_not_there_is_found():
+    document = REPOSITORY / "docs" / "README.md"
+    assert named_files("`damage/nowhere.py`, `walls/*.py`, `x/y`, `nothing.md`") == [
+        "damage/nowhere.py", "walls/*.py", "nothing.md"]
+    assert not is_there("damage/nowhere.py", document) and not is_there("nothing.md", document)
+    assert is_there("walls/*.py", document) and is_there("choices.md", document)
+    assert LINK.findall("[a](b.md) and ![c](d/e.png)") == ["b.md", "d/e.png"]
+    assert COMMAND.findall("`python3 -m damage nonsense FILE`") == ["nonsense"]
+    assert is_command("index") and is_command("reference") and not is_command("nonsense")

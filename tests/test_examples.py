@@ -1,0 +1,62 @@
+"""The examples: short, and they do what they say, in the reference solver on small walls."""
+
+import shutil
+import sys
+
+import pytest
+from conftest import REPOSITORY, run_command
+
+import damage
+from examples.opened_length import opened_length
+
+EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
+SMALL_WALL = REPOSITORY / "benchmarks" / "small_wall.py"
+
+
+def run_example(name, *words):
+    """The lines that an example prints, run as its docstring says."""
+    done = run_command(sys.executable, "-m", f"examples.{name}", *words)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_is_short_and_says_how_to_run_it(path):
+    text = path.read_text()
+    assert len(text.splitlines()) < 40
+    assert f"python3 -m examples.{path.stem}" in text
+
+
+@pytest.fixture(scope="module")
+def two_windows(tmp_path_factory):
+    """What the example prints, and the history that it leaves."""
+    folder = tmp_path_factory.mktemp("examples")
+    return run_example("two_windows", folder), folder / "two_windows.h5"
+
+
+def test_a_wall_with_two_windows_is_damaged_by_the_record(two_windows):
+    lines, path = two_windows
+    history = damage.read_history(path)
+    assert history.complete and history.collapsed_at_s is None
+    index = history.index()
+    assert 0.05 < index.DI.max() < 0.3
+    assert lines[-1] == f"maximum DI {index.DI.max():.3f}, left at the end {index.DI.iloc[-1]:.3f}"
+
+
+def test_the_opened_length_is_that_of_the_index(two_windows, tmp_path):
+    history = damage.read_history(two_windows[1])
+    length = opened_length(history)
+    assert list(length) == ["bed_m", "head_m"]
+    share = length.sum(axis=1).to_numpy() / history.joints["length_m"].sum()
+    assert share == pytest.approx(history.index().DI_open.to_numpy(), abs=1e-12)
+    assert run_example("opened_length", two_windows[1], tmp_path / "length.png")[0].split() == ["largest", "at", "the",
+                                                                                                "end"]
+    assert (tmp_path / "length.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_scattered_strengths_give_a_range(tmp_path):
+    wall = shutil.copy(SMALL_WALL, tmp_path / "small.py")
+    *_, largest, _ = run_example("scattered_strengths", wall, tmp_path)
+    assert len(list(tmp_path.glob("small_strength-*.h5"))) == 5
+    median, least, most = (float(word) for word in largest.replace(",", "").split() if word[0].isdigit())
+    assert 0 < least < median < most < 1
