@@ -31,7 +31,7 @@ class YadeSolver(Solver):
         self.tracker = JointTracker(layout, THRESHOLD)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
-        self._sample_steps = self._on_sample = None
+        self._sample_steps = self._on_sample = self._raised = None
         self._breaks_seen, self._events, self._known = 0, [], (0, None)
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
@@ -81,6 +81,8 @@ class YadeSolver(Solver):
         if on_sample and self.clock == 0:
             self._observe()
         O.run(n_steps, True)
+        if self._raised:
+            raise self._raised
 
     # --- one step -------------------------------------------------------------------------------
 
@@ -89,10 +91,14 @@ class YadeSolver(Solver):
         law = self.model.law
         self.clock += 1
         self._set_field()
-        if law.nbTensCracks + law.nbShearCracks != self._breaks_seen:
-            self._log_breaks()
-        if self._on_sample:
-            self._observe()
+        try:
+            if law.nbTensCracks + law.nbShearCracks != self._breaks_seen:
+                self._log_breaks()
+            if self._on_sample:
+                self._observe()
+        except Exception as error:  # YADE would print all of it, and raise another
+            self._raised = error
+            O.pause()
 
     def _set_field(self):
         """The acceleration of all masses in the next step, in the frame of the base."""

@@ -7,19 +7,24 @@ single-writer multiple-reader mode, so that what was flushed is whole even after
 import json
 import os
 import platform
+import re
+import shutil
 import sys
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from damage.errors import InputError
+from damage.errors import InputError, WriteError
 from damage.history import schema
 from damage.wall.layout import KINDS
 
 SNAPSHOT_SAMPLES = 10
 """Samples between two snapshots of the bodies."""
+_LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
+_LEFT_OPEN = []  # writers whose file could not be written: closing it would write again, and tear what is whole
 _CHUNK = 120  # samples buffered before they are written, with their snapshots: whole chunks, each written once
 
 
@@ -30,22 +35,27 @@ class HistoryWriter:
     layout: damage.wall.layout.Layout; parameters: JSON-able dictionary of all that defines the run, and the `command`
     that asked for it, where that is not this process's own.
     solver: "yade" or "reference"; versions: {software: version}.
+    Where the disk is full or does not take what is written, WriteError: the file stays as the last flush left it,
+    unfinished, and HDF5 can no longer be left in order: end the process by os._exit.
     """
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         self.path = Path(path)
-        self._file = _create_file(self.path, overwrite)
         self._rows = {group: [] for group in schema.GROWING}  # of each group, in the order of its columns
-        _write_run_attributes(self._file, layout, solver, parameters, versions)
-        _write_tables(self._file, layout)
-        _create_growing(self._file, layout)
-        self._file.swmr_mode = True
+        with self._writing():
+            self._file = _create_file(self.path, overwrite)
+            _write_run_attributes(self._file, layout, solver, parameters, versions)
+            _write_tables(self._file, layout)
+            # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
+            self._growing = _create_growing(self._file, layout)
+            self._file.swmr_mode = True
         self.flush()
 
     def static_stage(self, **values):
         """Store what the static stage ended with; keys are those of STATIC."""
-        for name, value in values.items():
-            self._file["static"][name][()] = value
+        with self._writing():
+            for name, value in values.items():
+                self._file["static"][name][()] = value
         self.flush()
 
     def append(self, stage, row, opening, slip, state):
@@ -71,19 +81,35 @@ class HistoryWriter:
 
     def flush(self):
         """Write what is buffered and make it safe."""
-        for group, rows in self._rows.items():
-            for name, column in zip(schema.GROWING[group], zip(*rows)):
-                _extend(self._file[group][name], column)
-            rows.clear()
-        self._file.flush()
+        with self._writing():
+            for group, rows in self._rows.items():
+                for dataset, column in zip(self._growing[group], zip(*rows)):
+                    _extend(dataset, column)
+                    dataset.flush()
+                rows.clear()
+            self._file.flush()
 
     def finish(self, status, collapsed_at_s=None):
-        """Mark how the run ended and close the file; status: one of STATUS."""
+        """Mark how the run ended and close the file, unless it could not be written; status: one of STATUS."""
+        if self in _LEFT_OPEN:
+            return
         self.flush()
-        if collapsed_at_s is not None:
-            self._file["run/collapsed_at_s"][()] = collapsed_at_s
-        self._file["run/status"][()] = schema.STATUS.index(status)
-        self._file.close()
+        with self._writing():
+            if collapsed_at_s is not None:
+                self._file["run/collapsed_at_s"][()] = collapsed_at_s
+            self._file["run/status"][()] = schema.STATUS.index(status)
+            self._file.close()
+
+    @contextmanager
+    def _writing(self):
+        """Turn what HDF5 says of a failed write into a WriteError."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            _LEFT_OPEN.append(self)
+            said = re.search(r"error message = '([^']*)'", str(error))
+            raise WriteError(f"cannot write {self.path} ({said[1] if said else str(error).splitlines()[0]}): what was "
+                             "flushed is kept, unfinished; make room and run it again") from error
 
 
 def check_output(path, overwrite=False):
@@ -98,9 +124,13 @@ def check_output(path, overwrite=False):
         probe = path.parent / f".{path.name}.{os.getpid()}.probe"
         probe.touch()
         probe.unlink()
+        free = shutil.disk_usage(path.parent).free
     except OSError as error:
         raise InputError(f"cannot write to folder {path.parent}: {error.strerror}; "
                          "choose another with --out FILE.h5") from error
+    if free < _LEAST_FREE:
+        raise InputError(f"{path.parent} has {free / 1e6:.2g} MB free: expected {_LEAST_FREE / 1e6:g} MB or more; make "
+                         "room, or choose another with --out FILE.h5")
 
 
 def _create_file(path, overwrite):
@@ -148,18 +178,21 @@ def _write_tables(file, layout):
 
 
 def _create_growing(file, layout):
-    """Empty datasets: rows of frames are of the joints, those of displacements of the bodies."""
+    """Empty datasets {group: [in the order of its columns]}: rows of frames are of the joints, those of displacements
+    of the bodies."""
     shapes = {"frames": (layout.n_joints,), "displacement": (len(layout.bodies), 3)}
     chunks = {"events": 1024, "snapshots": _CHUNK // SNAPSHOT_SAMPLES}
+    made = {group: [] for group in schema.GROWING}
     for group, columns in schema.GROWING.items():
         for name, column in columns.items():
             shape = shapes.get(group, shapes.get(name, ()))
-            file.create_dataset(
+            made[group].append(file.create_dataset(
                 f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,
-                chunks=(chunks.get(group, _CHUNK), *shape), compression="gzip", compression_opts=2, shuffle=True,
-            ).attrs["unit"] = column.unit
+                chunks=(chunks.get(group, _CHUNK), *shape), compression="gzip", compression_opts=2, shuffle=True))
+            made[group][-1].attrs["unit"] = column.unit
     file["series/stage"].attrs["codes"] = ", ".join(schema.STAGES)
     file["events/kind"].attrs["codes"] = ", ".join(schema.EVENTS)
+    return made
 
 
 def _extend(dataset, rows):

@@ -1,12 +1,13 @@
 """One run from its command line to its pictures, whichever solver does it."""
 
+import os
 import signal
 import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from damage.errors import InputError
+from damage.errors import InputError, WriteError
 from damage.history.writer import HistoryWriter, check_output
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
@@ -42,6 +43,10 @@ def run_session(backend, make_wall, arguments, prog):
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_INPUT
+    except WriteError as error:
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        sys.stdout.flush()
+        os._exit(EXIT_FAILED)  # HDF5 would crash on the way out
     except SystemExit as exit_:  # --help
         return exit_.code or EXIT_OK
     except KeyboardInterrupt:

@@ -1,0 +1,91 @@
+"""A disk that takes no more: the run ends at once with one line, what was flushed is readable and says unfinished.
+
+A limit on the size of files stands in for the disk: every write beyond it fails as on a full one.
+"""
+
+import os
+import resource
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+from conftest import run_command
+
+import damage
+from damage.errors import InputError
+from damage.history.writer import check_output
+
+SMALL = "benchmarks/small_wall.py"
+SHAKEN = ["--harmonic", "0.06", "0.6", "--rest", "1", "--no-pictures"]
+
+
+def run_limited(kilobytes, *words):
+    return run_command(*words, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1000,) * 2))
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    out = tmp_path_factory.mktemp("whole") / "run.h5"
+    run_command(sys.executable, "-m", "damage", "reference", SMALL, *SHAKEN, "--out", out)
+    return damage.read_history(out)
+
+
+@pytest.mark.parametrize("share", [0.4, 0.6, 0.7, 0.8, 0.9, 0.98])
+def test_reference_solver_ends_and_keeps_what_was_flushed(share, whole, tmp_path):
+    """Sizes from the second flush to the last one, which comes when all steps are done."""
+    out = tmp_path / "run.h5"
+    size = whole.path.stat().st_size
+    done = run_limited(int(share * size / 1000), sys.executable, "-m", "damage", "reference", SMALL, *SHAKEN,
+                       "--out", out)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert done.stderr.startswith(f"error: cannot write {out}") and done.stderr.count("\n") == 1
+    history = damage.read_history(out)
+    assert history.status == "unfinished" and not history.complete
+    n = len(history.series)
+    assert 0 < n < len(whole.series)
+    assert history.series.equals(whole.series.iloc[:n])
+    assert (history.opening_m == whole.opening_m[:n]).all() and (history.slip_m == whole.slip_m[:n]).all()
+
+
+def test_a_file_that_cannot_even_begin_is_no_history(tmp_path):
+    done = run_limited(20, sys.executable, "-m", "damage", "reference", SMALL, *SHAKEN, "--out", tmp_path / "run.h5")
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith("error: cannot write")
+    with pytest.raises(InputError, match="cannot be read as a history"):
+        damage.read_history(tmp_path / "run.h5")
+
+
+@pytest.mark.yade
+def test_yade_ends_and_keeps_what_was_flushed(yade_command, tmp_path):
+    out = tmp_path / "run.h5"
+    done = yade_command("-j1", SMALL, *SHAKEN, "--out", out,
+                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000,) * 2))
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert f"error: cannot write {out}" in done.stderr and "Traceback" not in done.stderr
+    history = damage.read_history(out)
+    assert history.status == "unfinished" and len(history.series) % 120 == 0 < len(history.series)
+
+
+def test_too_little_room_is_told_before_the_run(monkeypatch, tmp_path):
+    monkeypatch.setattr("shutil.disk_usage", lambda folder: SimpleNamespace(free=5e5))
+    with pytest.raises(InputError, match=r"0\.5 MB free"):
+        check_output(tmp_path / "run.h5")
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system of a megabyte")
+@pytest.mark.parametrize("kilobytes", [1100, 1300])
+def test_a_file_system_that_is_full(kilobytes, tmp_path):
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", folder]
+    if subprocess.run(mount, capture_output=True).returncode:
+        pytest.skip("no file system can be mounted here")
+    try:
+        done = run_command(sys.executable, "-m", "damage", "reference", SMALL, *SHAKEN, "--rest", "9", "--out",
+                           folder / "run.h5")
+        history = damage.read_history(folder / "run.h5")
+    finally:
+        subprocess.run(["umount", folder], check=True)
+    assert done.returncode == 1 and "No space left on device" in done.stderr and done.stderr.count("\n") == 1
+    assert history.status == "unfinished" and len(history.series) > 120
