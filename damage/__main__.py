@@ -6,6 +6,7 @@ from pathlib import Path
 
 from damage import read_history
 from damage.errors import InputError
+from damage.files import write_text
 from damage.index import SLIP_CRITERIA
 from damage.run.options import OneLineParser, add_model_options, model_of
 from damage.units import MILLIMETRE
@@ -207,12 +208,12 @@ def _figures(asked):
           _path("--markdown", "FILE", "write the document, too"),
           _path("--readme", "README.md", "renew the results between its markers, too"))
 def _paper(asked):
-    from damage.paper.report import as_json, describe, update_readme, write_markdown
+    from damage.paper.report import as_json, as_markdown, describe, update_readme
     from damage.paper.verdict import judge
 
     findings = judge(asked.results)
     if asked.markdown:
-        write_markdown(findings, asked.markdown)
+        write_text(asked.markdown, as_markdown(findings))
     if asked.readme:
         update_readme(findings, asked.readme)
     print(json.dumps(as_json(findings), indent=2) if asked.json else describe(findings))

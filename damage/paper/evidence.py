@@ -19,8 +19,9 @@ LEAST_STEP_S = 2e-5
 BETA_S = 1e-6
 """Largest stiffness-proportional damping of a run that still counts where there is none without [s]; it damps the
 first mode by 1.6e-5."""
-MEASURES = ("collapsed_at_s", "lintel", "beta_s", "rest_s", "motion_period_s", "cycles", "amplitude_g", "scale",
-            "eigen_period_s", "input_energy_j", "damping_energy_j", "energy_error_fraction")
+MEASURES = (*SHAPE, "collapsed_at_s", "lintel", "beta_s", "time_step_s", "rest_s", "motion_period_s", "cycles",
+            "amplitude_g", "record", "scale", "eigen_period_s", "input_energy_j", "damping_energy_j",
+            "energy_error_fraction")
 """Columns that are looked up in every run; empty where an older table lacks one."""
 OTHER_WALL = 1e-3
 """Share by which the period of an intact wall differs where it is another wall of the same name, as a copy is."""
@@ -48,20 +49,15 @@ def load_runs(folder):
     needed = ("run", "wall", "solver", "status", "motion")
     runs = pd.concat([read_table(path, needed).assign(cycles_file=lambda table, folder=path.parent: (
         f"{folder}/" + table["run"].astype(str) + "_cycles.csv")) for path in paths], ignore_index=True)
-    runs = runs.reindex(columns=[*runs.columns, *(name for name in MEASURES if name not in runs)])
+    runs = runs.reindex(columns=runs.columns.union(MEASURES, sort=False))
     return runs[runs["status"] == "complete"].reset_index(drop=True)
 
 
 def comparable(runs):
     """The runs with the parameters of SHAPE, the usual step, and the usual period of the wall of that name."""
-    kept = pd.Series(True, index=runs.index)
+    kept = ~(runs["time_step_s"] < LEAST_STEP_S) & ~(runs["beta_s"] > BETA_S)
     for name, value in SHAPE.items():
-        if name in runs:
-            kept &= runs[name].isna() | (runs[name] == value)
-    if "time_step_s" in runs:
-        kept &= ~(runs["time_step_s"] < LEAST_STEP_S)
-    if "beta_s" in runs:
-        kept &= ~(runs["beta_s"] > BETA_S)
+        kept &= runs[name].isna() | (runs[name] == value)
     runs = runs[kept]
     usual = runs.groupby("wall")["eigen_period_s"].transform("median")
     return runs[~((runs["eigen_period_s"] - usual).abs() > OTHER_WALL * usual)]
@@ -133,9 +129,9 @@ class Evidence:
         return _chosen(self.harmonic(wall, period_s, cycles), amplitudes_g,
                        f"no run of the {wall} wall at {period_s:g} s{count}, amplitude [g]")
 
-    def shaken(self, record, wall="symmetric"):
-        """{scale: Point} of a wall shaken by one of RECORDS, rising."""
-        return self.points.get((wall, self.lintel, record), {})
+    def shaken(self, record):
+        """{scale: Point} of the symmetric wall shaken by one of RECORDS, rising."""
+        return self.points.get(("symmetric", self.lintel, record), {})
 
     def shaken_at(self, record, scales):
         """Points at these scales; raises Fell if one fell, NotThere if one is missing."""
@@ -170,7 +166,7 @@ def gather(runs):
             ["wall", "lintel", "motion_period_s", "cycles", "amplitude_g"]):
         members = found.setdefault(_harmonic_key(wall, lintel, period, cycles), {})
         members[float(amplitude)] = Point(_least_damped(rows), f"{period:g} s, {amplitude:g} g")
-    name = runs["motion"].astype(str) + (" " + runs["record"].astype(str) if "record" in runs else "")
+    name = runs["motion"].astype(str) + " " + runs["record"].astype(str)
     for record, pattern in RECORDS.items():
         for (wall, lintel, scale), rows in runs[name.str.contains(pattern)].groupby(["wall", "lintel", "scale"]):
             found.setdefault((wall, lintel, record), {})[float(scale)] = Point(

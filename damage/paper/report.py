@@ -1,11 +1,13 @@
 """The verdict on the paper as text, JSON, Markdown, and as a block of the README."""
 
+from dataclasses import asdict
 from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 
 from damage.errors import InputError
 from damage.files import write_text
-from damage.paper.verdict import IN_PART, SOLVERS, UNJUDGED, statement_verdict
+from damage.paper.verdict import DIFFERS, HOLDS, IN_PART, UNJUDGED, statement_verdict
 
 STATEMENTS = {
     "P1": "natural period of the solid wall 0.06 s",
@@ -32,15 +34,15 @@ _SLIPS = {"displacement": "slip by displacement", "shear-limit": "slip by shear 
 BEGIN, END = "<!-- paper verdict: begin, written by python3 -m damage paper -->", "<!-- paper verdict: end -->"
 
 
-def _by(findings, key):
-    """(key, findings) in the order of the findings, of which equal keys stand together."""
-    return [(value, list(members)) for value, members in groupby(findings, key)]
+def _by(findings, name):
+    """(value of an attribute, findings) in the order of the findings, of which equal values stand together."""
+    return [(value, list(members)) for value, members in groupby(findings, attrgetter(name))]
 
 
 def merged(findings):
     """(solver, variants in words, value, verdict) of one claim, variants with the same outcome together."""
     lines = []
-    for solver, members in _by(findings, lambda finding: finding.solver):
+    for solver, members in _by(findings, "solver"):
         outcomes = {}
         for finding in members:
             outcomes.setdefault((finding.value, finding.verdict), set()).add((finding.lintel, finding.slip))
@@ -76,7 +78,7 @@ def _variants(pairs):
 def describe(findings):
     """The whole verdict as lines for people."""
     lines = []
-    for claim, members in _by(findings, lambda finding: finding.claim):
+    for claim, members in _by(findings, "claim"):
         lines.append(f"{claim.id:5s}{claim.text} ({claim.figure})")
         lines.append(f"     paper: {claim.paper}; holds if {claim.criterion}")
         lines += [f"     {verdict:17s}{solver:11s}{variants}: {value}"
@@ -87,37 +89,32 @@ def describe(findings):
 def _counts(findings):
     """How many claims hold, a line a solver and lintel; a claim holds if it does by either slip criterion."""
     lines = []
-    for solver in SOLVERS:
-        for lintel, name in _LINTELS.items():
-            best = [_best(members) for _, members in _by(
-                [finding for finding in findings if (finding.solver, finding.lintel) == (solver, lintel)],
-                lambda finding: finding.claim)]
-            if best:
-                lines.append(f"{SOLVER_NAMES[solver]}, {name}: {best.count('holds')} claims hold by either slip "
-                             f"criterion, {best.count('differs')} differ, {best.count(UNJUDGED)} cannot be judged")
+    for solver, lintel in _told(findings, "solver", "lintel"):
+        mine = [finding for finding in findings if (finding.solver, finding.lintel) == (solver, lintel)]
+        best = [min((finding.verdict for finding in members), key=(HOLDS, DIFFERS, UNJUDGED).index)
+                for _, members in _by(mine, "claim")]
+        lines.append(f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}: {best.count(HOLDS)} claims hold by either slip "
+                     f"criterion, {best.count(DIFFERS)} differ, {best.count(UNJUDGED)} cannot be judged")
     return lines
 
 
-def _best(findings):
-    verdicts = [finding.verdict for finding in findings]
-    return next(verdict for verdict in ("holds", "differs", UNJUDGED) if verdict in verdicts)
+def _told(findings, *names):
+    """What the findings have of these attributes, each once, in their order."""
+    return list(dict.fromkeys(map(attrgetter(*names), findings)))
 
 
 # --- JSON -------------------------------------------------------------------------------------------
 
 def as_json(findings):
     """The verdict as plain lists and dictionaries: claims with their findings, statements with their verdicts."""
-    claims = [{"id": claim.id, "statement": claim.statement, "text": claim.text, "figure": claim.figure,
-               "paper": claim.paper, "criterion": claim.criterion,
-               "findings": [{"solver": finding.solver, "lintel": finding.lintel, "slip": finding.slip,
-                             "value": finding.value, "verdict": finding.verdict} for finding in members]}
-              for claim, members in _by(findings, lambda finding: finding.claim)]
-    variants = [(solver, lintel, slip) for solver in _solvers(findings) for lintel in _LINTELS for slip in _SLIPS]
+    claims = [{"id": claim.id, "statement": claim.statement, **asdict(claim), "findings": [
+                  {name: value for name, value in vars(finding).items() if name != "claim"} for finding in members]}
+              for claim, members in _by(findings, "claim")]
     statements = [{"statement": statement, "text": STATEMENTS[statement],
                    "verdicts": [{"solver": solver, "lintel": lintel, "slip": slip,
                                  "verdict": statement_verdict(_variant(members, solver, lintel, slip))}
-                                for solver, lintel, slip in variants]}
-                  for statement, members in _by(findings, lambda finding: finding.claim.statement)]
+                                for solver, lintel, slip in _told(findings, "solver", "lintel", "slip")]}
+                  for statement, members in _by(findings, "claim.statement")]
     return {"statements": statements, "claims": claims}
 
 
@@ -125,18 +122,14 @@ def _variant(findings, solver, lintel, slip):
     return [finding for finding in findings if (finding.solver, finding.lintel, finding.slip) == (solver, lintel, slip)]
 
 
-def _solvers(findings):
-    return [solver for solver in SOLVERS if any(finding.solver == solver for finding in findings)]
-
-
 # --- Markdown -----------------------------------------------------------------------------------------
 
 def as_markdown(findings):
     """The verdict as a document: an overview, then a section a statement with its claims."""
     parts = [_HEAD, "\n".join(overview(findings)), "\n".join(_tallies(findings))]
-    for statement, members in _by(findings, lambda finding: finding.claim.statement):
+    for statement, members in _by(findings, "claim.statement"):
         parts.append(f"## {statement}: {STATEMENTS[statement]}")
-        for claim, own in _by(members, lambda finding: finding.claim):
+        for claim, own in _by(members, "claim"):
             parts.append(f"**{claim.id}**, {claim.text} ({claim.figure}). Paper: {claim.paper}. Holds if "
                          f"{claim.criterion}.")
             parts.append("\n".join(["| solver | variant | value | verdict |", "| --- | --- | --- | --- |", *(
@@ -160,12 +153,12 @@ outcomes with a stroke between: slip by displacement / slip by the shear limit."
 
 def overview(findings):
     """Lines of the Markdown table with a row a statement."""
-    heads = [(solver, lintel) for solver in _solvers(findings) for lintel in _LINTELS]
+    heads = _told(findings, "solver", "lintel")
     lines = ["| | the paper | " + " | ".join(
         f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}" for solver, lintel in heads) + " |",
         "| --- " * (2 + len(heads)) + "|"]
-    for statement, members in _by(findings, lambda finding: finding.claim.statement):
-        cells = [_cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
+    for statement, members in _by(findings, "claim.statement"):
+        cells = [" / ".join(dict.fromkeys(_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS))
                  for solver, lintel in heads]
         lines.append(f"| {statement} | {STATEMENTS[statement]} | " + " | ".join(cells) + " |")
     return lines
@@ -182,16 +175,7 @@ def _short(findings):
     if verdict != IN_PART:
         return verdict
     judged = [finding.verdict for finding in findings if finding.verdict != UNJUDGED]
-    return f"{judged.count('holds')} of {len(judged)} hold"
-
-
-def _cell(words):
-    return words[0] if len(set(words)) == 1 else " / ".join(words)
-
-
-def write_markdown(findings, path):
-    """Write the document; returns its path."""
-    return write_text(path, as_markdown(findings))
+    return f"{judged.count(HOLDS)} of {len(judged)} hold"
 
 
 def update_readme(findings, path):

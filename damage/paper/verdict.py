@@ -99,23 +99,24 @@ def _all_at_most(limit, wall, periods_s, needs, kind="max"):
     return judged
 
 
-def _number(point, column, unit="", digits=3):
+def _number(point, column):
     """The median with, in brackets, the range over a point's members."""
     spread = point.spread(column)
-    text = f"{point.plain(column):.{digits}f}{unit}"
-    return text if spread is None else f"{text} ({spread[0]:.{digits}f} to {spread[1]:.{digits}f})"
+    text = f"{point.plain(column):.3f}"
+    return text if spread is None else f"{text} ({spread[0]:.3f} to {spread[1]:.3f})"
 
 
-def _negligible_off_resonance(evidence):
-    [point] = evidence.harmonic_at("symmetric", 0.33, [0.025])
-    column = evidence.column("max", "DI")
-    return _number(point, column), point.value(column) <= criteria.NEGLIGIBLE_DI
+def _of_one_point(kind, component, agrees, find, *where):
+    """Whether one value of the index agrees; find, where: a method of Evidence and what it takes."""
+    def judged(evidence):
+        [point] = find(evidence, *where)
+        column = evidence.column(kind, component)
+        return _number(point, column), agrees(point.value(column))
+    return judged
 
 
-def _first_cycle_is_not_exceeded(evidence):
-    [point] = evidence.harmonic_at("symmetric", 0.33, [0.1])
-    cycles = point.cycles(evidence.column("max", "DI"))
-    return _list(cycles), bool((cycles[1:] <= criteria.NOT_EXCEEDED * cycles[0]).all())
+def _close_to(target):
+    return lambda di: abs(di - target) <= criteria.DI_TOLERANCE
 
 
 def _list(values, digits=3, unit=""):
@@ -127,12 +128,16 @@ def _rises(values, factor=criteria.GROWS):
     return bool((np.asarray(values[1:]) >= factor * np.asarray(values[:-1])).all())
 
 
-def _grows_every_cycle(amplitude_g):
+def _cycle_by_cycle(period_s, amplitude_g, agrees):
     def judged(evidence):
-        [point] = evidence.harmonic_at("symmetric", 0.2, [amplitude_g])
+        [point] = evidence.harmonic_at("symmetric", period_s, [amplitude_g])
         cycles = point.cycles(evidence.column("max", "DI"))
-        return _list(cycles), _rises(cycles)
+        return _list(cycles), agrees(cycles)
     return judged
+
+
+def _first_is_not_exceeded(cycles):
+    return bool((cycles[1:] <= criteria.NOT_EXCEEDED * cycles[0]).all())
 
 
 def _asymmetric_is_similar(evidence):
@@ -163,21 +168,9 @@ def _linear(period_s, amplitudes_g):
     return judged
 
 
-def _r_squared(x, y, degree=1):
-    """Share of the variance of y (n,) that a polynomial of x (n,) explains, by least squares."""
-    x, y = np.asarray(x, float), np.asarray(y, float)
-    rest = y - np.polyval(np.polyfit(x, y, degree), x)
-    spread = np.sum((y - y.mean()) ** 2)
-    return 1 - float(np.sum(rest**2) / spread) if spread > 0 else 1.0
-
-
-def _largest_di(period_s):
-    def judged(evidence):
-        [point] = evidence.harmonic_at("symmetric", period_s, [0.1])
-        column = evidence.column("max", "DI")
-        agrees = abs(point.value(column) - criteria.LARGEST_DI[period_s]) <= criteria.DI_TOLERANCE
-        return _number(point, column), agrees
-    return judged
+def _r_squared(x, y):
+    """Share of the variance of y (n,) that a straight line of x (n,) explains, by least squares."""
+    return float(np.corrcoef(x, y)[0, 1] ** 2) if np.ptp(y) > 0 else 1.0
 
 
 HIGHER_G = AMPLITUDES_G[2:]
@@ -214,12 +207,6 @@ def _residual_cracks(evidence):
         di > criteria.NEGLIGIBLE_DI and of_drift <= criteria.MOSTLY_CRACKS * di for di, of_drift in zip(whole, drift))
 
 
-def _residual_drift(evidence):
-    [point] = evidence.harmonic_at("symmetric", 0.2, [0.1])
-    column = evidence.column("residual", "DI_drift")
-    return _number(point, column), point.value(column) > criteria.INSIGNIFICANT_DI_DRIFT
-
-
 def _cycle_lengths(column, cycles, agrees):
     def judged(evidence):
         points = evidence.harmonic_at("symmetric", 0.2, AMPLITUDES_G, cycles)
@@ -240,12 +227,9 @@ def _of_the_record(name, measure, target, share):
     def judged(evidence):
         record = evidence.records[name]
         ours = float(measure(record))
-        return f"{ours:.3f} g ({_known_as(record.name)})", _near(ours, target, share)
+        synthetic = ", synthetic" if "synthetic" in record.name else ""
+        return f"{ours:.3f} g ({record.name}{synthetic})", _near(ours, target, share)
     return judged
-
-
-def _known_as(name):
-    return f"{name}, synthetic" if "synthetic" in name else name
 
 
 def _at_0_2_s(record):
@@ -264,13 +248,6 @@ def _residual_is_negligible_at_low_pga(evidence):
     column = evidence.column("residual", "DI")
     values = [point.value(column) for point in evidence.shaken_at("huizinge", SCALES[:2])]
     return _list(values), max(values) <= criteria.NEGLIGIBLE_DI
-
-
-def _largest_residual(evidence):
-    [point] = evidence.shaken_at("huizinge", [2.0])
-    column = evidence.column("residual", "DI")
-    agrees = abs(point.value(column) - criteria.LARGEST_RESIDUAL_DI) <= criteria.DI_TOLERANCE
-    return _number(point, column), agrees
 
 
 def _cracks_without_drift(record):
@@ -342,20 +319,25 @@ JUDGES = {
     "P2a": _period("symmetric", criteria.PERFORATED_PERIOD_S),
     "P2b": _period("asymmetric", criteria.PERFORATED_PERIOD_S),
     "P3": _all_at_most(criteria.SLIGHT_DI, "solid", criteria.PERIODS_S, [(0.06, 0.1), (0.2, 0.1)]),
-    "P4": _negligible_off_resonance,
-    "P5": _first_cycle_is_not_exceeded,
-    "P6a": _grows_every_cycle(0.025), "P6b": _grows_every_cycle(0.1),
+    "P4": _of_one_point("max", "DI", lambda di: di <= criteria.NEGLIGIBLE_DI,
+                        Evidence.harmonic_at, "symmetric", 0.33, [0.025]),
+    "P5": _cycle_by_cycle(0.33, 0.1, _first_is_not_exceeded),
+    "P6a": _cycle_by_cycle(0.2, 0.025, _rises), "P6b": _cycle_by_cycle(0.2, 0.1, _rises),
     "P7": _asymmetric_is_similar,
     "P8": _all_at_most(criteria.SLIGHT_DI, "symmetric", [0.06], [(0.06, 0.1)]),
     "P9a": _linear(0.33, AMPLITUDES_G), "P9b": _linear(1.0, AMPLITUDES_G), "P9c": _linear(0.33, AMPLITUDES_G[:-1]),
-    "P9d": _largest_di(0.33), "P9e": _largest_di(1.0),
+    **{claim: _of_one_point("max", "DI", _close_to(criteria.LARGEST_DI[period_s]),
+                            Evidence.harmonic_at, "symmetric", period_s, [0.1])
+       for claim, period_s in (("P9d", 0.33), ("P9e", 1.0))},
     "P9f": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.33, 1.0], [(0.33, 0.1), (1.0, 0.1)], "residual"),
     "P10a": _substantially_higher,
     "P10b": _component_at_resonance("DI_open", _same), "P10c": _component_at_resonance("DI_slip", _same),
     "P10d": _component_at_resonance("DI_drift", _rises),
     "P11a": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.06, 0.33, 1.0],
                          [(0.06, 0.1), (0.33, 0.1), (1.0, 0.1)], "residual"),
-    "P11b": _residual_cracks, "P11c": _residual_drift,
+    "P11b": _residual_cracks,
+    "P11c": _of_one_point("residual", "DI_drift", lambda di: di > criteria.INSIGNIFICANT_DI_DRIFT,
+                          Evidence.harmonic_at, "symmetric", 0.2, [0.1]),
     **{f"P12{letter}": _cycle_lengths(*which, _lengthen) for letter, which in _CYCLE_READINGS.items()},
     **{f"P12{letter}": _cycle_lengths(*which, _as_in_figure_9)
        for letter, which in zip("def", _CYCLE_READINGS.values())},
@@ -364,7 +346,9 @@ JUDGES = {
     "P13c": _of_the_record("zeerijp", _at_0_2_s, criteria.SA_G, criteria.ABOUT_TOLERANCE),
     "P13d": _of_the_record("huizinge", _at_0_2_s, criteria.SA_G, criteria.ABOUT_TOLERANCE),
     "P13e": _scales_were_run,
-    "P14a": _residual_is_negligible_at_low_pga, "P14b": _largest_residual,
+    "P14a": _residual_is_negligible_at_low_pga,
+    "P14b": _of_one_point("residual", "DI", _close_to(criteria.LARGEST_RESIDUAL_DI),
+                          Evidence.shaken_at, "huizinge", [2.0]),
     "P14c": _cracks_without_drift("huizinge"), "P14d": _cracks_without_drift("zeerijp"),
     "P15a": _maximum_is_linear, "P15b": _residual_levels_off,
     "P16": _no_damping,

@@ -25,8 +25,9 @@ def choices(points):
     A panel needs its default point and another; grey lines carry the default's values through the panel.
     """
     points = points[points["solver"] == REFERENCE]
+    points = points.assign(choice=points.apply(choice, axis=1))
     motions = [(name, rows) for name, rows in points.groupby(points.apply(motion_label, axis=1), sort=False)
-               if len(rows) > 1 and "default" in set(map(choice, rows.to_dict("records")))]
+               if len(rows) > 1 and "default" in set(rows["choice"])]
     if not motions:
         raise Missing("no motion with a default point and another choice")
     most = max(len(rows) for _, rows in motions)
@@ -37,8 +38,9 @@ def choices(points):
         fell |= _draw(ax, rows)
     for ax in axes.flat[len(motions):]:
         ax.set_axis_off()
+    default = [words.format(DEFAULTS[name]) for name, words in _WORDS.items() if name not in ("cells", "beta_s")]
     add_heading(figure, f"Maximum damage index by modelling choice: {' and '.join(points['wall'].unique())} wall",
-                f"reference solver, {describe_members(points)}; default: {_default_words()}")
+                f"reference solver, {describe_members(points)}; default: {', '.join(default)}")
     handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=label)
                for colour, marker, label in _STYLES.values()]
     if fell:
@@ -59,8 +61,7 @@ def choice(point):
 
 def _draw(ax, rows):
     """Points of one motion from top to bottom, the default first; returns whether a wall fell."""
-    labels = rows.apply(lambda point: choice(point.to_dict()), axis=1)
-    rows = rows.assign(choice=labels).sort_values("choice", key=lambda names: names != "default", kind="stable")
+    rows = rows.sort_values("choice", key=lambda names: names != "default", kind="stable")
     fell = (rows["collapsed"] > 0).to_numpy()
     place = np.arange(len(rows))
     for shift, (column, (colour, marker, _)) in zip((-0.15, 0.15), _STYLES.items()):
@@ -76,7 +77,3 @@ def _draw(ax, rows):
     ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))
     ax.set_xlabel("maximum DI [-]")
     return bool(fell.any())
-
-
-def _default_words():
-    return ", ".join(words.format(DEFAULTS[name]) for name, words in _WORDS.items() if name not in ("cells", "beta_s"))

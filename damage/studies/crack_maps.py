@@ -1,7 +1,5 @@
 """Crack maps of a study: the wall at the largest index and at the end, a row a motion."""
 
-import numpy as np
-
 from damage.draw.panels import add_heading, finish, grid, letter, motion_label
 from damage.draw.run import draw_wall, joint_handles
 from damage.draw.style import styled
@@ -19,8 +17,7 @@ def crack_maps(results, variant):
     Of points by both solvers the reference solver's are drawn.
     """
     points = variant.reference if len(variant.reference) else variant.yade
-    points = points[np.isfinite(points["max_DI"].astype(float))].sort_values("max_DI", ascending=False)
-    points = points.head(MOST_ROWS)
+    points = points.dropna(subset="max_DI").sort_values("max_DI", ascending=False).head(MOST_ROWS)
     if len(points) == 0:
         raise Missing("no point with a damage index")
     solver = "reference solver" if len(variant.reference) else "YADE"

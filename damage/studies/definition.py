@@ -116,16 +116,11 @@ class Study:
         if not self.runs:
             raise InputError(f"{self.path}: no run is for this solver; expected --solver "
                              f"{self.of_both[0].solver}; choose it")
-        _check_ids_differ(self)
-
-
-def _check_ids_differ(study):
-    first = {}
-    for number, run in enumerate(study.runs, start=1):
-        if run.id in first:
-            raise InputError(f"{study.path}: runs {first[run.id]} and {number} are both {run.id}; "
-                             "expected different runs; take one out, or give them an id each")
-        first[run.id] = number
+        first = {}
+        for number, run in enumerate(self.runs, start=1):
+            if first.setdefault(run.id, number) != number:
+                raise InputError(f"{self.path}: runs {first[run.id]} and {number} are both {run.id}; "
+                                 "expected different runs; take one out, or give them an id each")
 
 
 def load_study(path, solver="yade", root=None):
@@ -136,7 +131,12 @@ def load_study(path, solver="yade", root=None):
     Raises InputError, which says what came, what was expected and how to mend it.
     """
     path, root = Path(path).absolute(), Path(root or ".").resolve()
-    table = _read_toml(path)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; give the path of a study file (.toml)") from error
+    except ValueError as error:  # of TOML or of UTF-8
+        raise InputError(f"{path} is no TOML ({error}); mend the file") from error
     _check_keys(table, {"name", "title", "pictures", "runs", "grid"}, f"{path}")
     runs = [run for entry, where in _entries(table, path) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
@@ -145,15 +145,6 @@ def load_study(path, solver="yade", root=None):
     return Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
                  runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
                  pictures=table.get("pictures", "all"))
-
-
-def _read_toml(path):
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}; give the path of a study file (.toml)") from error
-    except ValueError as error:  # of TOML or of UTF-8
-        raise InputError(f"{path} is no TOML ({error}); mend the file") from error
 
 
 def _check_keys(table, known, where):
@@ -185,11 +176,12 @@ def _load_entry(table, where, folder, root):
     if not isinstance(solvers, list) or not solvers or not set(solvers) <= set(SOLVERS):
         raise InputError(f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; mend it")
     words = option_words(_existing_files(table.get("options", {}), where, folder, root), where)
-    _refuse_reserved(words, where)
+    reserved = [word for word in words if word in RESERVED_OPTIONS]
+    if reserved:
+        raise InputError(f"{where}: {reserved[0]} is set by the batch itself; take it out")
     wall = _find(table["wall"], where, folder, root)
     words = [_find(word, where, folder, root) if option in PATH_OPTIONS else word
              for option, word in zip(["", *words], words)]
-    wall, *words = (_shorten(word, root) for word in (wall, *words))
     name = table.get("id", run_name(wall, words))
     ensemble = _ensemble(table, where)
     solvers = [solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and "samples" in table)]
@@ -263,23 +255,12 @@ def _word(value, name, where):
 
 
 def _find(path, where, folder, root):
-    """The absolute path of a file named beside the study or in the repository."""
+    """The path of a file named beside the study or in the repository: relative within the latter, else absolute."""
     for candidate in (folder / path, root / path):
         if candidate.is_file():
-            return str(candidate.resolve())
+            found = candidate.resolve()
+            return str(found.relative_to(root) if found.is_relative_to(root) else found)
     raise InputError(f"{where}: no file {path} beside the study or in the repository; mend the path")
-
-
-def _shorten(word, root):
-    """A path within the repository relative to it; any other word as it is."""
-    inside = Path(word).is_absolute() and Path(word).is_relative_to(root)
-    return str(Path(word).relative_to(root)) if inside else word
-
-
-def _refuse_reserved(words, where):
-    reserved = [word for word in words if word in RESERVED_OPTIONS]
-    if reserved:
-        raise InputError(f"{where}: {reserved[0]} is set by the batch itself; take it out")
 
 
 def _try_options(run, where, root):

@@ -20,6 +20,8 @@ from damage.studies.ida_figures import against_drift, records, residual_against_
 from damage.studies.results import REFERENCE, YADE, Missing, variants
 from damage.studies.sequence_figure import sequences
 
+_SLIP_PARTS = {slip: f"_{slip}" if prefix else "" for slip, prefix in CRITERIA.items()}
+
 
 def make_figures(results, folder):
     """Write all figures that the Results allow; yields (name, paths) or (name, why there is none).
@@ -43,7 +45,10 @@ def _figures(results):
     """(name, function that draws it) of every figure."""
     yield from _harmonic(results)
     yield from _ida(results)
-    yield from _sequences(results)
+    points = results.points[_repeated(results.points)]
+    for solver, name in ((REFERENCE, "sequences"), (YADE, "sequences_yade")):
+        if (points["solver"] == solver).any():
+            yield name, partial(sequences, results, points[points["solver"] == solver])
     varied = results.points["folder"].map(lambda folder: folder.name.startswith("sensitivity")).astype(bool)
     if varied.any():
         yield "sensitivity", partial(choices, results.points[varied])
@@ -59,8 +64,8 @@ def _harmonic(results):
     for variant in variants(points):
         part = variant.file_part
         yield f"fig07_evolution_{part}", partial(evolution, results, variant)
-        for slip in CRITERIA:
-            yield f"fig08_amplitude_{part}{_slip_part(slip)}", partial(against_amplitude, results, variant, slip)
+        for slip, slip_part in _SLIP_PARTS.items():
+            yield f"fig08_amplitude_{part}{slip_part}", partial(against_amplitude, results, variant, slip)
         yield f"fig09_drift_{part}", partial(drifts, results, variant)
         yield f"cracks_harmonic_{part}", partial(crack_maps, results, variant)
 
@@ -74,9 +79,9 @@ def _ida(results):
     yield "fig10_records", partial(records, results, points)
     for variant in variants(points):
         part = variant.file_part
-        for slip in CRITERIA:
-            yield f"fig11_residual_{part}{_slip_part(slip)}", partial(residual_against_pga, variant, slip)
-            yield f"fig12_drift_{part}{_slip_part(slip)}", partial(against_drift, variant, slip)
+        for slip, slip_part in _SLIP_PARTS.items():
+            yield f"fig11_residual_{part}{slip_part}", partial(residual_against_pga, variant, slip)
+            yield f"fig12_drift_{part}{slip_part}", partial(against_drift, variant, slip)
         yield f"cracks_ida_{part}", partial(crack_maps, results, variant)
 
 
@@ -85,14 +90,6 @@ def _none(reason, *names):
     def draw():
         raise Missing(reason)
     return [(name, draw) for name in names]
-
-
-def _sequences(results):
-    points = results.points[_repeated(results.points)]
-    for solver, part in ((REFERENCE, "sequences"), (YADE, "sequences_yade")):
-        mine = points[points["solver"] == solver]
-        if len(mine):
-            yield part, partial(sequences, results, mine)
 
 
 def _having(results, study, *columns):
@@ -107,7 +104,3 @@ def _having(results, study, *columns):
 def _repeated(points):
     """Which points are sequences of shocks."""
     return points["shocks"] > 1 if "shocks" in points else pd.Series(False, points.index)
-
-
-def _slip_part(slip):
-    return "" if slip == "displacement" else f"_{slip}"

@@ -22,6 +22,7 @@ LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_ps
 """Levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
 INTENSITIES = {"pga_g": "PGA [g]", "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]"}
 REPLICATES, CONFIDENCE = 500, 0.9
+_PERCENTILES = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
 DISPERSIONS = 1e-3, 3.0
 """Range of a fitted dispersion [-]."""
 
@@ -50,27 +51,23 @@ class Fragility:
         """P(measure > level) at intensities of any shape [g]."""
         return curve(intensity, self.median, self.dispersion)
 
-    def bounds(self, intensity, confidence=CONFIDENCE):
+    def bounds(self, intensity):
         """Lower and upper bound of the probability, (2, n), at intensities (n,) [g]."""
         if self.step:
             return np.array([curve(intensity, end, 0.0) for end in self.step[::-1]])
         curves = curve(np.asarray(intensity)[None, :], *(column[:, None] for column in self.replicates.T))
-        return np.percentile(curves, _percentiles(confidence), axis=0)
+        return np.percentile(curves, _PERCENTILES, axis=0)
 
-    def row(self, confidence=CONFIDENCE):
+    def row(self):
         """The fit as a flat dictionary: a row of the table."""
-        row = {"measure": self.measure, "level": self.level, "runs": self.n_runs, "exceeding": self.n_exceeding,
-               "median_g": self.median, "dispersion": self.dispersion}
-        low, high = np.percentile(self.replicates, _percentiles(confidence), axis=0) if len(self.replicates) > 1 \
+        low, high = np.percentile(self.replicates, _PERCENTILES, axis=0) if len(self.replicates) > 1 \
             else np.full((2, 2), np.nan)
         if self.step:
             low, high = ((end, np.nan) for end in self.step)
-        row |= {"median_low_g": low[0], "median_high_g": high[0], "dispersion_low": low[1], "dispersion_high": high[1]}
-        return row | {"confidence": confidence, "replicates": self.n_replicates, "fitted": len(self.replicates)}
-
-
-def _percentiles(confidence):
-    return 50 * (1 - confidence), 50 * (1 + confidence)
+        return {"measure": self.measure, "level": self.level, "runs": self.n_runs, "exceeding": self.n_exceeding,
+                "median_g": self.median, "dispersion": self.dispersion, "median_low_g": low[0],
+                "median_high_g": high[0], "dispersion_low": low[1], "dispersion_high": high[1],
+                "confidence": CONFIDENCE, "replicates": self.n_replicates, "fitted": len(self.replicates)}
 
 
 def curve(intensity, median, dispersion):
@@ -114,22 +111,25 @@ def step_of(intensity, exceeding, runs):
     return float(none.max()), float(all_.min())
 
 
+def exceeding(runs, measure, level):
+    """Which runs exceed a level, a Series of bool: a wall that collapsed exceeds every one."""
+    return (runs[measure] > level) | runs["collapsed_at_s"].notna()
+
+
 def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, seed=1):
     """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every level.
 
     The runs' walls are told apart by `strength_seed`.
     """
-    exceeds = (runs[measure].to_numpy(float) > level) | runs["collapsed_at_s"].notna().to_numpy()
-    values, place = np.unique(runs[intensity].to_numpy(float), return_inverse=True)
-    walls, wall = np.unique(runs["strength_seed"].to_numpy(), return_inverse=True)
-    counts = np.zeros((2, len(walls), len(values)))  # runs of a wall at an intensity, and those that exceed
-    np.add.at(counts[0], (wall, place), 1)
-    np.add.at(counts[1], (wall, place), exceeds)
+    exceeds = exceeding(runs, measure, level)
+    counts = exceeds.groupby([runs["strength_seed"], runs[intensity]]).agg(["size", "sum"]).unstack(fill_value=0)
+    values, n_walls = counts["size"].columns.to_numpy(float), len(counts)
+    counts = np.array([counts["size"], counts["sum"]])  # runs of a wall at an intensity, and those that exceed
     n, y = counts.sum(axis=1)
     random = np.random.default_rng(seed)
     fits = []
-    for _ in range(replicates if len(walls) > 1 else 0):
-        weights = np.bincount(random.integers(len(walls), size=len(walls)), minlength=len(walls))
+    for _ in range(replicates if n_walls > 1 else 0):
+        weights = np.bincount(random.integers(n_walls, size=n_walls), minlength=n_walls)
         drawn_n, drawn_y = np.tensordot(weights, counts, axes=(0, 1))
         fits.append(fit(values, drawn_y, drawn_n))
     fits = np.array(fits).reshape(-1, 2)

@@ -6,7 +6,7 @@ from matplotlib.patches import Patch
 
 from damage.draw.panels import add_heading, finish, grid, letter, record_label
 from damage.draw.style import BLUE, GREEN, ORANGE, styled
-from damage.studies.fragility import CONFIDENCE, INTENSITIES
+from damage.studies.fragility import CONFIDENCE, INTENSITIES, exceeding
 
 _PANELS = {"max_DI": "maximum DI", "max_crack_width_mm": "maximum crack width [mm]", "max_psi": r"maximum $\Psi$"}
 _STYLES = ((BLUE, "o", "-"), (GREEN, "s", "--"), (ORANGE, "^", "-."))
@@ -24,9 +24,8 @@ def fragility_picture(wall, runs, fits, intensity="pga_g"):
     figure, axes = grid(1, len(_PANELS), 2.3)
     x = np.linspace(0.005, 1.08, 200) * runs[intensity].max()
     for number, (ax, (measure, label)) in enumerate(zip(axes[0], _PANELS.items())):
-        handles = []
-        for one, style in zip([one for one in fits if one.measure == measure], _STYLES):
-            handles.append(_draw(ax, x, runs, one, style, intensity))
+        handles = [_draw(ax, x, runs, one, style, intensity)
+                   for one, style in zip([one for one in fits if one.measure == measure], _STYLES)]
         ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
         letter(ax, number, label)
         ax.set(xlabel=INTENSITIES[intensity], xlim=(0, x[-1]), ylim=(-0.03, 1.03))
@@ -43,8 +42,7 @@ def fragility_picture(wall, runs, fits, intensity="pga_g"):
 def _draw(ax, x, runs, one, style, intensity):
     """Shares, curve and bounds of one level; returns the legend's entry."""
     colour, marker, line = style
-    exceeds = (runs[one.measure] > one.level) | runs["collapsed_at_s"].notna()
-    shares = exceeds.groupby(runs[intensity]).mean()
+    shares = exceeding(runs, one.measure, one.level).groupby(runs[intensity]).mean()
     ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
     told = f"> {one.level:g}"
     if np.isfinite(one.median):

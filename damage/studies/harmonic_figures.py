@@ -1,8 +1,7 @@
 """Figures 6 to 9 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's tables:
 harmonic motions, and what they do to a wall.
 
-Each function takes the Results and what they are drawn of, and returns a Figure; it raises Missing
-when there is nothing to draw.
+Each function returns a Figure, or raises Missing when there is nothing to draw.
 """
 
 import numpy as np
@@ -130,7 +129,10 @@ def drifts(results, variant):
 
     Resonance: the period nearest to that of the intact wall, or to 0.2 s where the tables lack it.
     """
-    points = _resonant(variant.points)
+    points = variant.points
+    eigen_s = panels.numbers(points, "eigen_period_s")
+    off = np.abs(points["motion_period_s"] - next(iter(eigen_s[np.isfinite(eigen_s)]), PERFORATED_PERIOD_S))
+    points = points[off < off.min() + SAME]
     amplitudes = np.unique(points["amplitude_g"])
     figure, axes = panels.grid(len(amplitudes), 1, 1.15, sharex=True)
     period_s = points["motion_period_s"].iloc[0]
@@ -179,23 +181,10 @@ def _draw_drift(ax, results, point):
         return marked
     within = time_s.between(*driven[-1])
     ax.plot(time_s[within], drift_pct[within], color=VERMILLION, ls="--", lw=1.2, zorder=6)
-    ax.set_title(_cycle_text(point, np.ptp(driven[-1])), loc="right", color=VERMILLION, fontsize=7)
-    return marked | {"cycle"}
-
-
-def _cycle_text(point, duration_s):
-    """Duration of the last cycle of the first run, with the members' range."""
     low, high = (point.get(f"last_cycle_s_{end}", np.nan) for end in ("min", "max"))
     spread = f" ({low:.2f} to {high:.2f} s)" if point["members"] > 1 and np.isfinite(low) else ""
-    return f"T = {duration_s:.2f} s{spread}"
-
-
-def _resonant(points):
-    """The points at the period nearest to the intact wall's."""
-    eigen_s = panels.numbers(points, "eigen_period_s")
-    eigen_s = eigen_s[np.isfinite(eigen_s)][:1] if np.isfinite(eigen_s).any() else PERFORATED_PERIOD_S
-    off = np.abs(points["motion_period_s"] - eigen_s)
-    return points[off < off.min() + SAME]
+    ax.set_title(f"T = {np.ptp(driven[-1]):.2f} s{spread}", loc="right", color=VERMILLION, fontsize=7)
+    return marked | {"cycle"}
 
 
 def _at(points, period_s, amplitude_g=None):

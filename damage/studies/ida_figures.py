@@ -1,8 +1,7 @@
 """Figures 10 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, from a study's tables:
 recorded motions at several scales (incremental dynamic analysis), and what they do to a wall.
 
-Each function takes the Results and what they are drawn of, and returns a Figure; it raises Missing
-when there is nothing to draw.
+Each function returns a Figure, or raises Missing when there is nothing to draw.
 """
 
 import hashlib
@@ -36,8 +35,11 @@ def records(results, points):
     colours = dict(zip(scales, matplotlib.colormaps["cividis"](np.linspace(0, 0.95, len(scales)))))
     for number, (name, row) in enumerate(zip(names, axes)):
         of_record = points[points["record"] == name]
-        motion = unscaled_motion(results, of_record.iloc[0])
-        _draw_motion(row[0], motion, f"{panels.record_label(name)}, PGA {pga_g(motion):.3f} g", number)
+        motion = _unscaled_motion(results, of_record.iloc[0])
+        row[0].plot(motion.time_s, motion.acceleration_m_s2 / GRAVITY, color=BLACK, lw=0.6)
+        row[0].set_ylabel("acceleration [g]")
+        row[0].margins(x=0)
+        panels.letter(row[0], number, f"{panels.record_label(name)}, PGA {pga_g(motion):.3f} g")
         for scale in np.unique(of_record["scale"]):
             row[1].plot(SPECTRUM_PERIODS_S, scale * response_spectrum(motion, SPECTRUM_PERIODS_S), color=colours[scale])
         row[1].axvline(WALL_PERIOD_S, color=MEDIUM, ls=":", lw=0.8)
@@ -53,32 +55,20 @@ def records(results, points):
     return panels.finish(figure, handles, columns=9)
 
 
-def _draw_motion(ax, motion, text, number):
-    ax.plot(motion.time_s, motion.acceleration_m_s2 / GRAVITY, color=BLACK, lw=0.6)
-    ax.set_ylabel("acceleration [g]")
-    ax.margins(x=0)
-    panels.letter(ax, number, text)
-
-
 def _synthetic_note(names):
     """A line that says it where a record is not a recording, else ""."""
     synthetic = [panels.record_label(name) for name in names if "synthetic" in name]
     return f"Not recorded but made to match a published spectrum: {'; '.join(synthetic)}" if synthetic else ""
 
 
-def unscaled_motion(results, point):
-    """The record of a point's first run as it was prepared for it, at scale 1."""
-    loading = results.history(point).loading
-    return loading.unscaled(read_record(_record_path(loading.horizontal, results.records)))
-
-
-def _record_path(origin, own):
-    """The file that a run's record came from, shipped or in the folder `own`, with the same bytes."""
-    shipped = shipped_record_path().parents[1]
-    for path in (*shipped.glob(f"*/{origin['file']}"), own / origin["file"]):
-        if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == origin["sha256"]:
-            return path
-    raise Missing(f"no record {origin['file']} with the bytes that the runs read, neither shipped nor in {own}/")
+def _unscaled_motion(results, point):
+    """The record of a point's first run as it was prepared for it, at scale 1, from a file with the same bytes."""
+    loading, own = results.history(point).loading, results.records
+    file, sha256 = loading.horizontal["file"], loading.horizontal["sha256"]
+    for path in (*shipped_record_path().parents[1].glob(f"*/{file}"), own / file):
+        if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256:
+            return loading.unscaled(read_record(path))
+    raise Missing(f"no record {file} with the bytes that the runs read, neither shipped nor in {own}/")
 
 
 # --- what they do ---------------------------------------------------------------------------------
@@ -112,14 +102,14 @@ def against_drift(variant, slip="displacement"):
     names = panels.in_order(variant.points["record"].unique())
     markers, hollow = panels.record_markers(names), dict(zip(names, panels.SINGLE_MARKERS * len(names)))
     figure, axes = panels.grid(1, 2, 2.5)
+    reference, yade = in_percent(variant.reference), in_percent(variant.yade)
     for number, (ax, state) in enumerate(zip(axes[0], ("max", "residual"))):
         column = f"{state}_{CRITERIA[slip]}DI"
         for name in names:
-            reference, yade = (in_percent(points[points["record"] == name])
-                               for points in (variant.reference, variant.yade))
-            panels.draw_cloud(ax, reference, "max_drift_pct", column, BLACK, markers[name])
-            panels.draw_yade(ax, yade, "max_drift_pct", column, VERMILLION, hollow[name])
-        label = _draw_trend(ax, in_percent(variant.reference if len(variant.reference) else variant.yade), column)
+            medians, single = (points[points["record"] == name] for points in (reference, yade))
+            panels.draw_cloud(ax, medians, "max_drift_pct", column, BLACK, markers[name])
+            panels.draw_yade(ax, single, "max_drift_pct", column, VERMILLION, hollow[name])
+        label = _draw_trend(ax, reference if len(reference) else yade, column)
         panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
         panels.from_zero(ax, panels.NOTHING)
@@ -137,15 +127,14 @@ def in_percent(points):
 
 def _draw_trend(ax, points, column):
     """Draw the least-squares parabola; returns its R2 for the title, "" where points are too few."""
-    drift, value = (panels.median_and_range(points, name)[0] for name in ("max_drift_pct", column))
+    drift, value = (panels.numbers(points, name) for name in ("max_drift_pct", column))
     known = np.isfinite(drift) & np.isfinite(value)
-    if np.unique(drift[known]).size < TREND_POINTS:
+    drift, value = drift[known], value[known]
+    if np.unique(drift).size < TREND_POINTS:
         return ""
-    trend = np.polynomial.Polynomial.fit(drift[known], value[known], 2)
-    along = np.linspace(drift[known].min(), drift[known].max(), 200)
-    ax.plot(along, trend(along), color=BLUE, lw=1.0, zorder=5)
-    rest = np.sum((value[known] - trend(drift[known])) ** 2)
-    spread = np.sum((value[known] - value[known].mean()) ** 2)
+    trend = np.polynomial.Polynomial.fit(drift, value, 2)
+    ax.plot(*trend.linspace(200), color=BLUE, lw=1.0, zorder=5)
+    rest, spread = np.var(value - trend(drift)), np.var(value)
     return f", trend R² = {1 - rest / spread:.2f}" if spread > 0 else ""
 
 

@@ -65,17 +65,16 @@ class Results:
                 & (self.runs["solver"] == point["solver"]))
         return list(self.runs.loc[same, "run"])
 
-    def run(self, point):
-        """The summary's row of a point's first run."""
+    def first(self, point):
+        """Name of a point's first run."""
         names = self.members(point)
         if not names:
             raise Missing(f"summary.csv has no run of point {point['point']}")
-        return self.runs[(self.runs["folder"] == point["folder"]) & (self.runs["run"] == names[0])].iloc[0]
+        return names[0]
 
     def history(self, point):
         """History of a point's first run."""
-        name = self.run(point)["run"]
-        path = point["folder"] / "runs" / f"{name}.h5"
+        path = point["folder"] / "runs" / f"{self.first(point)}.h5"
         if not path.is_file():
             raise Missing(f"no history {path.name} in {path.parent}")
         return read_history(path)
@@ -87,7 +86,7 @@ class Results:
 
     def index(self, point):
         """The damage index over time of a point's first run, from its table or else its history."""
-        path = point["folder"] / "tables" / f"{self.run(point)['run']}_index.csv"
+        path = point["folder"] / "tables" / f"{self.first(point)}_index.csv"
         return read_table(path) if path.is_file() else index_table(self.history(point))
 
 
@@ -141,25 +140,18 @@ def variants(points):
     keys = points[[*shared, "beta_s"]] if "beta_s" in points else points[shared]
     keys = keys.astype(object).where(keys.notna(), None)  # None equals None, as NaN does not
     keys = keys.apply(lambda column: column.map(lambda value: MODEL.get(column.name) if value is None else value))
+    key_of = pd.Series(list(keys.itertuples(index=False, name=None)), keys.index)
+    model_of = key_of.map(lambda key: key[:len(shared)])
     found = []
-    for wall in points["wall"].unique():
-        groups = {}
-        of_wall = points["wall"] == wall
-        for solver in (REFERENCE, YADE):
-            for row, key in keys[of_wall & (points["solver"] == solver)].iterrows():
-                _put(groups, solver, row, tuple(key), len(shared))
-        ordered = sorted(groups.items(), key=lambda item: -sum(map(len, item[1].values())))
-        for key, rows in ordered:
-            differs = {name: value for name, value, usual in zip(keys, key, ordered[0][0])
-                       if value not in (None, usual)}
-            found.append(Variant(wall, differs, points.loc[rows[REFERENCE]], points.loc[rows[YADE]]))
+    for wall, of_wall in points.groupby("wall", sort=False):
+        reference, yade = (of_wall[of_wall["solver"] == solver] for solver in (REFERENCE, YADE))
+        by_model = dict(list(yade.groupby(model_of, sort=False)))
+        groups = [(key, rows, by_model.get(key[:len(shared)], yade.iloc[:0]))
+                  for key, rows in reference.groupby(key_of, sort=False)]
+        alone = by_model.keys() - {key[:len(shared)] for key, *_ in groups}
+        groups += [((*model, None), reference.iloc[:0], rows) for model, rows in by_model.items() if model in alone]
+        groups.sort(key=lambda group: -len(group[1]) - len(group[2]))
+        for key, *rows in groups:
+            differs = {name: value for name, value, usual in zip(keys, key, groups[0][0]) if value not in (None, usual)}
+            found.append(Variant(wall, differs, *rows))
     return found
-
-
-def _put(groups, solver, row, key, n_shared):
-    """Add a row to the group of its key; one of YADE to all that share its model, or to a new one."""
-    if solver == YADE:
-        key = key[:n_shared] + (None,) * len(key[n_shared:])
-    alike = [known for known in groups if known[:n_shared] == key[:n_shared]] if solver == YADE else []
-    for known in alike or [key]:
-        groups.setdefault(known, {REFERENCE: [], YADE: []})[solver].append(row)

@@ -28,7 +28,9 @@ def sequences(results, points):
     figure, axes = grid(-(-len(points) // 2), 2, 1.9, sharex=False)
     for number, (ax, (_, point)) in enumerate(zip(axes.flat, points.iterrows())):
         tables = pd.concat([shocks_table(history) for history in results.histories(point)])
-        letter(ax, number, _name(point, tables))
+        factors = list(tables.groupby("shock")["factor"].first())
+        told = f"{len(factors)} times" if len(set(factors)) == 1 else "times " + ", ".join(f"{f:g}" for f in factors)
+        letter(ax, number, f"{motion_label(point)}, {told}")
         _draw(ax, tables)
         ax.set_ylabel("damage index [-]")
         ax.set_xlabel("shock")
@@ -50,10 +52,3 @@ def _draw(ax, tables):
         ax.errorbar(values.index, values["median"], spread if spread.any() else None, ms=3.2, lw=0.9,
                     ecolor=MEDIUM, elinewidth=0.8, capsize=1.6, **style)
     ax.set_xticks(sorted(tables["shock"].unique()))
-
-
-def _name(point, tables):
-    """The motion and its factors, said once where they are all the same."""
-    factors = list(tables.groupby("shock")["factor"].first())
-    told = f"{len(factors)} times" if len(set(factors)) == 1 else "times " + ", ".join(f"{f:g}" for f in factors)
-    return f"{motion_label(point)}, {told}"

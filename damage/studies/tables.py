@@ -69,8 +69,7 @@ def points_of(summary):
     `status` is complete when all runs are, `collapsed` counts those that collapsed, and `collapsed_at_s` is the
     median of these where they are half of the runs or more.  Words, as of classes, are the most frequent.
     """
-    groups = summary.groupby(["point", "solver"], sort=False)
-    return pd.DataFrame([_point(runs) for _, runs in groups])
+    return pd.DataFrame([_point(runs) for _, runs in summary.groupby(["point", "solver"], sort=False)])
 
 
 def _point(runs):
