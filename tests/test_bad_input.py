@@ -43,6 +43,7 @@ WALLS = {
 }
 
 OPTIONS = {
+    "pushover-nowhere": (["--pushover", "0"], "expected a positive number"),
     "unknown-option": (["--harmonix", "0.2", "0.05"], "--harmonix"),
     "missing-record": (["--record", "no_such_file.csv"], "no_such_file.csv"),
     "negative-step": (["--dt", "-1e-5"], "positive"),

@@ -112,16 +112,25 @@ def read_history(path):
     if not path.is_file():
         raise InputError(f"{path}: no such file; give the path of a history (.h5)")
     try:
-        with h5py.File(path, "r", libver="latest", swmr=True) as file:
+        with h5py.File(path, "r", libver="latest", swmr=_is_growing(path)) as file:
             _check_schema(file, path)
             return _read(file, path)
-    except (OSError, KeyError) as error:
+    except InputError:
+        raise
+    except Exception as error:  # a damaged file may say anything
         raise InputError(f"{path} cannot be read as a history ({_first_line(error)}); "
                          "expected an HDF5 file that a run wrote") from error
 
 
+def _is_growing(path):
+    """Whether a run still writes the file, or was killed: HDF5's mark in its superblock.  In a finished file, read so,
+    HDF5 would wait for ever for a damaged part to become whole."""
+    with path.open("rb") as file:
+        return file.read(12)[11:] >= b"\4"  # of its consistency flags that of a single writer with many readers
+
+
 def _first_line(error):
-    return str(error).strip().splitlines()[0]
+    return (str(error).strip() or type(error).__name__).splitlines()[0]
 
 
 def _check_schema(file, path):

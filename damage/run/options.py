@@ -60,7 +60,7 @@ def _add_motion(group):
     group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase")
-    group.add_argument("--free-vibration", action="store_true",
+    group.add_argument("--free-vibration", action="store_true", default=None,
                        help="no base motion: start in the first mode with 1 mm/s at the top")
     group.add_argument("--sequence", metavar="F,F,...", help="shake the same wall again and again: the harmonic "
                        "or recorded motion times each factor, with rest and settling after each (default 1)")
@@ -127,7 +127,7 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic")
 def _loading(parsed):
     """The loading that the motion options ask for, or InputError where they contradict each other."""
     chosen = [name for name in ("harmonic", "record", "free_vibration", "pushover", "cyclic")
-              if getattr(parsed, name) not in (None, False)]
+              if getattr(parsed, name) is not None]
     if len(chosen) > 1:
         raise InputError(f"--{' and --'.join(chosen)} given together: choose one motion".replace("_", "-"))
     motion = chosen[0] if chosen else "harmonic"
