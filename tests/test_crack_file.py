@@ -14,7 +14,6 @@ from damage.index import combine
 from damage.laboratory.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
 from damage.laboratory.crack_mapping import (
     describe_level,
-    half_brick_height,
     index_bounds,
     joint_table,
     largest_index,
@@ -292,4 +291,11 @@ def test_bad_numbers(option, tmp_path, capsys):
     (tmp_path / "c.csv").write_text(f"drift_pct,crack,point,x_m,z_m,width_mm\n0.1,1,1,0.1,{BED},0.3\n,1,2,0.4,{BED},\n")
     assert main(["cracks", str(tmp_path / "c.csv"), "--wall", str(tmp_path / "small.py"), option]) == 2
     assert "expected a positive number" in capsys.readouterr().err
-    assert half_brick_height(small_layout()) == 0.0375
+
+
+@pytest.mark.parametrize("below, unmapped", [(0.037, 0.0), (0.038, 0.3)])
+def test_the_usual_tolerance_is_half_a_bricks_height(below, unmapped, tmp_path):
+    """A line below the lowest joint, from which no other joint is nearer."""
+    line = f"1,0.1,1,1,0.1,{-below},,,0.5,unknown\n1,,1,2,0.4,{-below},,,,\n"
+    mapped = map_cracks(patterns(tmp_path, line)[0], small_layout())
+    assert mapped.unmapped_m == pytest.approx(unmapped, abs=1e-9)

@@ -63,8 +63,15 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
 
 def draw_wall(ax, shape):
     """Draw a WallShape in true scale; returns height over width of what the axes show."""
-    _draw_bodies(ax, shape)
-    _draw_joints(ax, shape)
+    caps = shape.is_cap
+    for name, chosen, colour in (("bricks", ~caps, style.BRICK_COLOUR), ("caps", caps, style.CAP_COLOUR)):
+        ax.add_collection(PolyCollection(shape.corners[chosen], facecolors=colour, edgecolors="0.75",
+                                         linewidths=0.2, label=name, zorder=1))
+    for layer, state in enumerate(STATES, start=2):
+        chosen = shape.select(state)
+        widths = [THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen])
+        ax.add_collection(LineCollection(shape.segments[chosen], colors=JOINT_COLOURS[state], label=state,
+                                         linewidths=widths, capstyle="butt", zorder=layer))
     points = shape.corners.reshape(-1, 2)
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.02 * (high - low).max()
@@ -72,21 +79,6 @@ def draw_wall(ax, shape):
     ax.axhspan(low[1], 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="z [m]")
     return (high[1] - low[1]) / (high[0] - low[0])
-
-
-def _draw_bodies(ax, shape):
-    caps = shape.is_cap
-    for name, chosen, colour in (("bricks", ~caps, style.BRICK_COLOUR), ("caps", caps, style.CAP_COLOUR)):
-        ax.add_collection(PolyCollection(shape.corners[chosen], facecolors=colour, edgecolors="0.75",
-                                         linewidths=0.2, label=name, zorder=1))
-
-
-def _draw_joints(ax, shape):
-    for layer, state in enumerate(STATES):
-        chosen = shape.select(state)
-        widths = [THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen])
-        ax.add_collection(LineCollection(shape.segments[chosen], colors=JOINT_COLOURS[state], label=state,
-                                         linewidths=widths, capstyle="butt", zorder=2 + layer))
 
 
 def _moment(shape, sample):
@@ -101,19 +93,15 @@ def _moment(shape, sample):
 
 def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
     """Legend in three columns: cracks, the rest, widths of lines."""
-    def line(label, colour, width):
-        return Line2D([], [], color=colour, lw=width, label=label)
-
-    limit = f"{threshold / MILLIMETRE:g} mm"
-    slipped = "slipped" if slip == "displacement" else "slipped (shear limit)"
+    labels = {"opened": "opened", "slipped": "slipped" if slip == "displacement" else "slipped (shear limit)",
+              "both": "opened and slipped", "broken": f"broken, ≤ {threshold / MILLIMETRE:g} mm", "intact": "intact"}
     width = line_width(0.5 * MILLIMETRE)
     return [
-        line("opened", JOINT_COLOURS["opened"], width), line(slipped, JOINT_COLOURS["slipped"], width),
-        line("opened and slipped", JOINT_COLOURS["both"], width),
-        line(f"broken, ≤ {limit}", JOINT_COLOURS["broken"], THIN["broken"]),
-        line("intact", JOINT_COLOURS["intact"], THIN["intact"]),
+        *(Line2D([], [], color=JOINT_COLOURS[state], lw=THIN.get(state, width), label=label)
+          for state, label in labels.items()),
         Patch(facecolor=style.CAP_COLOUR, label="top mass"),
-        *(line(label, style.DARK, line_width(mm * MILLIMETRE)) for mm, label in legend_widths_mm(shape)),
+        *(Line2D([], [], color=style.DARK, lw=line_width(mm * MILLIMETRE), label=label)
+          for mm, label in legend_widths_mm(shape)),
     ]
 
 
@@ -226,7 +214,9 @@ def energy_picture(history):
             above.plot(series["time_s"], series[name], color=colour, ls=line, label=label,
                        lw=1.3 if name == "input_energy_j" else 0.9)
     above.set_ylabel("energy [J]")
-    style.add_title(figure, history, *_error_line(series))
+    error = energy_error(series)
+    style.add_title(figure, history, *[] if error is None or not np.isfinite(error) else [
+        f"imbalance before settling up to {100 * error:.2g} % of the energy put in"])
     scale, unit = _error_scale(series)
     below.axhline(0, color=style.MEDIUM, lw=0.5)
     below.plot(series["time_s"], imbalance(_known_energies(series)) * scale, color=style.BLACK)
@@ -249,12 +239,6 @@ def _error_scale(series):
     return (100 / scale, "%") if scale > 0 else (1.0, "J")
 
 
-def _error_line(series):
-    error = energy_error(series)
-    if error is not None and np.isfinite(error):
-        yield f"imbalance before settling up to {100 * error:.2g} % of the energy put in"
-
-
 # --- files ---------------------------------------------------------------------------------------
 
 PICTURES = {
@@ -265,7 +249,6 @@ PICTURES = {
 """File name without its ending, and what draws it."""
 
 
-@style.styled
 def save_all(history, folder):
     """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
     return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder)

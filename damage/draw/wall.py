@@ -65,11 +65,9 @@ def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, 
     sample, damage = choose_sample(history, sample, slip, threshold)
     time_s = float(history.series["time_s"].iloc[sample])
     snapshot = nearest_snapshot(history, time_s)
-    motion = np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot]
-    motion = motion.astype(float)
+    motion = np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot].astype(float)
     if magnify is None:
         magnify = magnification(history.bodies, motion)
-    opening, slipped = history.opening_m[sample].astype(float), history.slip_m[sample].astype(float)
     return WallShape(
         sample=sample, time_s=time_s, index=damage,
         snapshot_time_s=None if snapshot is None else float(history.snapshot_time_s[snapshot]),
@@ -77,7 +75,7 @@ def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, 
         is_cap=history.bodies["course"].to_numpy() < 0,
         segments=joint_segments(history.joints, history.bodies, motion, magnify),
         state=joint_states(history, sample, slip, threshold),
-        crack_width_m=np.hypot(opening, slipped))
+        crack_width_m=np.hypot(history.opening_m[sample], history.slip_m[sample], dtype=float))
 
 
 def magnification(bodies, motion):

@@ -15,13 +15,13 @@ from damage.errors import InputError
 from damage.files import write_text
 from damage.index import THRESHOLD
 from damage.laboratory.csv_table import CsvTable
-from damage.measure.cracks import cracks_at
+from damage.measure.cracks import ENDS, cracks_at
 from damage.units import MILLIMETRE
 
 COLUMNS = ("load_level", "drift_pct", "crack", "point", "x_m", "z_m", "opening_mm", "slip_mm", "width_mm", "mode")
 REQUIRED = ("crack", "point", "x_m", "z_m")
 MODES = ("tension", "shear", "mixed", "unknown")
-STRETCHES = ("crack", "line", "x_start_m", "z_start_m", "x_end_m", "z_end_m", "opening_m", "slip_m", "width_m", "mode")
+STRETCHES = ("crack", "line", *ENDS, "opening_m", "slip_m", "width_m", "mode")
 _AGREE = 0.02  # share of the width by which a given width may miss sqrt(opening^2 + slip^2), for rounding
 _AGREE_MM = 0.01
 
@@ -79,10 +79,11 @@ def _rows(table):
         "level": np.nan_to_num(level, nan=1.0), "drift_ratio": numbers["drift_pct"] / 100,
         "crack": table.words("crack"), "point": numbers["point"], "x_m": numbers["x_m"], "z_m": numbers["z_m"],
         "mode": mode})
-    rows["empty"] = (rows["crack"] == "") & rows[["point", "x_m", "z_m"]].isna().all(axis=1)
-    for name, column in (("crack", rows["crack"] == ""), *((n, rows[n].isna()) for n in ("point", "x_m", "z_m"))):
-        table.refuse((column & ~rows["empty"]).to_numpy(), f"no {name}; give it, or leave crack, point, x_m and z_m "
-                     "all empty for a level without cracks")
+    lacks = rows[list(REQUIRED)].isna() | rows[list(REQUIRED)].eq("")
+    rows["empty"] = lacks.all(axis=1)
+    for name in REQUIRED:
+        table.refuse((lacks[name] & ~rows["empty"]).to_numpy(), f"no {name}; give it, or leave crack, point, x_m and "
+                     "z_m all empty for a level without cracks")
     for name in ("opening", "slip", "width"):
         rows[f"{name}_m"] = numbers[f"{name}_mm"] * MILLIMETRE
     return rows
@@ -90,25 +91,24 @@ def _rows(table):
 
 def _drift(table, rows, chosen):
     """Drift ratio of a level, NaN if no row gives it."""
-    given = chosen[rows["drift_ratio"].iloc[chosen].notna()]
-    if len(given) == 0:
-        return nan
     drift = rows["drift_ratio"].to_numpy()
-    for row in given[drift[given] != drift[given[0]]]:
+    given = chosen[~np.isnan(drift[chosen])]
+    for row in given[drift[given] != drift[given[:1]]]:
         raise table.error(row, f"drift_pct = {100 * drift[row]:g}, but {100 * drift[given[0]]:g} in line "
                                f"{table.line[given[0]]} of the same load level; give one drift a level")
-    return float(drift[given[0]])
+    return float(drift[given[0]]) if len(given) else nan
 
 
 def _stretches(table, rows, chosen):
     """The straight parts of the polylines of one level."""
     parts, line = [], 0
-    points = [row for row in chosen if not rows["empty"].iloc[row]]
     columns = {name: rows[name].to_numpy() for name in rows}
+    points = chosen[~columns["empty"][chosen]]
     for here, there in zip(points, [*points[1:], None]):
         starts = columns["point"][here] == 1
         line += starts
-        _check_order(table, columns, here, starts, line)
+        if not starts:
+            _check_order(table, columns, here, line)
         goes_on = there is not None and columns["point"][there] != 1
         if starts and not goes_on:
             raise table.error(here, f"crack {columns['crack'][here]} has a polyline of one point; expected two or more")
@@ -117,10 +117,8 @@ def _stretches(table, rows, chosen):
     return pd.DataFrame(parts, columns=STRETCHES)
 
 
-def _check_order(table, columns, row, starts, line):
-    """Points count up from 1 within one crack."""
-    if starts:
-        return
+def _check_order(table, columns, row, line):
+    """A point that does not begin a polyline counts on from the one before, of the same crack."""
     point, before = columns["point"][row], columns["point"][row - 1] if row else nan
     same = row > 0 and all(columns[name][row] == columns[name][row - 1] for name in ("crack", "level"))
     if line == 0 or not same or point != before + 1:
@@ -206,13 +204,12 @@ def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
 
     A polyline ends where the next cracked joint of its crack does not go on from its end.
     """
-    names = ["x_start_m", "z_start_m", "x_end_m", "z_end_m"]
     is_head = np.abs(table["x_end_m"] - table["x_start_m"]) < np.abs(table["z_end_m"] - table["z_start_m"])
     across = np.where(is_head, table["x_start_m"], table["z_start_m"])
     along = np.where(is_head, table["z_start_m"], table["x_start_m"])
     order = np.lexsort((along, np.round(across, 6), is_head, table["crack"]))
     parts = table.iloc[order].reset_index(drop=True)
-    ends = parts[names].to_numpy()
+    ends = parts[list(ENDS)].to_numpy()
     goes_on = np.zeros(len(parts), bool)
     goes_on[1:] = (np.all(np.abs(ends[1:, :2] - ends[:-1, 2:]) < 1e-6, axis=1)
                    & (np.diff(parts["crack"]) == 0) & (np.diff(is_head.to_numpy()[order].astype(int)) == 0))

@@ -20,13 +20,12 @@ import numpy as np
 import pandas as pd
 
 from damage.checks import check_positive
-from damage.index import DRIFT_LIMIT, THRESHOLD, combine, drift_component
-from damage.measure.cracks import close_pairs, crack_numbers, cracked, mean_width, psi_value
+from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
+from damage.measure.cracks import ENDS, close_pairs, crack_numbers, cracked, ends_of, mean_width, psi_value
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
 PIECE = 0.5 * MILLIMETRE
-COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")
 
 
 @dataclass(frozen=True)
@@ -46,29 +45,21 @@ class MappedCracks:
     surplus_m: float
 
 
-def half_brick_height(layout):
-    """The usual tolerance [m]: half the height of a brick."""
-    return layout.wall.brick.height / 2
-
-
 # --- mapping --------------------------------------------------------------------------------------
 
 def map_cracks(pattern, layout, tolerance=None):
     """Put a CrackPattern on the joints of a Layout; tolerance [m], None for half a brick's height."""
-    tolerance = half_brick_height(layout) if tolerance is None else tolerance
+    tolerance = layout.wall.brick.height / 2 if tolerance is None else tolerance
     check_positive("tolerance [m]", tolerance)
     ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
-    parts, length = pattern.stretches, pattern.length_m
-    rows = [row for number, part in enumerate(parts.itertuples())
-            for row in _on_joints(number, np.array([[part.x_start_m, part.z_start_m], [part.x_end_m, part.z_end_m]]),
-                                  ends, tolerance)]
-    table = pd.DataFrame(rows, columns=["stretch", "joint", "x_start_m", "z_start_m", "x_end_m", "z_end_m",
-                                        "length_m"]).astype({"stretch": int, "joint": int})
+    parts = pattern.stretches
+    rows = [row for number, part in enumerate(ends_of(parts)) for row in _on_joints(number, part, ends, tolerance)]
+    table = pd.DataFrame(rows, columns=["stretch", "joint", *ENDS, "length_m"]).astype({"stretch": int, "joint": int})
     for name in ("crack", "opening_m", "slip_m", "width_m", "mode"):
         table[name] = parts[name].to_numpy()[table["stretch"]]
     mapped = table["length_m"].sum()
     table["length_m"] *= _share_that_fits(table, layout.contacts.length)
-    drawn = float(length.sum())
+    drawn = float(pattern.length_m.sum())
     return MappedCracks(table.drop(columns="stretch"), drawn, float(max(drawn - mapped, 0.0)),
                         float(mapped - table["length_m"].sum()))
 
@@ -122,8 +113,7 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches
     chosen = table[cracked(table["width_m"], threshold)]
-    ends = chosen[["x_start_m", "z_start_m", "x_end_m", "z_end_m"]].to_numpy(float).reshape(-1, 2, 2)
-    count = crack_numbers(np.ones(len(chosen), bool), close_pairs(ends)).max(initial=0)
+    count = crack_numbers(np.ones(len(chosen), bool), close_pairs(ends_of(chosen))).max(initial=0)
     drawn = cracked(parts["width_m"].to_numpy(float), threshold)
     known = not np.isnan(pattern.drift_ratio)
     drift = min(float(drift_component(pattern.drift_ratio, drift_limit)), 1.0) if known else 0.0

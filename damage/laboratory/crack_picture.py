@@ -7,6 +7,7 @@ from matplotlib.lines import Line2D
 from damage.draw import style
 from damage.draw.wall import line_width
 from damage.index import THRESHOLD
+from damage.measure.cracks import ends_of
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_corners, body_table, joint_table, tributary_ends
 
@@ -32,14 +33,13 @@ def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
     ax.add_collection(PolyCollection(bricks, facecolors=style.BRICK_COLOUR, edgecolors="none", zorder=1))
     ax.add_collection(LineCollection(tributary_ends(joint_table(layout)), colors="0.8", linewidths=0.25, zorder=2))
     states, table = joint_states(mapped.table, threshold), mapped.table
-    names = ["x_start_m", "z_start_m", "x_end_m", "z_end_m"]
     drawn = pattern.stretches
-    ax.add_collection(LineCollection(drawn[names].to_numpy(float).reshape(-1, 2, 2), colors=style.SKY, capstyle="round",
-                                     linewidths=line_width(drawn["width_m"].to_numpy(float)) + HALO, zorder=2.5))
+    ax.add_collection(LineCollection(ends_of(drawn), colors=style.SKY, capstyle="round", zorder=2.5,
+                                     linewidths=line_width(drawn["width_m"].to_numpy(float)) + HALO))
     for state, (_, colour) in STATES.items():
         rows = table[states == state]
-        ax.add_collection(LineCollection(rows[names].to_numpy(float).reshape(-1, 2, 2), colors=colour, capstyle="butt",
-                                         linewidths=line_width(rows["width_m"].to_numpy(float)), zorder=3))
+        ax.add_collection(LineCollection(ends_of(rows), colors=colour, capstyle="butt", zorder=3,
+                                         linewidths=line_width(rows["width_m"].to_numpy(float))))
     margin = 0.02 * max(wall.length, wall.built_height)
     ax.axhspan(-margin, 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
     ax.set(xlim=(-margin, wall.length + margin), ylim=(-margin, wall.built_height + margin), aspect="equal",

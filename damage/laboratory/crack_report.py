@@ -8,7 +8,7 @@ import numpy as np
 from damage.errors import InputError
 from damage.history.moments import choose_sample
 from damage.history.reader import read_history
-from damage.index import DRIFT_LIMIT, THRESHOLD
+from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.laboratory.crack_file import patterns_of, read_cracks, write_cracks
 from damage.laboratory.crack_mapping import describe_level, largest, map_cracks
 from damage.laboratory.dic import measure, patterns_of_fields, read_field
@@ -20,11 +20,6 @@ from damage.wall.layout import lay_out
 
 SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""
-
-
-def is_history(path):
-    """Whether a file is a history rather than a crack file."""
-    return Path(path).suffix == ".h5" or h5py.is_hdf5(path)
 
 
 def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, threshold_mm=0.1, drift_limit_pct=2.0,
@@ -42,13 +37,15 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
         _only_with("a DIC field", given, without=("at", "tolerance-mm"))
         margin = 10.0 if margin_mm is None else margin_mm
         report, *drawn = field_report(dic, wall, margin * MILLIMETRE, export=export, **limits)
-    elif is_history(source):
+    elif Path(source).suffix == ".h5" or h5py.is_hdf5(source):
         _only_with("a history", given, needs=(), without=("wall", "tolerance-mm", "margin-mm", "out"))
         report, drawn = history_report(source, (at or "max,end").split(","), export=export, **limits), None
     else:
         _only_with("a crack file", given, without=("at", "export", "margin-mm"))
+        patterns, layout = read_cracks(source), lay_out(load_wall(wall))
         tolerance = None if tolerance_mm is None else tolerance_mm * MILLIMETRE
-        report, *drawn = file_report(source, wall, tolerance=tolerance, **limits)
+        report, mapped = pattern_report(patterns, layout, tolerance=tolerance, **limits)
+        drawn = mapped, patterns, layout
     return report, drawn
 
 
@@ -97,8 +94,7 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
             "cracks": int(table["crack"].nunique()), "crack_length_m": float(table["length_m"].sum()),
             "max_width_mm": float(np.hypot(history.opening_m[sample], history.slip_m[sample]).max() / MILLIMETRE),
             "psi": psi(table),
-            **{name: (value, value) for name in ("DI", "DI_drift", "DI_open", "DI_slip")
-               for value in [float(index[name].iloc[sample])]}})
+            **{name: (float(index[name].iloc[sample]),) * 2 for name in COMPONENTS}})
     if export:
         moments_s = ", ".join(f"{level['time_s']:.6g}" for level in levels)
         write_cracks(export, patterns_of(history, samples, threshold), [
@@ -121,12 +117,6 @@ def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMI
             "notes": list(_notes(levels))}, mapped
 
 
-def file_report(path, wall, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, tolerance=None):
-    """`pattern_report` of the crack file at `path` on the wall of the file `wall`; also patterns and layout."""
-    patterns, layout = read_cracks(path), lay_out(load_wall(wall))
-    return *pattern_report(patterns, layout, threshold, drift_limit, tolerance), patterns, layout
-
-
 def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, export=None):
     """`pattern_report` of the cracks that the DIC field at `path` shows, written to `export` if given."""
     fields, layout = read_field(path), lay_out(load_wall(wall))
@@ -134,9 +124,8 @@ def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMI
     patterns = patterns_of_fields(fields, measured, layout, threshold)
     report, mapped = pattern_report(patterns, layout, threshold, drift_limit)
     limits = dic_report(measured, layout)
-    report |= {"source": "DIC field", "dic": limits}
     notes = list(_dic_notes(limits, threshold))
-    report["notes"] = notes + report["notes"]
+    report |= {"source": "DIC field", "dic": limits, "notes": notes + report["notes"]}
     if export:
         write_cracks(export, patterns, [f"cracks of {layout.wall.name} from the DIC field {Path(path).name}; "
                                         "docs/crack-format.md", *notes])

@@ -17,7 +17,7 @@ import numpy as np
 from damage.checks import check_not_negative
 from damage.errors import InputError
 from damage.index import THRESHOLD
-from damage.laboratory.crack_file import CrackPattern, pattern_of
+from damage.laboratory.crack_file import pattern_of
 from damage.laboratory.csv_table import CsvTable
 from damage.measure.cracks import crack_table
 from damage.units import GRAVITY, MILLIMETRE
@@ -202,11 +202,9 @@ def _drift(field, motions, layout):
 
 def patterns_of_fields(fields, measured, layout, threshold=THRESHOLD):
     """The CrackPattern of each level of `measure`."""
-    joints = joint_table(layout)
-    ends = tributary_ends(joints)
-    return [CrackPattern(field.level, level.drift_ratio, pattern_of(
-        crack_table(ends, level.opening, level.slip, threshold), field.level, level.drift_ratio, threshold).stretches)
-        for field, level in zip(fields, measured)]
+    ends = tributary_ends(joint_table(layout))
+    return [pattern_of(crack_table(ends, level.opening, level.slip, threshold), field.level, level.drift_ratio,
+                       threshold) for field, level in zip(fields, measured)]
 
 
 def elastic_parts(layout):
@@ -221,7 +219,7 @@ def elastic_parts(layout):
                                         / contacts.shear_stiffness[:n], initial=0.0))
 
 
-def report(measured, layout, threshold=THRESHOLD):
+def report(measured, layout):
     """What limits a measurement: noise_m of a point, opening_deviation_m (the median joint's, the largest
     of the levels), unseen_m of joints (the most), elastic_opening_m, elastic_slip_m."""
     length = layout.contacts.length[:layout.n_joints]

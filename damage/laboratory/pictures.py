@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.panels import PAGE_WIDTH, add_heading, finish, grid, letter
+from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.run import DRIFT_LIMITS_PCT
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, PURPLE, SKY, VERMILLION, save_figures, styled
 from damage.errors import InputError
@@ -22,10 +22,12 @@ def beside_test_picture(histories):
     if len(tests) != 1:
         raise InputError(f"runs of {len(tests)} specimens ({', '.join(tests)}); give runs of one")
     test = next(iter(tests.values()))
-    figure, ((left, right),) = grid(1, 2, 2.9, PAGE_WIDTH, width_ratios=(1.25, 1))
+    figure, ((left, right),) = grid(1, 2, 2.9, width_ratios=(1.25, 1))
     cyclic = any(pushed_loading(history).cycles for history in histories)
     handles = [_draw_run(left, right, history, colour) for history, colour in zip(histories, RUN_COLOURS)]
-    handles += _draw_test(left, test, SIDES if cyclic else SIDES[:1]) + _draw_limits(right)
+    handles += _draw_test(left, test, SIDES if cyclic else SIDES[:1])
+    handles += [right.axvline(drift, color=VERMILLION, lw=0.8, ls=line, label=label)
+                for drift, label, line in DRIFT_LIMITS_PCT]
     left.axhline(0, color=MEDIUM, lw=0.4, zorder=0)
     left.axvline(0, color=MEDIUM, lw=0.4, zorder=0)
     left.set(xlabel="drift ratio [%]", ylabel="base shear [kN]", xlim=_reach(histories, test, cyclic))
@@ -43,16 +45,9 @@ def _reach(histories, test, cyclic):
     return (-reach if cyclic else -0.05 * reach), reach
 
 
-def _label(history):
-    loading = pushed_loading(history)
-    kind = "cyclic" if loading.cycles else "pushover"
-    solver = {"yade": "YADE"}.get(history.solver, history.solver)
-    return f"{history.wall}, {solver}, {kind} {1e3 * loading.speed_m_s:g} mm/s"
-
-
 def _draw_run(left, right, history, colour):
-    series = history.series
-    cyclic = pushed_loading(history).cycles > 0
+    series, loading = history.series, pushed_loading(history)
+    cyclic, solver = loading.cycles > 0, "YADE" if history.solver == "yade" else history.solver
     if cyclic:
         left.plot(100 * series["drift_ratio"], series["base_shear_n"] / 1e3, color=colour, lw=0.4, alpha=0.6)
     for sign in (1, -1) if cyclic else (1,):
@@ -64,22 +59,18 @@ def _draw_run(left, right, history, colour):
         right.plot(drift, table[["DI_at_max", "DI_at_min"]].to_numpy().ravel(), color=colour, marker="o", ms=3, lw=0.7)
     else:
         right.plot(100 * series["drift_ratio"].abs(), history.index()["DI"], color=colour, lw=1.1, ls="--")
-    return Line2D([], [], color=colour, lw=1.3, label=_label(history))
+    return Line2D([], [], color=colour, lw=1.3, label=f"{history.wall}, {solver}, "
+                  f"{'cyclic' if cyclic else 'pushover'} {1e3 * loading.speed_m_s:g} mm/s")
 
 
 def _draw_test(ax, test, sides):
     for sign, side in sides:
         drift, force = test.bilinear_curve(side)
-        ax.plot(100 * sign * drift, sign * force / 1e3, color=BLACK, lw=1.1, ls="--")
-        ax.plot(100 * sign * test.drift_at_peak[side], sign * test.peak_force_n[side] / 1e3, color=BLACK, marker="*",
-                ms=7, ls="", zorder=5)
-    return [Line2D([], [], color=BLACK, lw=1.1, ls="--", label="test, bilinear idealisation"),
-            Line2D([], [], color=BLACK, marker="*", ms=7, ls="", label="test, peak force")]
-
-
-def _draw_limits(ax):
-    return [ax.axvline(drift, color=VERMILLION, lw=0.8, ls=line, label=label)
-            for drift, label, line in DRIFT_LIMITS_PCT]
+        lines = ax.plot(100 * sign * drift, sign * force / 1e3, color=BLACK, lw=1.1, ls="--",
+                        label="test, bilinear idealisation")
+        lines += ax.plot(100 * sign * test.drift_at_peak[side], sign * test.peak_force_n[side] / 1e3, color=BLACK,
+                         marker="*", ms=7, ls="", zorder=5, label="test, peak force")
+    return lines
 
 
 def save(histories, folder):

@@ -22,6 +22,8 @@ from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
 from damage.wall.geometry import tributary_ends
 
+ENDS = ("x_start_m", "z_start_m", "x_end_m", "z_end_m")
+"""Columns of every table of cracks: both ends of a straight part."""
 JOINING_GAP = 10 * MILLIMETRE
 """Cracked lengths closer than this are one crack [m] (Korswagen)."""
 _PRECISION = 1e-6  # histories store widths in single precision: 0.1 mm comes back as 0.09999999 mm
@@ -73,14 +75,11 @@ def crack_numbers(is_cracked, pairs):
 
     is_cracked: (n,) bool; pairs: (n_pairs, 2) of `close_pairs`.
     """
-    chosen = np.flatnonzero(is_cracked)
-    place = np.full(len(is_cracked), -1)
-    place[chosen] = np.arange(len(chosen))
-    joined = place[pairs[is_cracked[pairs].all(axis=1)]]
-    graph = coo_array((np.ones(len(joined)), joined.T), shape=(len(chosen), len(chosen)))
+    joined = pairs[is_cracked[pairs].all(axis=1)]
+    graph = coo_array((np.ones(len(joined)), joined.T), shape=(len(is_cracked),) * 2)
+    group = connected_components(graph, directed=False)[1]
     numbers = np.zeros(len(is_cracked), int)
-    if len(chosen):
-        numbers[chosen] = connected_components(graph, directed=False)[1] + 1
+    numbers[is_cracked] = np.unique(group[is_cracked], return_inverse=True)[1] + 1
     return numbers
 
 
@@ -90,19 +89,21 @@ def crack_table(ends, opening, slip, threshold=THRESHOLD):
     """The cracked ones of n segments, a row each, ordered by crack.
 
     ends: (n, 2, 2) [m]; opening, slip: (n,) [m], slip signed; threshold [m].
-    Returns a DataFrame: crack (from 1), joint (index of the segment), x_start_m, z_start_m, x_end_m,
-    z_end_m, length_m, opening_m, slip_m, width_m.
+    Returns a DataFrame: crack (from 1), joint (index of the segment), ENDS, length_m, opening_m, slip_m, width_m.
     """
     opening, slip = np.asarray(opening, float), np.asarray(slip, float)
     width = np.hypot(opening, slip)
     numbers = crack_numbers(cracked(width, threshold), close_pairs(ends))
     table = pd.DataFrame({
-        "crack": numbers, "joint": np.arange(len(width)),
-        "x_start_m": ends[:, 0, 0], "z_start_m": ends[:, 0, 1],
-        "x_end_m": ends[:, 1, 0], "z_end_m": ends[:, 1, 1],
+        "crack": numbers, "joint": np.arange(len(width)), **dict(zip(ENDS, ends.reshape(-1, 4).T)),
         "length_m": np.abs(ends[:, 1] - ends[:, 0]).sum(axis=1),
         "opening_m": opening, "slip_m": slip, "width_m": width})
     return table[numbers > 0].sort_values(["crack", "joint"], ignore_index=True)
+
+
+def ends_of(table):
+    """Both ends of the rows of a table with ENDS, (n, 2, 2) [m]."""
+    return table[list(ENDS)].to_numpy(float).reshape(-1, 2, 2)
 
 
 def cracks_at(history, sample, threshold=THRESHOLD):

@@ -10,12 +10,6 @@ from damage.measure.vibration import upward_crossings
 # --- cycles of the drift ----------------------------------------------------------------------------
 
 
-def last_shock(history):
-    """The series of the last shock of a History without its settling stage."""
-    last = history.series["shock"].iloc[-1]
-    return history.moving[history.moving["shock"] == last]
-
-
 def cycle_measures(history):
     """last_cycle_s, first_free_cycle_s and period_elongation of a History's (last) shock.
 
@@ -36,7 +30,7 @@ def cycle_measures(history):
 def drift_cycles(history):
     """Start and end [s], (k, 2), of the cycles of the drift in a History's (last) shock, from one upward
     zero crossing to the next: those that begin while the base moves, and those that begin after."""
-    series = last_shock(history)
+    series = history.moving[history.moving["shock"] == history.series["shock"].iloc[-1]]
     crossings = upward_crossings(series["time_s"], series["drift_ratio"])
     cycles = np.column_stack([crossings[:-1], crossings[1:]])
     begins_driven = cycles[:, 0] <= _motion_end(series)

@@ -168,18 +168,16 @@ def hand_capacities(history):
 
 # --- how it fails ---------------------------------------------------------------------------------
 
-def mode_shares(history, sample=None):
-    """How a wall fails: lengths of its cracks, their areas, and the mode that they make.
+def mode_shares(history):
+    """How a wall fails: lengths of its cracks at the largest |drift|, their areas, and the mode that they make.
 
-    sample: index into the series; None for the largest |drift|.
     opened_m2, slipped_m2: opening and |slip| of the bed joints, times length; stair_share: share of the slipped
     length of bed joints that lies beside an opened head joint, as the treads of a stepped crack do.
     mode: "flexure" where more is opened than slipped, "shear, diagonal" where a third or more of the slipped length
     lies on stairs, else "shear, sliding"; None where no joint is over the threshold of 0.1 mm.
     """
     joints, brick = history.joints, history.masonry_wall.brick
-    if sample is None:
-        sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))
+    sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))
     opening, slip = history.opening_m[sample], np.abs(history.slip_m[sample])
     length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
     slipped, opened, risers = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD), ~bed & (opening > THRESHOLD)

@@ -20,17 +20,19 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
-    index = history.index(threshold, drift_limit, slip)
-    latched = history.index(threshold, drift_limit, "shear-limit")
-    series = history.series
+    series, index = history.series, {}
+    for ending, criterion in (("", slip), ("_shear_limit", "shear-limit")):
+        over_time = history.index(threshold, drift_limit, criterion)[list(COMPONENTS)]
+        index |= {f"max{ending}": over_time.max().to_dict(),
+                  f"residual{ending}": over_time.iloc[-1].to_dict() if history.complete else None}
     max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
     cracks = psi_summary(history, threshold)
+    # Where YADE drives the top, the damping energy of the motion is what closes the balance: it tells no error.
+    balance_is_closed = history.solver == "yade" and history.loading.drives_top
     return {
         "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
-        "slip": slip, "max": _largest(index), "residual": _last(index, history),
-        "max_shear_limit": _largest(latched), "residual_shear_limit": _last(latched, history),
-        "max_drift_ratio": max_drift_ratio,
+        "slip": slip, **index, "max_drift_ratio": max_drift_ratio,
         "residual_drift_ratio": float(series["drift_ratio"].iloc[-1]) if history.complete else None,
         "total_joint_length_m": float(history.joints["length_m"].sum()),
         "peak_base_shear_n": float(np.abs(series["base_shear_n"]).max()),
@@ -38,21 +40,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "max_slip_mm": float(np.abs(history.slip_m).max() * 1e3),
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
-        "energy_error_fraction": None if _infers_damping(history) else energy_error(series),
+        "energy_error_fraction": None if balance_is_closed else energy_error(series),
         "period_s": period_of(history), **first_loading(history),
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),
     }
-
-
-def _infers_damping(history):
-    """Whether the damping energy of the motion itself closes the balance: it then tells no error."""
-    return history.solver == "yade" and history.loading.drives_top
-
-
-def _largest(index):
-    return {name: float(index[name].max()) for name in COMPONENTS}
-
-
-def _last(index, history):
-    return {name: float(index[name].iloc[-1]) for name in COMPONENTS} if history.complete else None

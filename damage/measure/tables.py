@@ -31,7 +31,8 @@ def summary_row(history, run="", point=""):
     del numbers["complete"]  # status says it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
-    row |= _motion_columns(history) | _model_columns(history)
+    row |= _motion_columns(history) | asdict(history.model) | {name: history.parameters.get(name) for name in (
+        "alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s", "eigen_period_s")}
     for key, value in numbers.items():
         if key in ("max", "residual", "max_shear_limit", "residual_shear_limit"):
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
@@ -53,11 +54,6 @@ def _motion_columns(history):
             **{name: told.get(name) for name in ("amplitude_g", "cycles", "scale")}, "window_start_s": start,
             "window_end_s": end, "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
             "motion_duration_s": told.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
-
-
-def _model_columns(history):
-    return asdict(history.model) | {name: history.parameters.get(name) for name in (
-        "alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s", "eigen_period_s")}
 
 
 def summary_table(paths):
@@ -114,18 +110,17 @@ def _with_first(table, *columns):
     return table[[*columns, *(name for name in table if name not in columns)]]
 
 
-RUN_TABLES = ("index", "events", "joints", "cycles", "shocks")
+RUN_TABLES = {"index": index_table, "events": events_table, "joints": joints_table, "cycles": cycles_table,
+              "shocks": shocks_table}
 
 
 def write_run_tables(history, stem, names=RUN_TABLES):
     """Write the named tables of a run to STEM_index.csv and so on, shocks of sequences alone; returns their paths."""
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
-    make = {"index": index_table, "events": events_table, "joints": joints_table, "cycles": cycles_table,
-            "shocks": shocks_table}
     if history.series["shock"].iloc[-1] == 1:
         names = [name for name in names if name != "shocks"]
-    return [write_table(make[name](history), Path(f"{stem}_{name}.csv")) for name in names]
+    return [write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names]
 
 
 def write_table(table, path):

@@ -79,13 +79,8 @@ def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.nd
         raise InputError(f"periods {periods_s.tolist()!r} s; expected positive, finite numbers")
     if not 0 <= damping < 1:
         raise InputError(f"damping ratio {damping!r}; expected 0 <= ratio < 1, such as 0.05")
-    return np.array([_pseudo_acceleration(record, period, damping) for period in periods_s])
-
-
-def _pseudo_acceleration(record: Record, period_s: float, damping: float) -> float:
-    """Peak displacement of one oscillator times its squared angular frequency [g]."""
-    response = oscillator_response(record.acceleration_m_s2, record.time_step_s, period_s, damping)
-    return float(np.abs(response).max()) / GRAVITY
+    return np.array([np.abs(oscillator_response(record.acceleration_m_s2, record.time_step_s, period, damping)).max()
+                     for period in periods_s]) / GRAVITY
 
 
 def oscillator_response(

@@ -27,6 +27,7 @@ class Loading:
     shakes_base, drives_top: whether it does; initial_velocity_m_s: of the wall's top in its first mode at time zero
     [m/s]; duration_s: of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
     pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where not told.
+    Every one has a name, too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
     shakes_base, drives_top, initial_velocity_m_s, duration_s = False, False, 0.0, 0.0
@@ -83,14 +84,12 @@ class Harmonic(Loading):
         return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
 
     def base_acceleration(self, time_s) -> np.ndarray:
-        """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s]."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
         driven = (time_s >= 0) & (time_s <= self.duration_s)
         return np.column_stack((np.where(driven, sine, 0.0), np.zeros_like(time_s)))
 
     def as_dict(self) -> dict:
-        """Everything that defines the motion, fit for JSON."""
         return {"kind": "harmonic", "name": self.name, "period_s": float(self.period_s),
                 "amplitude_g": float(self.amplitude_g), "cycles": int(self.cycles),
                 "duration_s": float(self.duration_s)}
@@ -159,14 +158,11 @@ class Recorded(Loading):
         return self.motion[0].duration_s
 
     def preferred_step_s(self, max_step_s: float) -> float:
-        """Largest step up to max_step that brings every sample onto a step [s]."""
-        return self.record.time_step_s / prepare.steps_per_sample(self.record, max_step_s)
+        """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost between steps."""
+        return self.record.time_step_s / prepare.whole_steps(self.record.time_step_s, max_step_s)
 
     def base_acceleration(self, time_s) -> np.ndarray:
-        """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s].
-
-        Linear between samples, zero before the first and after the last.
-        """
+        """As of any Loading; linear between samples, zero before the first and after the last."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         acceleration = np.zeros((time_s.size, 2))
         for column, part in enumerate(self.motion):
@@ -240,7 +236,6 @@ class FreeVibration(Loading):
         return self.top_velocity_m_s
 
     def as_dict(self) -> dict:
-        """Everything that defines the motion, fit for JSON."""
         return {"kind": "free_vibration", "name": self.name, "top_velocity_m_s": float(self.top_velocity_m_s),
                 "duration_s": self.duration_s}
 
@@ -325,7 +320,6 @@ class TopDisplacement(Loading):
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
     def as_dict(self) -> dict:
-        """Everything that defines the motion, fit for JSON."""
         return {"kind": "cyclic" if self.cycles else "pushover", "name": self.name,
                 "amplitudes_pct": [float(a) for a in self.amplitudes_pct], "cycles": int(self.cycles),
                 "boundary": self.boundary, "speed_m_s": float(self.speed_m_s), "ease_s": EASE_S,

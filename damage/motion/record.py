@@ -128,14 +128,6 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
     return replace(record, acceleration_m_s2=filtered)
 
 
-def steps_per_sample(record: Record, max_step_s: float) -> int:
-    """Smallest whole number n with time_step / n <= max_step.
-
-    With the step time_step / n every sample falls on a step: linear interpolation loses no peak.
-    """
-    return whole_steps(record.time_step_s, max_step_s)
-
-
 def whole_steps(interval_s: float, max_step_s: float) -> int:
     """Smallest number of equal steps, none above max_step [s], that fill an interval [s]."""
     check_positive("largest time step [s]", max_step_s)
