@@ -92,7 +92,7 @@ def _save(figures, folder):
 
 # --- a history, a wall, a record --------------------------------------------------------------------
 
-@_command("the damage index and key figures of a history", _HISTORY, _JSON, _threshold("opening and slip"),
+@_command("the damage index and key numbers of a history", _HISTORY, _JSON, _threshold("opening and slip"),
           _DRIFT_LIMIT, _arg("--slip", choices=SLIP_CRITERIA, default="displacement",
                              help="when a joint counts as slipped (default displacement)"))
 def _index(asked):

@@ -102,7 +102,7 @@ def _share_that_fits(table, joint_length):
 # --- index and Psi --------------------------------------------------------------------------------
 
 def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT):
-    """The key figures of one pattern and its MappedCracks, a dictionary: load_level, drift_pct (None where
+    """The key numbers of one pattern and its MappedCracks, a dictionary: load_level, drift_pct (None where
     unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi, psi_drawn, and
     DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
 

@@ -1,4 +1,4 @@
-"""Walls tested in a laboratory: their measured figures, and what a simulated wall gives beside them.
+"""Walls tested in a laboratory: their measured numbers, and what a simulated wall gives beside them.
 
 EUCENTRE's in-plane cyclic tests (Graziotti et al. 2016), `damage/data/eucentre`.
 """
@@ -21,7 +21,7 @@ MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear"}
 
 @dataclass(frozen=True)
 class LaboratoryTest:
-    """Measured figures of one wall; pairs are of the two directions of loading.
+    """Measured numbers of one wall; pairs are of the two directions of loading.
 
     peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (positive, negative);
     drifts are ratios; mode: of MODES; height [m].

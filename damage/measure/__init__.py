@@ -1,1 +1,1 @@
-"""What a history says: energies, cracks, cycles, periods, key figures, tables."""
+"""What a history says: energies, cracks, cycles, periods, key numbers, tables."""

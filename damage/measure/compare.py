@@ -1,7 +1,7 @@
 """Compare histories: two solvers, two time steps, two discretisations, a run and an ensemble.
 
 After the first failure two correct runs part, since undamped joints that open and close amplify
-rounding: then only figures of the whole run are compared, against tolerances that are what 1e-9 m of
+rounding: then only numbers of the whole run are compared, against tolerances that are what 1e-9 m of
 perturbation does to one and the same code.  Of several second histories the median counts.
 """
 

@@ -1,4 +1,4 @@
-"""The key figures of a run: the JSON of `python3 -m damage index`."""
+"""The key numbers of a run: the JSON of `python3 -m damage index`."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from damage.measure.vibration import period_of
 
 
 def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
-    """Key figures of a History as a plain dictionary.
+    """Key numbers of a History as a plain dictionary.
 
     Each `max` is its own maximum over the run.  `residual` is the last state of the settling
     stage, or of a collapse; None for a run that did not come to its end.
