@@ -168,6 +168,15 @@ def test_an_existing_history_is_kept_unless_asked(tmp_path):
     assert len(damage.read_history(path).series) == 0
 
 
+@pytest.mark.parametrize("make", [lambda path: path.write_text("notes"), os.mkfifo], ids=["text", "pipe"])
+def test_overwrite_replaces_histories_alone(make, tmp_path):
+    path = tmp_path / "notes.txt"
+    make(path)
+    with pytest.raises(InputError, match="no history"):
+        open_writer(path, overwrite=True)
+    assert path.exists() and path.is_fifo() == (make is os.mkfifo)
+
+
 @pytest.mark.parametrize(("make", "complaint"), [
     (lambda path: None, "no such file"),
     (lambda path: path.write_text("hello"), "cannot be read"),

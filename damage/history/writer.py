@@ -119,6 +119,8 @@ def check_output(path, overwrite=False):
         raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
     if path.exists() and not overwrite:
         raise InputError(f"{path} exists already: it is kept; give --overwrite or another --out")
+    if path.exists() and not (path.is_file() and (path.stat().st_size == 0 or h5py.is_hdf5(path))):
+        raise InputError(f"{path} is no history, and --overwrite replaces none but those: give another --out")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         probe = path.parent / f".{path.name}.{os.getpid()}.probe"
