@@ -6,6 +6,9 @@ from damage.history.reader import read_history
 from damage.measure.summary import summarise
 from damage.run.settings import AT_REST
 
+ENERGY_ERROR = 0.03
+"""Energy error [-] above which a run is warned of: standing walls of the studies have up to 0.021."""
+
 
 def report(path, pictures=True):
     """Print the summary of the history at `path`; write its tables and pictures beside it.
@@ -18,7 +21,10 @@ def report(path, pictures=True):
     if len(history.series) == 0:
         print(f"{history.status}: no sample was written")
         return
-    print(describe(summarise(history)))
+    summary = summarise(history)
+    for warning in energy_warnings(summary["energy_error_fraction"]):
+        print(f"warning: {warning}", file=sys.stderr)
+    print(describe(summary))
     if pictures:
         try:
             from damage.draw.run import save_all
@@ -40,6 +46,14 @@ def static_warnings(history):
         warnings.append(f"the motion began before the wall was at rest: unbalanced force "
                         f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}")
     return warnings
+
+
+def energy_warnings(error):
+    """What is odd about a run's energy error [-], None where there is none: a list of str."""
+    if error is None or error <= ENERGY_ERROR:
+        return []
+    return [f"energy error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not trust this "
+            "run; give a smaller --dt"]
 
 
 def describe(summary):
