@@ -52,8 +52,8 @@ def energy_warnings(error):
     """What is odd about a run's energy error [-], None where there is none: a list of str."""
     if error is None or error <= ENERGY_ERROR:
         return []
-    return [f"energy error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not trust this "
-            "run; give a smaller --dt"]
+    return [f"energy error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not trust "
+            "this run; give a smaller --dt"]
 
 
 def describe(summary):
