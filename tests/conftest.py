@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from damage.errors import InputError
 from damage.wall.file import load_wall
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -55,3 +56,13 @@ def yade_command():
         return run_command("yade", "-n", *words, **options)
 
     return run
+
+
+def one_line_error(function, *arguments, **named):
+    """The one line of the InputError that a call raises; it has to say what was expected."""
+    with pytest.raises(InputError) as caught:
+        function(*arguments, **named)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert "expected" in message or "run pip install" in message
+    return message

@@ -1,17 +1,15 @@
-"""Reading ground-motion records and preparing them: formats, bad files, windows, filters."""
+"""Ground-motion records and what prepares them: windows, alignment, baseline, filters."""
 
 import math
-import sys
 from dataclasses import FrozenInstanceError
-from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import one_line_error
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from damage.errors import InputError
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.record import (
     Record,
@@ -22,32 +20,13 @@ from damage.motion.record import (
     whole_steps,
     windowed,
 )
-from damage.units import GRAVITY
 
 ROUND_OFF = 1e-12  # relative: a few operations in double precision on numbers of one size
-AT2_TITLES = (
-    "PEER STRONG MOTION DATABASE\nQuake, Station, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
-)
-
-
-def write(folder, text, name="motion.csv"):
-    path = folder / name
-    path.write_text(text)
-    return path
 
 
 def sine_record(frequency_hz=2.0, step_s=0.005, duration_s=20.0, name="sine"):
     time_s = np.arange(round(duration_s / step_s) + 1) * step_s
     return Record(name, step_s, np.sin(2 * np.pi * frequency_hz * time_s), "2018-01-08T14:00:00Z")
-
-
-def one_line_error(function, *arguments, **named):
-    with pytest.raises(InputError) as caught:
-        function(*arguments, **named)
-    message = str(caught.value)
-    assert "\n" not in message
-    assert "expected" in message or "run pip install" in message
-    return message
 
 
 class TestRecord:
@@ -85,237 +64,6 @@ class TestRecord:
 
     def test_start_must_be_a_date(self):
         assert "yesterday" in one_line_error(Record, "r", 1.0, [0, 1], "yesterday")
-
-
-class TestCsv:
-    def test_header_comments_and_blank_lines(self, tmp_path):
-        text = "# by hand\ntime_s,acc_m_s2\n0.00,0.1\n\n0.01,-0.2\n# middle\n0.02,0.3\n"
-        path = write(tmp_path, text, "here_acc_m_s2.csv")
-        record = read_record(path)
-        assert (record.name, record.start_utc, record.source) == ("here", "", str(path))
-        assert record.time_step_s == 0.01
-        assert_allclose(record.acceleration_m_s2, [0.1, -0.2, 0.3], rtol=ROUND_OFF)
-        assert len(record.sha256) == 64
-
-    def test_without_a_header_the_unit_is_m_s2(self, tmp_path):
-        record = read_record(write(tmp_path, "0,0.1\n0.01,0.2\n"))
-        assert_allclose(record.acceleration_m_s2, [0.1, 0.2], rtol=ROUND_OFF)
-
-    def test_g_in_the_header_becomes_m_s2(self, tmp_path):
-        record = read_record(write(tmp_path, " Time_s , acc_g\n0,0.1\n0.01,-0.2\n"))
-        assert_allclose(record.acceleration_m_s2, [0.1 * GRAVITY, -0.2 * GRAVITY], rtol=ROUND_OFF)
-
-    def test_a_path_may_be_text_and_a_comment_in_any_encoding(self, tmp_path):
-        path = tmp_path / "motion.txt"
-        path.write_bytes("\ufeff# Prüfung\n0,0\n0.01,1\n".encode("latin-1", errors="ignore"))
-        assert read_record(str(path)).acceleration_m_s2[1] == 1.0
-
-    def test_times_from_another_zero_restart_and_move_the_start(self, tmp_path):
-        text = "# start 2018-01-08T14:00:37.09Z\n17.00,0.1\n17.01,0.2\n17.02,0.3\n"
-        record = read_record(write(tmp_path, text))
-        assert record.time_s[0] == 0.0
-        assert record.start_utc == "2018-01-08T14:00:54.090000Z"
-
-    def test_rounded_times_are_uniform_enough(self, tmp_path):
-        rows = "".join(f"{k / 150:.4f},{k}\n" for k in range(301))
-        # the last time is exact here, so only the sum of the twelve kept digits is left
-        assert read_record(write(tmp_path, rows)).time_step_s == pytest.approx(1 / 150, rel=1e-11)
-
-    def test_a_decimal_step_stays_the_same_number(self, tmp_path):
-        rows = "".join(f"{k / 100:.2f},0\n" for k in range(30))
-        # 0.29 / 29 is another double than 0.01
-        assert read_record(write(tmp_path, rows)).time_step_s == 0.01
-
-    def test_shipped_record(self):
-        record = read_record(shipped_record_path())
-        assert record.name == "BGAR_HGE"
-        assert record.time_step_s == 0.005
-        assert record.acceleration_m_s2.size == 9304
-        assert record.start_utc == "2018-01-08T14:00:37.090000Z"
-        strong_s = record.time_s[np.abs(record.acceleration_m_s2).argmax()]
-        # the data's description says "near 18.8 s"
-        assert strong_s == pytest.approx(18.8, abs=0.1)
-
-    @pytest.mark.parametrize(
-        ("text", "says"),
-        [
-            ("", "empty"),
-            (" \n\n", "empty"),
-            ("# only a comment\n", "0 data rows"),
-            ("time_s,acc_m_s2\n", "0 data rows"),
-            ("time_s,acc_m_s2\n0,1\n", "1 data rows"),
-            ("0,1\n0.01,nan\n", "line 2: '0.01,nan' is not finite"),
-            ("0,1\n0.01,-inf\n", "line 2: '0.01,-inf' is not finite"),
-            ("nan,1\n0.01,1\n", "line 1: 'nan,1' is not finite"),
-            ("0\n0.01\n", "line 1: '0' has 1 column(s)"),
-            ("0,1,2\n0.01,1,2\n", "line 1: '0,1,2' has 3 column(s)"),
-            ("0 1\n0.01 2\n", "line 1: '0 1' is an unknown header"),
-            ("# c\n0,1\n0.01,high\n", "line 3: '0.01,high' is not numeric"),
-            ("0,1\n0.01,\n", "line 2: '0.01,' is not numeric"),
-            ("0,1\n0.01,2\n0.03,3\n0.04,3\n0.05,3\n", "line 3: a step of 0.02 s among 0.01 s"),
-            ("0.02,1\n0.01,2\n0,3\n", "line 2: time 0.01 s after 0.02 s"),
-            ("0,1\n0.01,2\n0.01,3\n", "line 3: time 0.01 s after 0.01 s"),
-            ("time_s,acc_cm_s2\n0,1\n0.01,2\n", "line 1: 'time_s,acc_cm_s2' is an unknown header"),
-            ("t,acc_g\n0,1\n0.01,2\n", "line 1: 't,acc_g' is an unknown header"),
-            ("acc_g\n0\n1\n", "line 1: 'acc_g' is an unknown header"),
-            ("# start 2018-13-45T99:00\n0,1\n0.01,2\n", "start time '2018-13-45T99:00'"),
-        ],
-    )
-    def test_bad_content_is_told_with_its_line(self, tmp_path, text, says):
-        path = write(tmp_path, text)
-        message = one_line_error(read_record, path)
-        assert says in message
-        assert message.startswith(str(path))
-
-    def test_a_lost_sample_in_a_long_record_is_found(self, tmp_path):
-        rows = [f"{0.005 * k:.3f},{math.sin(k):.3f}" for k in range(9304)]
-        del rows[5000]
-        message = one_line_error(read_record, write(tmp_path, "\n".join(rows)))
-        assert "line 5001: a step of 0.01 s among 0.005 s" in message
-
-    def test_binary_is_not_a_csv(self, tmp_path):
-        path = tmp_path / "motion.csv"
-        path.write_bytes(bytes(range(255, 0, -1)))
-        assert "line" in one_line_error(read_record, path)
-
-    def test_missing_file_and_directory(self, tmp_path):
-        assert "No such file" in one_line_error(read_record, tmp_path / "absent.csv")
-        assert "a directory" in one_line_error(read_record, tmp_path)
-
-    def test_shipped_names_are_listed(self):
-        assert "BGAR_HGE" in one_line_error(shipped_record_path, "MID1")
-
-
-class TestPeerAt2:
-    VALUES = "  .1000000E-01 -.2000000E-01  .3000000E-01\n  .4000000E-01  .5000000E-01\n"
-
-    @pytest.mark.parametrize(
-        "counts",
-        [
-            "NPTS=     5, DT=   .0050 SEC,",
-            "NPTS=5, DT=.00500 SEC",
-            "NPTS=  5 , DT= 0.005 SEC",
-            "    5    0.0050   NPTS, DT",
-            "  5, .005, NPTS, DT",
-            "npts= 5, dt= 5.0E-03 sec",
-        ],
-    )
-    @pytest.mark.parametrize("name", ["RSN1_090.AT2", "rsn1_090.at2", "RSN1_090.txt"])
-    def test_both_orders_of_the_fourth_line(self, tmp_path, counts, name):
-        record = read_record(write(tmp_path, AT2_TITLES + counts + "\n" + self.VALUES, name))
-        assert record.name.upper() == "RSN1_090"
-        assert record.time_step_s == 0.005
-        expected = GRAVITY * np.array([0.01, -0.02, 0.03, 0.04, 0.05])
-        assert_allclose(record.acceleration_m_s2, expected, rtol=ROUND_OFF)
-
-    @pytest.mark.parametrize(
-        ("text", "says"),
-        [
-            ("one line\n", "line 4: '' gives no NPTS"),
-            (AT2_TITLES + "POINTS 5 STEP .005\n" + VALUES, "gives no NPTS and DT"),
-            (AT2_TITLES + "NPTS= 5, DT= E SEC\n" + VALUES, "gives no NPTS and DT"),
-            (AT2_TITLES + "NPTS= 6, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 6"),
-            (AT2_TITLES + "NPTS= 4, DT= .005 SEC\n" + VALUES, "5 values; expected the NPTS = 4"),
-            (AT2_TITLES + "NPTS= 5, DT= 0 SEC\n" + VALUES, "time step [s] = 0.0"),
-            (AT2_TITLES + "NPTS= 5, DT= .005 SEC\n.1 .2\n.3 x .5\n", "line 6: '.3 x .5' is not"),
-            (AT2_TITLES + "NPTS= 2, DT= .005 SEC\n.1 NaN\n", "line 5: '.1 NaN' is not finite"),
-            (
-                AT2_TITLES.replace("ACCELERATION", "VELOCITY") + "NPTS= 5, DT= .005 SEC\n" + VALUES,
-                "line 3:",
-            ),
-            (
-                AT2_TITLES.replace("OF G", "OF CM/S2") + "NPTS= 5, DT= .005 SEC\n" + VALUES,
-                "line 3:",
-            ),
-        ],
-    )
-    def test_bad_files(self, tmp_path, text, says):
-        assert says in one_line_error(read_record, write(tmp_path, text, "motion.AT2"))
-
-
-class TestMiniSeed:
-    @pytest.fixture
-    def obspy(self):
-        return pytest.importorskip("obspy", reason="obspy is an optional extra")
-
-    @pytest.fixture
-    def trace(self, obspy):
-        return obspy.read(str(shipped_record_path("NL.BGAR..HGE")))[0]
-
-    STATION_XML = shipped_record_path("BGAR_HGE").parent / "NL.BGAR.xml"
-
-    @staticmethod
-    def saved(stream, folder, name="motion.mseed"):
-        stream.write(str(folder / name), format="MSEED")
-        return folder / name
-
-    @pytest.mark.usefixtures("obspy")
-    def test_counts_become_the_shipped_csv(self):
-        counts = read_record(shipped_record_path("NL.BGAR..HGE"))
-        table = read_record(shipped_record_path("BGAR_HGE"))
-        assert counts.name == "NL.BGAR..HGE"
-        assert (counts.start_utc, counts.time_step_s) == (table.start_utc, table.time_step_s)
-        # the CSV has seven digits: half a unit of the last one at its peak of 1.09 m/s2 is 5e-7
-        assert_allclose(counts.acceleration_m_s2, table.acceleration_m_s2, rtol=0, atol=5.01e-7)
-
-    @pytest.mark.usefixtures("obspy")
-    def test_content_is_known_without_a_suffix(self, tmp_path):
-        path = tmp_path / "motion.dat"
-        path.write_bytes(shipped_record_path("NL.BGAR..HGZ").read_bytes())
-        assert read_record(path, self.STATION_XML).name == "NL.BGAR..HGZ"
-
-    def test_station_xml_is_looked_for_beside_the_file(self, trace, tmp_path):
-        path = self.saved(trace, tmp_path)
-        assert str(tmp_path / "NL.BGAR.xml") in one_line_error(read_record, path)
-        (tmp_path / "NL.BGAR.xml").write_bytes(self.STATION_XML.read_bytes())
-        assert read_record(path).acceleration_m_s2.size == 9304
-
-    def test_joined_parts_are_whole_but_a_gap_is_refused(self, trace, obspy, tmp_path):
-        cut = trace.stats.starttime + 10
-        first = trace.slice(endtime=cut)
-        after, late = (trace.slice(starttime=cut + wait) for wait in (trace.stats.delta, 1.0))
-        whole = read_record(self.saved(obspy.Stream([first, after]), tmp_path), self.STATION_XML)
-        assert whole.acceleration_m_s2.size == 9304
-        broken = self.saved(obspy.Stream([first, late]), tmp_path)
-        message = one_line_error(read_record, broken, self.STATION_XML)
-        assert "gap or overlap between 2018-01-08T14:00:47.090000Z" in message
-
-    def test_two_components_are_refused(self, trace, obspy, tmp_path):
-        other = trace.copy()
-        other.stats.channel = "HGN"
-        path = self.saved(obspy.Stream([trace, other]), tmp_path)
-        assert "NL.BGAR..HGE, NL.BGAR..HGN" in one_line_error(read_record, path, self.STATION_XML)
-
-    def test_shorter_than_the_quiet_part(self, trace, tmp_path):
-        path = self.saved(trace.slice(endtime=trace.stats.starttime + 1), tmp_path)
-        assert "201 samples" in one_line_error(read_record, path, self.STATION_XML)
-
-    @pytest.mark.usefixtures("obspy")
-    def test_broken_file(self, tmp_path):
-        path = write(tmp_path, "no seed\n", "motion.mseed")
-        assert "obspy says" in one_line_error(read_record, path)
-
-    @pytest.mark.usefixtures("obspy")
-    @pytest.mark.parametrize(
-        ("old", "new", "says"),
-        [
-            ("M/S**2", "M/S", "M/S of NL.BGAR..HGE"),
-            ('Station code="BGAR"', 'Station code="OTHER"', "obspy says"),
-            ("213867.4766", "0", "no sensitivity of NL.BGAR..HGE"),
-            ("<Network", "<Nonsense", "obspy says"),
-        ],
-    )
-    def test_unfit_station_xml(self, tmp_path, old, new, says):
-        text = self.STATION_XML.read_text()
-        assert old in text
-        path = write(tmp_path, text.replace(old, new), "other.xml")
-        assert says in one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"), path)
-
-    def test_without_obspy_the_extra_is_named(self, monkeypatch):
-        monkeypatch.setitem(sys.modules, "obspy", None)
-        message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"))
-        assert "pip install obspy" in message
-        assert "masonry-damage[obspy]" in message
 
 
 class TestScaling:
@@ -467,10 +215,3 @@ class TestWholeSteps:
         assert np.abs(fine).max() == pytest.approx(peak, rel=1e-10)
         missed = np.interp(np.arange(0, 6, 1.63e-5), record.time_s, record.acceleration_m_s2)
         assert np.abs(missed).max() < peak * (1 - 1e-6)
-
-
-def test_shipped_files_are_named_in_their_readme():
-    folder = Path(shipped_record_path()).parent
-    readme = (folder / "README.md").read_text()
-    for fact in ("CC BY 4.0", "10.21944/e970fd34-23b9-3411-b366-e4f72877d2c5", "KNMI"):
-        assert fact in readme
