@@ -109,7 +109,7 @@ class HistoryWriter:
             _LEFT_OPEN.append(self)
             said = re.search(r"error message = '([^']*)'", str(error))
             raise WriteError(f"cannot write {self.path} ({said[1] if said else str(error).splitlines()[0]}): what was "
-                             "flushed is kept, unfinished; make room and run it again") from error
+                             "flushed is kept, unfinished; mend that, as by making room, and run it again") from error
 
 
 def check_output(path, overwrite=False):
