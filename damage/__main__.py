@@ -8,7 +8,7 @@ from damage import read_history
 from damage.errors import InputError
 from damage.files import write_text
 from damage.index import SLIP_CRITERIA
-from damage.run.options import OneLineParser, add_model_options, model_of
+from damage.run.options import OneLineParser, add_model_options, file_path, model_of, number_from
 from damage.units import MILLIMETRE
 
 COMMANDS = {}
@@ -61,7 +61,7 @@ def _arg(*names, **options):
 
 
 def _path(name, metavar, help_=None, **options):
-    return _arg(name, type=Path, metavar=metavar, help=help_, **options)
+    return _arg(name, type=file_path, metavar=metavar, help=help_, **options)
 
 
 def _out(help_, metavar="DIR", required=True):
@@ -71,11 +71,11 @@ def _out(help_, metavar="DIR", required=True):
 _HISTORY = _path("history", "FILE.h5")
 _HISTORIES = _path("histories", "FILE.h5", nargs="+")
 _JSON = _arg("--json", action="store_true", help="as JSON")
-_DRIFT_LIMIT = _arg("--drift-limit-pct", type=float, default=2.0, help="drift limit (default 2)")
+_DRIFT_LIMIT = _arg("--drift-limit-pct", type=number_from(1e-6, 100), default=2.0, help="drift limit (default 2)")
 
 
 def _threshold(of):
-    return _arg("--threshold-mm", type=float, default=0.1, help=f"of {of} (default 0.1)")
+    return _arg("--threshold-mm", type=number_from(1e-6, 1000), default=0.1, help=f"of {of} (default 0.1)")
 
 
 def _tell(asked, found, describe):
@@ -226,9 +226,9 @@ def _paper(asked):
           _path("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
           _arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
           _threshold("opening, slip and width"), _DRIFT_LIMIT,
-          _arg("--tolerance-mm", type=float,
+          _arg("--tolerance-mm", type=number_from(1e-3, 1000),
                help="how far from a joint a crack may be drawn (default: half a brick's height)"),
-          _arg("--margin-mm", type=float,
+          _arg("--margin-mm", type=number_from(0, 1000),
                help="of a field: how far inside a brick's edges points count (default 10)"),
           _out("folder for a picture of each load level", required=False), _JSON)
 def _cracks(asked):
@@ -247,7 +247,8 @@ def _cracks(asked):
           _path("study", "STUDY_DIR", "folder of a study, as results/fragility"),
           _out("folder for table and pictures"),
           _arg("--intensity", default="pga_g", help="column of summary.csv: pga_g (default) or sa_0.2_s_g"),
-          _arg("--replicates", type=int, default=500, metavar="N", help="bootstrap samples (default 500)"))
+          _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
+           help="bootstrap samples (default 500)"))
 def _fragility(asked):
     from damage.measure.tables import write_table
     from damage.studies.fragility import fit_all, fragility_table, load_runs
@@ -263,9 +264,10 @@ def _fragility(asked):
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),
           _path("folder", "DIR", "the study's folder; tables go to DIR/tables"),
-          _arg("--solver", default="both", help="whose runs the study names (default both)"),
+          _arg("--solver", choices=("yade", "reference", "both"), default="both",
+           help="whose runs the study names (default both)"),
           _path("--root", "DIR", "where walls and records lie (default: the working folder)"),
-          _arg("-j", dest="jobs", type=int, default=1, metavar="N", help="processes (default 1)"))
+          _arg("-j", dest="jobs", type=number_from(1, 1000, int), default=1, metavar="N", help="processes (default 1)"))
 def _study_tables(asked):
     from damage.studies.definition import load_study
     from damage.studies.tables import write_study_tables

@@ -7,8 +7,12 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 from scipy import signal
 
-from damage.checks import check_number, check_positive
+from damage.checks import check_positive, check_range
 from damage.errors import InputError
+
+TIME_STEPS_S = 1e-6, 1.0
+MOST_SAMPLES, HIGHEST_M_S2, MOST_SCALE = 10**7, 1e5, 1e3
+"""Of a record: least and largest time step [s], number of samples, acceleration [m/s2], factor on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +36,7 @@ class Record:
 
     def __post_init__(self):
         where = self.source or self.name or "record"
-        check_positive(f"{where}: time step [s]", self.time_step_s)
+        check_range(f"{where}: time step [s]", self.time_step_s, *TIME_STEPS_S)
         acceleration = np.array(self.acceleration_m_s2, dtype=np.float64)
         if acceleration.ndim != 1 or acceleration.size < 2:
             raise InputError(f"{where}: acceleration of shape {acceleration.shape};"
@@ -41,6 +45,12 @@ class Record:
         if not finite.all():
             raise InputError(f"{where}: sample {np.argmin(finite)} is {acceleration[np.argmin(finite)]};"
                              " expected finite numbers, fill or cut the gap")
+        if acceleration.size > MOST_SAMPLES:
+            raise InputError(f"{where}: {acceleration.size} samples; expected up to {MOST_SAMPLES}, cut the record")
+        largest = np.argmax(np.abs(acceleration))
+        if abs(acceleration[largest]) > HIGHEST_M_S2:
+            raise InputError(f"{where}: sample {largest} is {acceleration[largest]:g} m/s2; expected up to "
+                             f"{HIGHEST_M_S2:g}, look at the unit")
         acceleration.setflags(write=False)
         object.__setattr__(self, "acceleration_m_s2", acceleration)
         object.__setattr__(self, "start_utc", _utc(self.start_utc, 0.0, where))
@@ -58,7 +68,7 @@ class Record:
 
 def scaled(record: Record, factor: float) -> Record:
     """The record times a factor; a negative one turns its direction."""
-    check_number("scale factor", factor)
+    check_range("scale factor", factor, -MOST_SCALE, MOST_SCALE)
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
 
 
