@@ -1,12 +1,17 @@
 """`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
+from damage.start import begin, missing_library
+
+if __name__ == "__main__":
+    begin()  # before what takes its time to import
+
 import json
 import sys
 from pathlib import Path
 
-from damage import read_history
-from damage.errors import InputError
+from damage.errors import InputError, one_line
 from damage.files import write_text
+from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.run.options import OneLineParser, add_model_options, file_path, model_of, number_from
 from damage.units import MILLIMETRE
@@ -16,23 +21,38 @@ COMMANDS = {}
 
 
 def main(arguments=None):
-    """Run one command; returns the exit status: 0 done, 2 bad input."""
+    """Run one command; returns the exit status: 0 done, 1 out of memory, 2 bad input, 3 a library is missing."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
-    if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
-        from damage.reference.session import run_reference
-
-        return run_reference(arguments[1:])
     try:
+        if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
+            from damage.reference.session import run_reference
+
+            return run_reference(arguments[1:])
         asked = _parser().parse_args(arguments)
         asked.command(asked)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
     except BrokenPipeError:  # the reader of a pipe went away, as `| head` does
         sys.stderr.close()
     except KeyboardInterrupt:
         return 130
+    except Exception as error:
+        return _failed(error)
     return 0
+
+
+def _failed(error):
+    """Say in one line what is no fault of this software; the exit status."""
+    if isinstance(error, ImportError) and missing_library(error):
+        status, told = 3, missing_library(error)
+    elif isinstance(error, InputError):
+        status, told = 2, f"error: {error}"
+    elif isinstance(error, OSError):
+        status, told = 2, f"error: {one_line(error)}: expected a file or folder that can be read; mend that"
+    elif isinstance(error, MemoryError):
+        status, told = 1, f"error: not enough memory ({one_line(error)}): expected a smaller file"
+    else:
+        raise error
+    print(told, file=sys.stderr)
+    return status
 
 
 def _parser():
@@ -79,7 +99,7 @@ def _threshold(of):
 
 
 def _tell(asked, found, describe):
-    print(json.dumps(found, indent=2) if asked.json else describe(found))
+    print(json.dumps(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
 
 def _save(figures, folder):
@@ -97,10 +117,12 @@ def _save(figures, folder):
                              help="when a joint counts as slipped (default displacement)"))
 def _index(asked):
     from damage.measure.summary import summarise
-    from damage.run.report import describe
+    from damage.run.report import describe, warn
 
-    _tell(asked, summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
-                           asked.slip), describe)
+    summary = summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
+                        asked.slip)
+    warn(summary["warnings"])
+    _tell(asked, summary, describe)
 
 
 @_command("cycles, envelope and failure mode of a pushed wall", _HISTORY, _JSON)

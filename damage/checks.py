@@ -2,6 +2,7 @@
 
 import math
 import os
+import stat
 import unicodedata
 from dataclasses import fields
 from numbers import Integral, Real
@@ -63,6 +64,25 @@ def check_path(path):
     if len(os.fsencode(longest)) > LONGEST_NAME:
         raise InputError(f"path {str(path)!r}: a name of {len(os.fsencode(longest))} bytes, expected up to "
                          f"{LONGEST_NAME}; give a shorter one")
+    return path
+
+
+def check_file(path, wanted, most_mb):
+    """The Path of a file that can be read; InputError where it is missing, no regular file, or larger than that.
+
+    wanted: what is expected of it, in words.
+    """
+    path = check_path(path)
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; expected {wanted}, check the path") from error
+    if not stat.S_ISREG(status.st_mode):
+        kind = "a directory" if stat.S_ISDIR(status.st_mode) else "no regular file"
+        raise InputError(f"{path}: {kind}; expected {wanted}")
+    if status.st_size > most_mb * 1e6:
+        raise InputError(f"{path}: {status.st_size / 1e6:.6g} MB; expected {wanted} of up to {most_mb} MB, make it "
+                         "smaller")
     return path
 
 
