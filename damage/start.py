@@ -20,8 +20,11 @@ def main():
     runpy.run_module("damage", run_name="__main__", alter_sys=True)
 
 
-def begin():
-    """Make interrupts quiet and a missing library one line, from now on; end where memory or an output is missing."""
+def begin(beside=0):
+    """Make interrupts quiet and a missing library one line, from now on; end where memory or an output is missing.
+
+    beside: address space that the program around this takes [bytes].
+    """
     signal.signal(signal.SIGINT, _interrupted)
     sys.excepthook = _tell
     for number in range(3):  # of a closed stream: the next file, as a history, would get it, and what is printed
@@ -32,7 +35,7 @@ def begin():
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
     closed = "standard output is closed: expected a file, a pipe or a screen; open it" if sys.stdout is None else None
-    missing = shortage() or closed
+    missing = shortage(beside) or closed
     if missing:
         print(f"error: {missing}", file=sys.stderr, flush=True)
         os._exit(EXIT_FAILED)
