@@ -3,6 +3,7 @@
 import sys
 
 from damage.errors import InputError
+from damage.provenance import VERSION as __version__
 from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall, brick_of_masonry
 
 try:
@@ -10,8 +11,6 @@ try:
 except ModuleNotFoundError as error:
     raise ImportError(f"{sys.executable} has no {error.name}: on Debian use /usr/bin/python3, which has the "
                       "packages after ./run_all.sh or tests/run.sh; elsewhere: pip install .") from None
-
-__version__ = "0.1.0"
 
 __all__ = ["Brick", "History", "InputError", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry",
            "read_history", "__version__"]

@@ -16,7 +16,7 @@ COMMANDS = {}
 
 
 def main(arguments=None):
-    """Run one command; returns the exit status: 0 done, 2 bad input."""
+    """Run one command; returns the exit status: 0 done, 2 bad input; of `check` 1, too."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
         from damage.reference.session import run_reference
@@ -24,15 +24,15 @@ def main(arguments=None):
         return run_reference(arguments[1:])
     try:
         asked = _parser().parse_args(arguments)
-        asked.command(asked)
+        return asked.command(asked) or 0
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     except BrokenPipeError:  # the reader of a pipe went away, as `| head` does
         sys.stderr.close()
+        return 0
     except KeyboardInterrupt:
         return 130
-    return 0
 
 
 def _parser():
@@ -101,6 +101,24 @@ def _index(asked):
 
     _tell(asked, summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
                            asked.slip), describe)
+
+
+@_command("what histories are worth: whole, ended early, open, damaged; exit status 2 where one is damaged, 1 where "
+          "one has no end", _HISTORIES, _JSON)
+def _check(asked):
+    from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check
+
+    checked = [check(path) for path in asked.histories]
+    _tell(asked, checked, describe_check)
+    found = {one["worth"] for one in checked}
+    return 2 if DAMAGED in found else int(not found <= {WHOLE, UNSEALED})
+
+
+@_command("what made a history: software, command, inputs, every parameter", _HISTORY, _JSON)
+def _info(asked):
+    from damage.history.info import describe, info
+
+    _tell(asked, info(read_history(asked.history)), describe)
 
 
 @_command("cycles, envelope and failure mode of a pushed wall", _HISTORY, _JSON)

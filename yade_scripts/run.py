@@ -1,6 +1,7 @@
 """Run one wall in YADE from the command line of `yade walls/NAME.py`."""
 
 import sys
+from pathlib import Path
 
 import yade
 
@@ -13,8 +14,8 @@ from yade_scripts.view import open_view
 
 def main(make_wall):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE."""
-    backend = Backend("yade", {"yade": yade.config.version}, YadeSolver, _check, open_view)
-    run_and_leave(lambda: run_session(backend, make_wall, sys.argv[1:], prog=f"yade {sys.argv[0]}"))
+    backend = Backend("yade", {"yade": yade.config.version}, YadeSolver, Path(__file__).parent, _check, open_view)
+    run_and_leave(lambda: run_session(backend, sys.argv[0], make_wall, sys.argv[1:], prog=f"yade {sys.argv[0]}"))
 
 
 def _check(settings):

@@ -16,7 +16,7 @@ import pandas as pd
 from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
 from damage.history.reader import read_history
-from damage.measure.columns import PARAMETERS, RUN, names
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN, names
 from damage.measure.tables import summary_row, write_table
 
 
@@ -78,6 +78,7 @@ def _point(runs):
     ended = runs["status"] == "complete"
     row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
             "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None}
+    row |= {name: "; ".join(sorted(set(runs[name].dropna()))) for name in MADE_BY if name in runs}
     for name in runs.columns.difference([*row, *RUN], sort=False):
         values = runs[name].dropna()
         if _is_number(values):
