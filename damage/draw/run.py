@@ -17,7 +17,7 @@ from damage.draw.wall import legend_widths_mm, line_width, wall_shape
 from damage.history.info import one_line
 from damage.history.moments import STATES, choose_sample, moving
 from damage.index import THRESHOLD
-from damage.measure.energy import DISSIPATED, STORED, energy_error, energy_scale, imbalance
+from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_scale, imbalance
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 
@@ -215,10 +215,10 @@ def energy_picture(history):
             above.plot(series["time_s"], series[name], color=colour, ls=line, label=label,
                        lw=1.3 if name == "input_energy_j" else 0.9)
     above.set_ylabel("energy [J]")
-    error = energy_error(series)
+    error = energy_error_of(history)
     style.add_title(figure, history, *[] if error is None or not np.isfinite(error) else [
         f"imbalance before settling up to {100 * error:.2g} % of the energy put in"])
-    scale, unit = _error_scale(series)
+    scale, unit = _error_scale(series, error)
     below.axhline(0, color=style.MEDIUM, lw=0.5)
     below.plot(series["time_s"], imbalance(_known_energies(series)) * scale, color=style.BLACK)
     below.set_ylabel(f"imbalance [{unit}]")
@@ -233,11 +233,9 @@ def _known_energies(series):
     return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
 
 
-def _error_scale(series):
-    """Factor from J to the imbalance's unit, and that unit, as in `damage.measure.energy.energy_error`."""
-    before = moving(series)
-    scale = energy_scale(_known_energies(before)) if len(before) else 0.0
-    return (100 / scale, "%") if scale > 0 else (1.0, "J")
+def _error_scale(series, error):
+    """Factor from J to the imbalance's unit, and that unit; error: None where there is nothing to measure it by."""
+    return (1.0, "J") if error is None else (100 / energy_scale(_known_energies(moving(series))), "%")
 
 
 # --- files ---------------------------------------------------------------------------------------

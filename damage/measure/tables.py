@@ -31,7 +31,7 @@ def summary_row(history, run="", point=""):
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     numbers = summarise(history)
-    del numbers["complete"]  # status says it
+    del numbers["complete"], numbers["warnings"]  # status and the columns say it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
     row |= _motion_columns(history) | asdict(history.model) | {name: history.parameters.get(name) for name in (

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numba
 
+from damage.errors import one_line
 from damage.reference.solver import ReferenceSolver
 from damage.run.session import EXIT_INPUT, Backend, run_session
 from damage.wall.file import load_wall
@@ -17,7 +18,7 @@ def run_reference(arguments):
     """Run with the words of a command line, the wall file first; returns the exit status."""
     wall, *options = arguments or ["--help"]
     if wall.startswith("-") and wall not in ("-h", "--help"):
-        print(f"error: {wall} comes where a wall file should; give {PROG} walls/NAME.py [OPTIONS]",
+        print(f"error: {one_line(wall)} comes where a wall file should; give {PROG} walls/NAME.py [OPTIONS]",
               file=sys.stderr)
         return EXIT_INPUT
     if wall.startswith("-"):
