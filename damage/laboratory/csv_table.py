@@ -9,8 +9,8 @@ import pandas as pd
 from damage.checks import check_file
 from damage.errors import InputError
 
-MOST_MB, MOST_ROWS = 100, 10**6
-"""Size of a file, and its rows."""
+MOST_MB, MOST_ROWS, MOST_LEVELS = 100, 10**6, 1000
+"""Size of a file, its rows, its load levels."""
 
 
 class CsvTable:
@@ -72,6 +72,13 @@ class CsvTable:
         for name, bound in bounds.items():
             beyond = np.abs(np.nan_to_num(self.numbers(name))) > bound
             self.refuse(beyond, f"{name} is beyond {bound:g}; look at the unit")
+
+    def levels(self, level):
+        """The distinct load levels of a column (n_rows,), in the order of the file."""
+        found = list(dict.fromkeys(level))
+        if len(found) > MOST_LEVELS:
+            raise InputError(f"{self.path} has {len(found)} load levels: expected up to {MOST_LEVELS}; take some out")
+        return found
 
     def error(self, row, problem):
         """InputError about a row (index)."""
