@@ -46,7 +46,7 @@ def _failed(error):
     elif isinstance(error, InputError):
         status, told = 2, f"error: {error}"
     elif isinstance(error, OSError):
-        status, told = 2, f"error: {one_line(error)}: expected a file or folder that can be read; mend that"
+        status, told = 2, f"error: {one_line(error)}: expected what this user may read and write; mend that"
     elif isinstance(error, MemoryError):
         status, told = 1, f"error: not enough memory ({one_line(error)}): expected a smaller file"
     else:

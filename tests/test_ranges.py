@@ -23,14 +23,15 @@ ODD = ("0", "-1", "inf", "-inf", "nan", "1e-300", "1e300", "1000000000", "1" + 3
 RECORD = str(REPOSITORY / "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv")
 RUN = {
     "--harmonic ? 0.05": "0.5", "--harmonic 0.2 ?": "0 1e-300 0.5", "--cycles ?": "", "--cyclic 0.1 --cycles ?": "",
-    "--record R --scale ?": "0 -1 1e-300 0.5", "--record R --window ? 5": "0 1e-300 0.5", "--record R --window 1 ?": "",
+    "--record R --scale ?": "0 -1 1e-300 0.5",
+    "--record R --window ? 5": "0 1e-300 0.5", "--record R --window 1 ?": "",
     "--record R --baseline ?": "0", "--record R --band ? 10": "0.5", "--record R --band 0.1 ?": "0.5",
     "--sequence ?": "0 -1 1e-300 0.5", "--sequence 1,?": "0 -1 1e-300 0.5",
     "--pushover ?": "0.5", "--cyclic ?": "0.5", "--cyclic 0.1,?": "0.5", "--pushover 0.1 --speed ?": "0.5",
     "--pushover 0.1 --damping ?": "0 1e-300 0.5", "--cells ?": "", "--strength-cov ?": "0 1e-300 0.5",
     "--strength-seed ?": "0 1000000000", "--beta ?": "0 1e-300", "--rayleigh ? 5 20": "0 1e-300 0.5",
-    "--rayleigh 0.02 ? 20": "0.5", "--rayleigh 0.02 0.1 ?": "0.5", "--perturb ?": "0 1e-300", "--seed ?": "0 1000000000",
-    "--rest ?": "0 1e-300 0.5", "--dt ?": "",
+    "--rayleigh 0.02 ? 20": "0.5", "--rayleigh 0.02 0.1 ?": "0.5", "--perturb ?": "0 1e-300",
+    "--seed ?": "0 1000000000", "--rest ?": "0 1e-300 0.5", "--dt ?": "",
 }
 """{words of a run, ? the value: which of ODD go}."""
 COMMANDS = {
