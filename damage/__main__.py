@@ -1,6 +1,6 @@
 """`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
-from damage.start import begin, missing_library
+from damage.start import begin, leave, missing_library
 
 if __name__ == "__main__":
     begin()  # before what takes its time to import
@@ -43,11 +43,11 @@ def main(arguments=None):
 def _failed(error):
     """Say in one line what is no fault of this software; the exit status."""
     if isinstance(error, ImportError) and missing_library(error):
-        status, told = 3, missing_library(error)
+        status, told = 3, f"error: {missing_library(error)}"
     elif isinstance(error, InputError):
         status, told = 2, f"error: {error}"
     elif isinstance(error, OSError):
-        status, told = 2, f"error: {one_line(error)}: expected a file or folder that can be read; mend that"
+        status, told = 2, f"error: {one_line(error)}: expected what this user may read and write; mend that"
     elif isinstance(error, MemoryError):
         status, told = 1, f"error: not enough memory ({one_line(error)}): expected a smaller file"
     else:
@@ -317,4 +317,4 @@ def _study_tables(asked):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

@@ -22,12 +22,18 @@ def begin():
     sys.excepthook = _tell
 
 
+def leave(status):
+    """End the process with this status; an interrupt now changes nothing any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    sys.exit(status)
+
+
 def missing_library(error):
     """What to say of an ImportError of a library, None where it is a fault of this software."""
     library = (error.name or "").partition(".")[0]
     if library in ("", "damage"):
         return None
-    return (f"error: {sys.executable} cannot import {library}: expected Debian's package python3-{library}, or pip "
+    return (f"{sys.executable} cannot import {library}: expected Debian's package python3-{library}, or pip "
             f"install {library}; with Debian's packages use /usr/bin/python3, as ./run_all.sh does")
 
 
@@ -45,6 +51,6 @@ def _tell(kind, error, trace):
     if issubclass(kind, KeyboardInterrupt):
         os._exit(EXIT_INTERRUPTED)
     if issubclass(kind, ImportError) and missing_library(error):
-        print(missing_library(error), file=sys.stderr, flush=True)
+        print(f"error: {missing_library(error)}", file=sys.stderr, flush=True)
         os._exit(EXIT_MISSING)
     traceback.print_exception(kind, error, trace)

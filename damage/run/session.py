@@ -62,7 +62,7 @@ def _tell(error):
     if isinstance(error, MemoryError):
         error = RunError(f"not enough memory ({error}): expected room for the run; give a shorter one, fewer --cells")
     elif isinstance(error, OSError):
-        error = InputError(f"{error}: expected a file or folder that can be read and written; mend that")
+        error = InputError(f"{error}: expected what this user may read and write; mend that")
     if not isinstance(error, InputError | RunError):
         traceback.print_exception(error)
         return EXIT_FAILED
