@@ -101,6 +101,12 @@ case $study in
         ;;
 esac
 
+memory=$(ulimit -v)
+least=$((600 + 150 * $(nproc))) # MB, as damage/memory.py has it: with less no library loads, and none seems installed
+if [ "$memory" != unlimited ] && [ $((memory * 1024 / 1000000)) -lt $least ]; then
+    echo "error: out of memory: ulimit -v is $((memory * 1024 / 1000000)) MB: expected $least MB or more; raise it" >&2
+    exit 1
+fi
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" run
 exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm $remake

@@ -1,6 +1,6 @@
 """`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
-from damage.start import begin, leave, missing_library
+from damage.start import begin, is_of_output, leave, missing_library
 
 if __name__ == "__main__":
     begin()  # before what takes its time to import
@@ -31,9 +31,6 @@ def main(arguments=None):
             return run_reference(arguments[1:])
         asked = _parser().parse_args(arguments)
         return asked.command(asked) or 0
-    except BrokenPipeError:  # the reader of a pipe went away, as `| head` does
-        sys.stderr.close()
-        return 0
     except KeyboardInterrupt:
         return 130
     except Exception as error:
@@ -46,10 +43,13 @@ def _failed(error):
         status, told = 3, f"error: {missing_library(error)}"
     elif isinstance(error, InputError):
         status, told = 2, f"error: {error}"
+    elif isinstance(error, OSError) and is_of_output(error):
+        return 1
     elif isinstance(error, OSError):
         status, told = 2, f"error: {one_line(error)}: expected what this user may read and write; mend that"
     elif isinstance(error, MemoryError):
-        status, told = 1, f"error: not enough memory ({one_line(error)}): expected a smaller file"
+        status, told = 1, (f"error: out of memory ({one_line(error) or 'no more to be had'}): expected room for it; "
+                           "give it more, as by ulimit -v, or a smaller file")
     else:
         raise error
     print(told, file=sys.stderr)

@@ -6,17 +6,21 @@ Each goes into DIR/NAME.  One that fails stops no other; one that has no run for
 Exit status: the worst of the studies' (`batch.py`), the figures' and the verdict's; 130 at once when interrupted.
 """
 
+from damage.start import EXIT_INTERRUPTED, begin, leave
+
+if __name__ == "__main__":
+    begin()  # before what takes its time to import
+
 import argparse
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
-from shared import ROOT
+from shared import ROOT, end_with_parent
 
 from damage.errors import InputError
 from damage.studies.definition import load_study
-
-INTERRUPTED = 130
 
 
 def main():
@@ -39,8 +43,8 @@ def main():
         words = ["-j", asked.jobs, "--out", asked.out / name, "--solver", asked.solver]
         flags = [f"--{name}" for name in ("slurm", "remake") if getattr(asked, name)]
         ended[name] = run(ROOT / "workflow/batch.py", path, *words, *flags)
-        if ended[name] == INTERRUPTED:
-            return INTERRUPTED
+        if ended[name] == EXIT_INTERRUPTED:
+            return EXIT_INTERRUPTED
     return conclude(asked.out, ended)
 
 
@@ -60,14 +64,15 @@ def conclude(out, ended):
 
 def run(*words):
     """Exit status of a Python program of this repository; an interrupt is its own to answer."""
-    with subprocess.Popen([sys.executable, *map(str, words)]) as program:
+    with subprocess.Popen([sys.executable, *map(str, words)],
+                          preexec_fn=lambda: end_with_parent(signal.SIGTERM)) as program:
         while True:
             try:
                 status = program.wait()
             except KeyboardInterrupt:
                 continue
-            return INTERRUPTED if status < 0 else status
+            return EXIT_INTERRUPTED if status < 0 else status
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

@@ -5,6 +5,11 @@
 Exit status: 0 all done, 1 something failed, 2 bad input, 130 interrupted.
 """
 
+from damage.start import EXIT_INTERRUPTED, begin, is_of_output, leave
+
+if __name__ == "__main__":
+    begin()  # before what takes its time to import
+
 import argparse
 import fcntl
 import json
@@ -248,7 +253,7 @@ def report(batch, status):
     print(f"\nstudy {batch.study.name}: {done} of {len(batch.study.runs)} {batch.unit} done")
     if batch.interrupted:
         print("interrupted: the same command goes on from here", file=sys.stderr)
-        return 130
+        return EXIT_INTERRUPTED
     if batch.short:
         print(f"error: {shortage(folder)}, and the same command goes on from here", file=sys.stderr)
         return 1
@@ -298,21 +303,19 @@ def last_words(log):
 
 
 def run_program():
-    """Run `main` and see that what it prints arrives; returns the exit status."""
+    """Run `main`; returns the exit status.  What cannot be printed ends all with this process."""
     try:
-        status = main()
-        sys.stdout.flush()
-        return status
-    except BrokenPipeError:  # the reader of a pipe went away, as `| head` does: all ends with this process
-        pass
+        return main()
+    except KeyboardInterrupt:  # before Snakemake runs
+        return EXIT_INTERRUPTED
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
     except OSError as error:
-        print(f"error: cannot write {error.filename or 'what this prints'}: {error.strerror}; mend that, and the same "
-              "command goes on from here", file=sys.stderr)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not is_of_output(error):
+            print(f"error: cannot write {error.filename}: {error.strerror}; mend that, and the same command goes on "
+                  "from here", file=sys.stderr)
     return 1
 
 
 if __name__ == "__main__":
-    sys.exit(run_program())
+    leave(run_program())

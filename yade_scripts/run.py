@@ -1,5 +1,10 @@
 """Run one wall in YADE from the command line of `yade walls/NAME.py`."""
 
+from damage.memory import YADE
+from damage.start import begin
+
+begin(YADE)  # before what takes its time to import
+
 import sys
 from pathlib import Path
 
