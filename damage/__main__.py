@@ -103,11 +103,12 @@ def _tell(asked, found, describe):
     print(json.dumps(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
 
-def _save(figures, folder):
-    """Write figures, pairs (name, Figure), and tell their paths on stderr: stdout may be JSON."""
+def _save(figures, folder, made=""):
+    """Write figures, pairs (name, Figure), with what made what they show; tell their paths on stderr: stdout may be
+    JSON."""
     from damage.draw.style import save_figures
 
-    for path in save_figures(figures, folder):
+    for path in save_figures(figures, folder, made):
         print(f"picture: {path}", file=sys.stderr)
 
 
@@ -206,8 +207,10 @@ def _compare(asked):
     result = compare(first, others)
     if asked.out:
         from damage.draw.compare import compare_picture
+        from damage.history.info import origin
 
-        _save([("compare", compare_picture(first, others[0]))], asked.out)
+        _save([("compare", compare_picture(first, others[0]))], asked.out,
+              "\n".join(map(origin, (first, others[0]))))
     _tell(asked, result, describe)
 
 
@@ -280,7 +283,8 @@ def _cracks(asked):
     if asked.out:
         from damage.laboratory.crack_picture import crack_pictures
 
-        _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out)
+        _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
+              f"cracks of {asked.source or asked.dic}")
     _tell(asked, report, describe)
 
 
@@ -291,6 +295,7 @@ def _cracks(asked):
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
            help="bootstrap samples (default 500)"))
 def _fragility(asked):
+    from damage.measure.columns import made_by_words
     from damage.measure.tables import write_table
     from damage.studies.fragility import fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_pictures
@@ -300,7 +305,7 @@ def _fragility(asked):
     table = fragility_table(fits, asked.intensity)
     print(table.to_string(index=False, float_format="%.3f"))
     print(write_table(table, asked.out / f"fragility_{asked.intensity}.csv"))
-    _save(fragility_pictures(runs, fits, asked.intensity), asked.out)
+    _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
 
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),
