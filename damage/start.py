@@ -1,11 +1,9 @@
 """How `python3 -m damage` begins and leaves: an interrupt at any time, or a library that is missing, is one line at
-most.  Nothing is imported here that takes time."""
+most.  Nothing is imported here that takes time: before `begin` an interrupt is Python's."""
 
 import os
-import runpy
 import signal
 import sys
-import traceback
 
 EXIT_MISSING, EXIT_INTERRUPTED = 3, 130
 
@@ -13,6 +11,8 @@ EXIT_MISSING, EXIT_INTERRUPTED = 3, 130
 def main():
     """The command `masonry-damage`: as `python3 -m damage`."""
     begin()
+    import runpy
+
     runpy.run_module("damage", run_name="__main__", alter_sys=True)
 
 
@@ -53,4 +53,4 @@ def _tell(kind, error, trace):
     if issubclass(kind, ImportError) and missing_library(error):
         print(f"error: {missing_library(error)}", file=sys.stderr, flush=True)
         os._exit(EXIT_MISSING)
-    traceback.print_exception(kind, error, trace)
+    sys.__excepthook__(kind, error, trace)
