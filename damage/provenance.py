@@ -7,7 +7,8 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-VERSION = "0.2.0.dev0"
+from damage.version import VERSION
+
 HERE = Path(__file__).parent
 MODEL = ("units.py", "wall", "motion", "run/run.py", "run/schedule.py", "run/settings.py", "run/watch.py")
 """What of the package decides the values of any run; the solver's own folder comes to it."""

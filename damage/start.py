@@ -1,12 +1,11 @@
 """How `python3 -m damage` begins and leaves: an interrupt at any time, a library that is missing, too little memory, or
-an output that takes nothing is one line at most.  Nothing is imported here that takes time."""
+an output that takes nothing is one line at most.  Nothing is imported here that takes time: before `begin` an interrupt
+is Python's."""
 
 import errno
 import os
-import runpy
 import signal
 import sys
-import traceback
 
 from damage.memory import shortage
 
@@ -17,6 +16,8 @@ _OF_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE)
 def main():
     """The command `masonry-damage`: as `python3 -m damage`."""
     begin()
+    import runpy
+
     runpy.run_module("damage", run_name="__main__", alter_sys=True)
 
 
@@ -93,4 +94,4 @@ def _tell(kind, error, trace):
     if issubclass(kind, ImportError) and missing_library(error):
         print(f"error: {missing_library(error)}", file=sys.stderr, flush=True)
         os._exit(EXIT_MISSING)
-    traceback.print_exception(kind, error, trace)
+    sys.__excepthook__(kind, error, trace)

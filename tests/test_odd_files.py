@@ -247,8 +247,7 @@ def run_as_somebody(words, **environment):
                           env={**os.environ, "PYTHONPATH": str(REPOSITORY), **environment}, cwd="/")
 
 
-@pytest.mark.parametrize("words", [["index", "?.h5"], ["record", "?.csv"], ["modes", "?.py"], ["paper", "?"],
-                                   ["study-tables", "?.toml", "?"], ["cracks", "?.csv", "--wall", "w.py"]])
+@pytest.mark.parametrize("words", [["index", "?.h5"], ["modes", "?.py"], ["study-tables", "?.toml", "?"]])
 def test_folders_that_may_not_be_read(words, tmp_path):
     closed = tmp_path / "closed"
     (closed / "in").mkdir(parents=True)

@@ -155,7 +155,7 @@ def test_numbers_of_a_wall_and_a_record(field):
 
 def test_a_wall_of_more_bricks_or_contact_points_than_can_be():
     assert "48000000 bricks" in one_line_error(Wall, "w", 900.0, 900.0)
-    assert "contact points" in one_line_error(lay_out, Wall("w", 40.0, 15.0), ModelOptions(cells=16))
+    assert "contact points" in one_line_error(lay_out, Wall("w", 20.0, 6.0), ModelOptions(cells=16))
 
 
 def test_a_wall_of_stiffnesses_that_have_no_modes():
