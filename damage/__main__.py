@@ -13,6 +13,7 @@ from damage.errors import InputError, one_line
 from damage.files import write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
+from damage.memory import hold_buffers
 from damage.run.options import OneLineParser, add_model_options, file_path, model_of, number_from
 from damage.units import MILLIMETRE
 
@@ -29,6 +30,7 @@ def main(arguments=None):
             from damage.reference.session import run_reference
 
             return run_reference(arguments[1:])
+        hold_buffers()
         asked = _parser().parse_args(arguments)
         return asked.command(asked) or 0
     except KeyboardInterrupt:

@@ -12,6 +12,17 @@ YADE = 650_000_000
 """What YADE takes beside [bytes]: measured are 490 MB; with less than 250 MB more it goes on, but crawls."""
 
 
+def hold_buffers():
+    """Have the OpenBLAS of numpy and scipy take their buffers now where memory is limited: once it is used up, they
+    would ask for them for ever."""
+    if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
+        import numpy as np
+        from scipy.linalg.blas import dgemm
+
+        square = np.ones((200, 200))
+        dgemm(1.0, square, square @ square)
+
+
 def least_bytes(beside=0):
     """The least address space of this process on this machine [bytes]; beside: what the program around it takes."""
     asked = os.environ.get("OPENBLAS_NUM_THREADS") or os.environ.get("OMP_NUM_THREADS") or ""

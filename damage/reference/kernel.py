@@ -37,7 +37,7 @@ def _forget_what_is_older(*modules):
     file alone, and would go on with the law as it was."""
     changed = max(Path(module.__file__).stat().st_mtime for module in modules)
     for index in Path(__file__).parent.glob(f"__pycache__/{Path(__file__).stem}.*.nbi"):
-        with suppress(FileNotFoundError):  # another process is at the same work
+        with suppress(OSError):  # another process is at the same work, or the folder cannot be written
             if index.stat().st_mtime < changed:
                 index.unlink()
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from damage.errors import InputError, RunError, WriteError
 from damage.history.writer import HistoryWriter, check_output
 from damage.measure.doubts import ENERGY_FAILURE
+from damage.memory import hold_buffers
 from damage.provenance import file_origin, versions
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
@@ -45,6 +46,7 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
     """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command line; the exit status:
     0 done, 1 failed, 2 bad input, 130 interrupted."""
     try:
+        hold_buffers()
         return _run(backend, wall_file, make_wall, arguments, prog)
     except WriteError as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
@@ -62,7 +64,7 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
 def _tell(error):
     """Say what went wrong, in one line where it is no fault of this software; the exit status."""
     if isinstance(error, MemoryError):
-        error = RunError(f"out of memory ({error or 'no more to be had'}): expected room for the run; give it more, as "
+        error = RunError(f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give it more, as "
                          "by ulimit -v, or a shorter one, fewer --cells")
     elif isinstance(error, OSError) and is_of_output(error):
         return EXIT_FAILED
