@@ -64,8 +64,8 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
 def _tell(error):
     """Say what went wrong, in one line where it is no fault of this software; the exit status."""
     if isinstance(error, MemoryError):
-        error = RunError(f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give it more, as "
-                         "by ulimit -v, or a shorter one, fewer --cells")
+        error = RunError(f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give it "
+                         "more, as by ulimit -v, or a shorter one, fewer --cells")
     elif isinstance(error, OSError) and is_of_output(error):
         return EXIT_FAILED
     elif isinstance(error, OSError):
