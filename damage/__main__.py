@@ -22,7 +22,8 @@ COMMANDS = {}
 
 
 def main(arguments=None):
-    """Run one command; returns the exit status: 0 done, 1 out of memory, 2 bad input, 3 a library is missing."""
+    """Run one command; returns the exit status: 0 done, 1 out of memory, or `check` found a file without an end, 2 bad
+    input, 3 a library is missing."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     try:
         if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
@@ -31,24 +32,23 @@ def main(arguments=None):
             return run_reference(arguments[1:])
         hold_buffers()
         asked = _parser().parse_args(arguments)
-        asked.command(asked)
+        return asked.command(asked) or 0
     except KeyboardInterrupt:
         return 130
     except Exception as error:
         return _failed(error)
-    return 0
 
 
 def _failed(error):
     """Say in one line what is no fault of this software; the exit status."""
     if isinstance(error, ImportError) and missing_library(error):
-        status, told = 3, missing_library(error)
+        status, told = 3, f"error: {missing_library(error)}"
     elif isinstance(error, InputError):
         status, told = 2, f"error: {error}"
     elif isinstance(error, OSError) and is_of_output(error):
         return 1
     elif isinstance(error, OSError):
-        status, told = 2, f"error: {one_line(error)}: expected a file or folder that can be read; mend that"
+        status, told = 2, f"error: {one_line(error)}: expected what this user may read and write; mend that"
     elif isinstance(error, MemoryError):
         status, told = 1, (f"error: out of memory ({one_line(error) or 'no more to be had'}): expected room for it; "
                            "give it more, as by ulimit -v, or a smaller file")
@@ -105,11 +105,12 @@ def _tell(asked, found, describe):
     print(json.dumps(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
 
-def _save(figures, folder):
-    """Write figures, pairs (name, Figure), and tell their paths on stderr: stdout may be JSON."""
+def _save(figures, folder, made=""):
+    """Write figures, pairs (name, Figure), with what made what they show; tell their paths on stderr: stdout may be
+    JSON."""
     from damage.draw.style import save_figures
 
-    for path in save_figures(figures, folder):
+    for path in save_figures(figures, folder, made):
         print(f"picture: {path}", file=sys.stderr)
 
 
@@ -126,6 +127,24 @@ def _index(asked):
                         asked.slip)
     warn(summary["warnings"])
     _tell(asked, summary, describe)
+
+
+@_command("what histories are worth: whole, ended early, open, damaged; exit status 2 where one is damaged, 1 where "
+          "one has no end", _HISTORIES, _JSON)
+def _check(asked):
+    from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check
+
+    checked = [check(path) for path in asked.histories]
+    _tell(asked, checked, describe_check)
+    found = {one["worth"] for one in checked}
+    return 2 if DAMAGED in found else int(not found <= {WHOLE, UNSEALED})
+
+
+@_command("what made a history: software, command, inputs, every parameter", _HISTORY, _JSON)
+def _info(asked):
+    from damage.history.info import describe, info
+
+    _tell(asked, info(read_history(asked.history)), describe)
 
 
 @_command("cycles, envelope and failure mode of a pushed wall", _HISTORY, _JSON)
@@ -190,8 +209,10 @@ def _compare(asked):
     result = compare(first, others)
     if asked.out:
         from damage.draw.compare import compare_picture
+        from damage.history.info import origin
 
-        _save([("compare", compare_picture(first, others[0]))], asked.out)
+        _save([("compare", compare_picture(first, others[0]))], asked.out,
+              "\n".join(map(origin, (first, others[0]))))
     _tell(asked, result, describe)
 
 
@@ -264,7 +285,8 @@ def _cracks(asked):
     if asked.out:
         from damage.laboratory.crack_picture import crack_pictures
 
-        _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out)
+        _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
+              f"cracks of {asked.source or asked.dic}")
     _tell(asked, report, describe)
 
 
@@ -275,6 +297,7 @@ def _cracks(asked):
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
            help="bootstrap samples (default 500)"))
 def _fragility(asked):
+    from damage.measure.columns import made_by_words
     from damage.measure.tables import write_table
     from damage.studies.fragility import fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_pictures
@@ -284,7 +307,7 @@ def _fragility(asked):
     table = fragility_table(fits, asked.intensity)
     print(table.to_string(index=False, float_format="%.3f"))
     print(write_table(table, asked.out / f"fragility_{asked.intensity}.csv"))
-    _save(fragility_pictures(runs, fits, asked.intensity), asked.out)
+    _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
 
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),

@@ -5,7 +5,6 @@ again for ever instead of giving up: neither could be told from within.
 """
 
 import os
-import resource
 
 LEAST, A_THREAD = 600_000_000, 150_000_000
 """Of address space [bytes]: measured are 547 MB with one thread of OpenBLAS, and 136 MB for each more."""
@@ -16,7 +15,7 @@ YADE = 650_000_000
 def hold_buffers():
     """Have the OpenBLAS of numpy and scipy take their buffers now where memory is limited: once it is used up, they
     would ask for them for ever."""
-    if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
+    if _limit() is not None:
         import numpy as np
         from scipy.linalg.blas import dgemm
 
@@ -33,8 +32,18 @@ def least_bytes(beside=0):
 
 def shortage(beside=0):
     """What to say where this process may have too little memory, None where it may have enough; as `least_bytes`."""
-    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    if limit == resource.RLIM_INFINITY or limit >= least_bytes(beside):
+    limit = _limit()
+    if limit is None or limit >= least_bytes(beside):
         return None
     return (f"out of memory: this process may have {limit / 1e6:.0f} MB (ulimit -v): expected "
             f"{least_bytes(beside) / 1e6:.0f} MB or more; raise the limit")
+
+
+def _limit():
+    """Of this process's address space [bytes], None where there is none."""
+    try:
+        import resource
+    except ImportError:  # a system without such limits
+        return None
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return None if limit == resource.RLIM_INFINITY else limit

@@ -1,12 +1,11 @@
 """How `python3 -m damage` begins and leaves: an interrupt at any time, a library that is missing, too little memory, or
-an output that takes nothing is one line at most.  Nothing is imported here that takes time."""
+an output that takes nothing is one line at most.  Nothing is imported here that takes time: before `begin` an interrupt
+is Python's."""
 
 import errno
 import os
-import runpy
 import signal
 import sys
-import traceback
 
 from damage.memory import shortage
 
@@ -17,6 +16,8 @@ _OF_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE)
 def main():
     """The command `masonry-damage`: as `python3 -m damage`."""
     begin()
+    import runpy
+
     runpy.run_module("damage", run_name="__main__", alter_sys=True)
 
 
@@ -53,7 +54,9 @@ def is_of_output(error):
 
 
 def leave(status):
-    """End this process with a status, 1 instead of 0 where what was printed could not be written."""
+    """End this process with a status, 1 instead of 0 where what was printed could not be written; an interrupt now
+    changes nothing any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         sys.stdout.flush()
     except OSError as error:
@@ -71,7 +74,7 @@ def missing_library(error):
     library = (error.name or "").partition(".")[0]
     if library in ("", "damage"):
         return None
-    return (f"error: {sys.executable} cannot import {library}: expected Debian's package python3-{library}, or pip "
+    return (f"{sys.executable} cannot import {library}: expected Debian's package python3-{library}, or pip "
             f"install {library}; with Debian's packages use /usr/bin/python3, as ./run_all.sh does")
 
 
@@ -89,6 +92,6 @@ def _tell(kind, error, trace):
     if issubclass(kind, KeyboardInterrupt):
         os._exit(EXIT_INTERRUPTED)
     if issubclass(kind, ImportError) and missing_library(error):
-        print(missing_library(error), file=sys.stderr, flush=True)
+        print(f"error: {missing_library(error)}", file=sys.stderr, flush=True)
         os._exit(EXIT_MISSING)
-    traceback.print_exception(kind, error, trace)
+    sys.__excepthook__(kind, error, trace)

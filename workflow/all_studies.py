@@ -1,6 +1,6 @@
 """Every study of a folder, one after the other, then the figures and the verdict; `run_all.sh all` starts this.
 
-    all_studies.py STUDIES [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
+    all_studies.py STUDIES [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--remake]
 
 Each goes into DIR/NAME.  One that fails stops no other; one that has no run for the solver is passed over.
 Exit status: the worst of the studies' (`batch.py`), the figures' and the verdict's; 130 at once when interrupted.
@@ -30,7 +30,8 @@ def main():
     parser.add_argument("-j", dest="jobs", default="1")
     parser.add_argument("--out", type=Path, default=ROOT / "results")
     parser.add_argument("--solver", default="yade")
-    parser.add_argument("--slurm", action="store_true")
+    for option in ("--slurm", "--remake"):
+        parser.add_argument(option, action="store_true")
     asked = parser.parse_args()
     ended = {}
     for path in sorted(asked.studies.glob("*.toml")):
@@ -40,7 +41,8 @@ def main():
             print(f"passed over: {error}", flush=True)
             continue
         words = ["-j", asked.jobs, "--out", asked.out / name, "--solver", asked.solver]
-        ended[name] = run(ROOT / "workflow/batch.py", path, *words, *(["--slurm"] if asked.slurm else []))
+        flags = [f"--{name}" for name in ("slurm", "remake") if getattr(asked, name)]
+        ended[name] = run(ROOT / "workflow/batch.py", path, *words, *flags)
         if ended[name] == EXIT_INTERRUPTED:
             return EXIT_INTERRUPTED
     return conclude(asked.out, ended)

@@ -1,6 +1,6 @@
 """One study from its file to tables and pictures, by way of Snakemake; `run_all.sh` starts this.
 
-    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
+    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--remake]
 
 Exit status: 0 all done, 1 something failed, 2 bad input, 130 interrupted.
 """
@@ -24,6 +24,7 @@ import time
 from pathlib import Path
 
 import pandas as pd
+import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
 from shared import MARK, ROOT, Log, end_with_parent
 
@@ -55,6 +56,11 @@ def main():
           f"{batch.unit}: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
     if (warning := forecast(study, folder)) is not None:
         print(f"warning: {warning}", file=sys.stderr, flush=True)
+    others = versions.of_other_versions(study, folder)
+    if others:
+        print(f"warning: {versions.describe(others, parsed.remake)}", file=sys.stderr, flush=True)
+    if parsed.remake:
+        versions.discard(others, study, folder)
     repeat_torn_records(folder / ".snakemake")
     status = batch.snakemake()
     if status != 0 and not batch.ended and batch.simulated():
@@ -69,6 +75,7 @@ def _parse():
     parser.add_argument("--out", type=Path)
     parser.add_argument("--solver", default="yade", choices=("yade", "reference", "both"))
     parser.add_argument("--slurm", action="store_true")
+    parser.add_argument("--remake", action="store_true")
     return parser.parse_args()
 
 

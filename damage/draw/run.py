@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 
 from damage.draw import style
 from damage.draw.wall import legend_widths_mm, line_width, wall_shape
+from damage.history.info import origin
 from damage.history.moments import STATES, choose_sample, moving
 from damage.index import THRESHOLD
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_scale, imbalance
@@ -150,7 +151,7 @@ def _draw_index(ax, index, latched):
     lines += ax.plot(time_s, latched["DI"], color=style.BLACK, lw=0.6, ls="--", zorder=1.5, label="DI, shear limit")
     lines += ax.plot(time_s, latched["DI_slip"], color=style.BLUE, lw=0.6, ls="--", zorder=1.5,
                      label=r"DI$_\mathrm{slip}$, shear limit")
-    top = np.nan_to_num(np.maximum(index["DI"], latched["DI"])).max()
+    top = np.maximum(index["DI"], latched["DI"]).max()
     ax.set(ylabel="damage index [-]", ylim=(0, 1.06 * top or 0.01))
     return lines
 
@@ -161,7 +162,7 @@ def drift_picture(history):
     choose_sample(history, "end")
     figure, ax = style.new_figure(2.1)
     drift_pct = 100 * history.series["drift_ratio"].to_numpy()
-    largest = np.nan_to_num(np.abs(drift_pct)).max()
+    largest = np.abs(drift_pct).max()
     limits = [limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest <= LIMITS_UP_TO_PCT]
     for value, label, line in limits:
         for side in (-value, value):
@@ -249,4 +250,4 @@ PICTURES = {
 
 def save_all(history, folder):
     """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
-    return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder)
+    return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder, origin(history))

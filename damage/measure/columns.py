@@ -19,6 +19,11 @@ CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
 """What counts as slipped, and what stands before a component's name in the columns for it."""
 
 
+def made_by_words(table):
+    """What made the runs of a table, in words, as far as it says so."""
+    return "; ".join(f"{name} {', '.join(sorted(set(table[name].dropna())))}" for name in MADE_BY if name in table)
+
+
 def _model(seeds):
     return {one.name: Column("", one.metadata["help"]) for one in fields(ModelOptions) if one.metadata["seed"] == seeds}
 
@@ -56,6 +61,12 @@ RUN = {
     "seed": Column("1", "of the bricks' random offsets"),
 }
 """What tells one run from another of its point, and how it ended."""
+MADE_BY = {
+    "software": Column("", "version of this software, `unknown` of a run before 0.2"),
+    "commit": Column("", "of its repository; `changed` where the tree differed"),
+    "model_digest": Column("", "of the code of the model in this solver: runs with equal ones can be compared"),
+}
+"""What made a run; of a point, all that its runs have."""
 MEASURES = {
     "Index, drift": {
         _index("max", "displacement"): Column("1", "each its own maximum over the run, slip by displacement"),

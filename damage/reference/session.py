@@ -1,6 +1,7 @@
 """`python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the built-in solver."""
 
 import sys
+from pathlib import Path
 
 import numba
 
@@ -10,7 +11,7 @@ from damage.run.session import EXIT_INPUT, Backend, run_session
 from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
-BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver)
+BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, Path(__file__).parent)
 
 
 def run_reference(arguments):
@@ -22,4 +23,4 @@ def run_reference(arguments):
         return EXIT_INPUT
     if wall.startswith("-"):
         wall, options = "walls/NAME.py", ["--help"]
-    return run_session(BACKEND, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
+    return run_session(BACKEND, wall, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")

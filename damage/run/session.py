@@ -6,11 +6,13 @@ import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from damage.errors import InputError, RunError, WriteError
 from damage.history.writer import HistoryWriter, check_output
 from damage.measure.doubts import ENERGY_FAILURE
 from damage.memory import hold_buffers
+from damage.provenance import file_origin, versions
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.report import report
@@ -27,6 +29,7 @@ EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 class Backend:
     """A solver as a session needs it.
 
+    versions: {software: version} beside this software's own; code: the folder of the solver's modules;
     make(layout, time_step): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
     open_view: opens a live view and returns a function that refreshes it; None where there is none.
     """
@@ -34,16 +37,17 @@ class Backend:
     name: str
     versions: dict
     make: Callable
+    code: Path
     check: Callable = lambda settings: None
     open_view: Callable | None = None
 
 
-def run_session(backend, make_wall, arguments, prog):
-    """Run the wall that `make_wall()` returns with the words of a command line; the exit status:
+def run_session(backend, wall_file, make_wall, arguments, prog):
+    """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command line; the exit status:
     0 done, 1 failed, 2 bad input, 130 interrupted."""
     try:
         hold_buffers()
-        return _run(backend, make_wall, arguments, prog)
+        return _run(backend, wall_file, make_wall, arguments, prog)
     except WriteError as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
@@ -65,7 +69,7 @@ def _tell(error):
     elif isinstance(error, OSError) and is_of_output(error):
         return EXIT_FAILED
     elif isinstance(error, OSError):
-        error = InputError(f"{error}: expected a file or folder that can be read and written; mend that")
+        error = InputError(f"{error}: expected what this user may read and write; mend that")
     if not isinstance(error, InputError | RunError):
         traceback.print_exception(error)
         return EXIT_FAILED
@@ -73,7 +77,7 @@ def _tell(error):
     return EXIT_INPUT if isinstance(error, InputError) else EXIT_FAILED
 
 
-def _run(backend, make_wall, arguments, prog):
+def _run(backend, wall_file, make_wall, arguments, prog):
     settings = parse_run(arguments, prog=prog, solver=backend.name)
     backend.check(settings)
     wall = make_wall()
@@ -85,11 +89,11 @@ def _run(backend, make_wall, arguments, prog):
     check_size(settings, layout, time_step)
     show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
-    parameters = {"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": time_step,
-                  "critical_time_step_s": modes.critical_time_step_s,
+    parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
+                  "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0])}
     writer = HistoryWriter(out, layout, solver=backend.name, parameters=parameters,
-                           versions=backend.versions, overwrite=settings.overwrite)
+                           versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
     print(f"history: {out}", flush=True)
     status = _simulate(backend, layout, settings, modes, time_step, writer, show)
     try:

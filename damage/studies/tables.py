@@ -16,8 +16,9 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
+from damage.history.apart import apart
 from damage.history.reader import read_history
-from damage.measure.columns import PARAMETERS, RUN, names
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN, names
 from damage.measure.tables import summary_row, write_table
 
 
@@ -82,6 +83,7 @@ def _point(runs):
     ended = runs["status"] == "complete"
     row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
             "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None}
+    row |= {name: "; ".join(sorted(set(runs[name].dropna()))) for name in MADE_BY if name in runs}
     for name in runs.columns.difference([*row, *RUN], sort=False):
         values = runs[name].dropna()
         if _is_number(values):
@@ -116,11 +118,14 @@ def write_hdf5(tables, path):
 
 def read_study_table(path, table="runs"):
     """DataFrame of one table, "runs" or "points", of a study's study.h5."""
-    try:
+    def read(path, believe):
         with h5py.File(path, "r") as file:
             return pd.DataFrame({name: (column.asstr()[:] if column.dtype == object else column[:])
                                  for name, column in file[table].items()})
-    except (OSError, KeyError) as error:
+
+    try:
+        return apart(path, read)
+    except (OSError, InputError) as error:
         raise InputError(f"{path} cannot be read as the tables of a study ({error}); expected study.h5 of a study, "
                          'and "runs" or "points"') from error
 
