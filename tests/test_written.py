@@ -20,7 +20,7 @@ import damage
 
 SMALL = "benchmarks/small_wall.py"
 DAMAGE = (sys.executable, "-m", "damage")
-LARGE = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='large', length=45.0, height=9.0)\n"
+LARGE = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='large', length=36.0, height=9.0)\n"
 
 
 @pytest.fixture
@@ -117,7 +117,7 @@ class TestMemory:
 
     @pytest.mark.slow
     def test_what_runs_out_on_the_way_is_told_and_no_library_waits_for_ever(self, tmp_path):
-        """The factors of the stiffness of 11 100 bricks take more than is left beside the libraries."""
+        """The factors of the stiffness of 19 200 bricks take more than is left beside the libraries."""
         from damage.memory import least_bytes
 
         (tmp_path / "large.py").write_text(LARGE)
