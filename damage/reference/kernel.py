@@ -11,7 +11,8 @@ is exact, and the geometry is worked out once a pair, not once a contact.
 
 The joint law is homogeneous in the area: given stiffnesses and strengths times area, it returns forces
 and energies.  Between two of its decisions a contact is a linear spring, which changes no state; so
-only pairs with a spring beyond what is left of its strength are shown to the law.  And a pair that is
+only pairs with a spring beyond what is left of its strength are shown to the law.  While open, a bond that
+softens is a spring by its secant.  And a pair that is
 whole and whose outermost opening leaves all its springs within their strength is one spring and a
 couple.  Where that ends `joint_law.stays_elastic` says, for contacts and for pairs.
 
@@ -116,7 +117,6 @@ def contact_forces(system, constants, step, singly):
     """
     pairs, contacts, place = system.pairs, system.contacts, system.place
     damped = constants.beta > 0.0
-    singly |= damped
     clear_forces(place)
     for p in range(len(pairs)):
         pair = pairs[p]
@@ -124,30 +124,41 @@ def contact_forces(system, constants, step, singly):
         frame, gap = relative_motion(pair, a, b)
         if pair.broken == 0 and not singly and stays_whole(pair, gap):
             forces = whole_pair(pair, gap)
+            if damped:
+                forces = damp(system, constants, p, gap, forces, change(system.last[p], forces))
         else:
             forces, elastic = springs(contacts, pair, gap, constants.material)
-            if damped or not elastic:
-                forces = joint_forces(system, constants, step, pair, gap)
-            elif pair.broken:
-                remember(contacts, pair, gap.shear)
+            if elastic:
+                if damped:
+                    forces = damp(system, constants, p, gap, forces, change(system.last[p], forces))
+                if pair.broken:
+                    remember(contacts, pair, gap.shear)
+            else:
+                forces, steady = joint_forces(system, constants, step, p, gap)
+                if damped:
+                    forces = damp(system, constants, p, gap, forces, steady)
         push(a, b, frame, forces)
 
 
 @_compile
 def read_joints(system):
-    """Opening, shear displacement [m] and stresses [Pa] of all contacts at the present places, into `joints`.
+    """Opening, shear displacement [m] and stresses [Pa] of all contacts at the present places, into `joints`; and
+    what damping compares the next step with, into `last`.
 
     After `contact_forces` every contact is a spring from where the law has left it, so that no law is needed.
     """
     pairs, contacts, joints, place = system.pairs, system.contacts, system.joints, system.place
     for p in range(len(pairs)):
         pair = pairs[p]
+        normal = along = couple = 0.0
         _, gap = relative_motion(pair, place[pair.a], place[pair.b])
         for i in range(pair.start, pair.stop):
-            opening, sigma, tau = spring(contacts[i], gap)
-            if stays_open(contacts[i], opening):
-                sigma = tau = 0.0
+            opening, sigma, tau = stresses(contacts[i], gap)
             keep_stresses(joints[i], opening, gap.shear, sigma, tau)
+            normal += sigma
+            along += tau
+            couple += sigma * contacts[i].offset
+        keep_last(system.last[p], gap, Forces(normal, along, couple))
 
 
 @_compile
@@ -234,7 +245,17 @@ def keep_stresses(joint, opening, shear, sigma, tau):
 def spring(contact, gap):
     """A contact as a spring from where the law has left it (Trial) [m, N, N]."""
     opening = gap.middle + contact.offset * gap.turn
-    return Trial(opening, contact.kn * opening, contact.tau0 + contact.ks * (gap.shear - contact.shear0))
+    stiffness = contact.kt if opening > 0.0 else contact.kn
+    return Trial(opening, stiffness * opening, contact.tau0 + contact.ks * (gap.shear - contact.shear0))
+
+
+@_compile
+def stresses(contact, gap):
+    """A contact as what the law has left of it, a spring or nothing (Trial) [m, N, N]."""
+    trial = spring(contact, gap)
+    if stays_open(contact, trial.opening):
+        return Trial(trial.opening, 0.0, 0.0)
+    return trial
 
 
 @_compile
@@ -245,35 +266,38 @@ def stays_open(contact, opening):
 
 @_compile
 def remember(contacts, pair, shear):
-    """Keep the shear force [N] of broken contacts that stick at a shear displacement [m]: sliding works against
-    the last one."""
+    """Keep the shear force [N] of contacts that have slid and stick at a shear displacement [m]: sliding works
+    against the last one."""
     for i in range(pair.start, pair.stop):
         contact = contacts[i]
-        if contact.tensile_force == 0.0:
+        if contact.tensile_force == 0.0 or contact.soft:
             contact.tau0, contact.shear0 = contact.tau0 + contact.ks * (shear - contact.shear0), shear
 
 
 @_compile
-def joint_forces(system, constants, step, pair, gap):
-    """Forces of a pair's contacts by the joint law [N, N m]."""
-    normal = along = couple = 0.0
+def joint_forces(system, constants, step, p, gap):
+    """Forces of a pair's contacts by the joint law [N, N m]; and how those of the contacts that neither broke nor
+    softened in this step have changed since the last one, if damping needs it."""
+    pair, last = system.pairs[p], system.last[p]
+    before = Gap(last.middle, last.shear, last.turn)
+    normal = along = couple = d_normal = d_along = d_couple = 0.0
     for i in range(pair.start, pair.stop):
         contact, joint = system.contacts[i], system.joints[i]
-        trial = spring(contact, gap)
+        trial, kappa = spring(contact, gap), joint.kappa
+        old = stresses(contact, before)
         new, event = judge(contact, joint, trial.opening, gap.shear, constants.material)
-        if new.broken:
+        if new.broken or new.kappa > 0.0:
             log_joint(system, constants, step, i, trial, new, event)
             pair.broken = 1
         sigma, tau = new.normal_stress, new.shear_stress
-        if constants.beta > 0.0:
-            if event == INTACT:
-                sigma, tau = damp(system.energy, joint, constants.beta / constants.dt, trial.opening, gap.shear,
-                                  sigma, tau)
-            keep_stresses(joint, trial.opening, gap.shear, new.normal_stress, new.shear_stress)
+        if event == INTACT and new.kappa == kappa:
+            d_normal += sigma - old.sigma
+            d_along += tau - old.tau
+            d_couple += (sigma - old.sigma) * contact.offset
         normal += sigma
         along += tau
         couple += sigma * contact.offset
-    return Forces(normal, along, couple)
+    return Forces(normal, along, couple), Forces(d_normal, d_along, d_couple)
 
 
 @_compile
@@ -281,24 +305,44 @@ def judge(contact, joint, opening, shear, material):
     """Show a contact at this opening and shear displacement [m] to the joint law, and keep what it leaves of it.
 
     Returns what `joint_law.advance` does, in forces [N] and works [J]."""
-    law = LawParameters(contact.kn, contact.ks, contact.tensile_force, contact.cohesive_force, material)
-    old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0)
+    law = LawParameters(contact.kn, contact.ks, joint.tensile_force, joint.cohesive_force, material, joint.mode_i,
+                        joint.mode_ii)
+    old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0, joint.kappa, joint.gap)
     new, event = joint_law.advance(opening, shear - contact.shear0, old, law)
-    if new.broken:
-        contact.tensile_force, contact.cohesive_force = joint_law.strength_left(new.broken, law)
+    if new.broken or new.kappa > 0.0:
+        contact.tensile_force, contact.cohesive_force = joint_law.strength_left(new.broken, law, new.kappa)
         contact.shear0, contact.tau0 = shear, new.shear_stress
+        contact.soft, contact.kt = not new.broken, contact.kn
+        if not new.broken:
+            contact.kt = joint_law.tension_stiffness(contact.tensile_force, new.gap, contact.kn)
     return new, event
 
 
 @_compile
-def damp(energy, joint, rate, opening, shear, sigma, tau):
-    """Add damping proportional to stiffness to the forces of a contact [N]; its work is lost.
+def change(last, forces):
+    """How the forces of a pair [N, N m] have changed since the last step."""
+    return Forces(forces.normal - last.normal, forces.along - last.along, forces.couple - last.couple)
 
-    rate: beta over the time step [-]; the stresses and displacements of the last step are those in `joint`."""
-    rate_sigma = rate * (sigma - joint.sigma * joint.area)
-    rate_tau = rate * (tau - joint.tau * joint.area)
-    energy[DAMPING] += rate_sigma * (opening - joint.opening) + rate_tau * (shear - joint.shear)
-    return sigma + rate_sigma, tau + rate_tau
+
+@_compile
+def damp(system, constants, p, gap, forces, steady):
+    """Add damping proportional to stiffness to the forces of a pair [N, N m]; its work is lost.
+
+    steady: what is damped, the change of its elastic forces since the last step."""
+    last, rate = system.last[p], constants.beta / constants.dt
+    work = (steady.normal * (gap.middle - last.middle) + steady.along * (gap.shear - last.shear)
+            + steady.couple * (gap.turn - last.turn))
+    system.energy[DAMPING] += rate * work
+    keep_last(last, gap, forces)
+    return Forces(forces.normal + rate * steady.normal, forces.along + rate * steady.along,
+                  forces.couple + rate * steady.couple)
+
+
+@_compile
+def keep_last(last, gap, forces):
+    """Write how far the bodies of a pair have moved apart [m] and its forces [N, N m] for the next step."""
+    last.middle, last.shear, last.turn = gap.middle, gap.shear, gap.turn
+    last.normal, last.along, last.couple = forces.normal, forces.along, forces.couple
 
 
 @_compile
@@ -390,21 +434,25 @@ def rotation(angle):
 
 @_compile
 def log_joint(system, constants, step, i, trial, new, event):
-    """Keep the flags and the slip [m] of a broken contact; log its work [J], its break and first passings."""
+    """Keep the flags and the slip [m] of a contact without a whole bond; log its work [J], its break and first
+    passings."""
     contact, joint = system.contacts[i], system.joints[i]
-    joint.slip, joint.broken, joint.at_limit = new.slip, True, new.at_limit
+    joint.slip, joint.broken, joint.at_limit = new.slip, new.broken, new.at_limit
+    joint.kappa, joint.gap = new.kappa, new.gap
     system.energy[FRICTION] += new.friction_work
     system.energy[FRACTURE] += new.fracture_work
     passed = int(joint.passed)
-    opens = trial.opening > constants.threshold and not passed & 1
+    opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, contact.kn)
+    opens = opening > constants.threshold and not passed & 1
     slips = abs(new.slip) > constants.threshold and not passed & 2
     if event != INTACT or opens or slips:
         joint.passed = passed + opens + 2 * slips
-        values = trial.sigma / joint.area, trial.tau / joint.area, max(trial.opening, 0.0), new.slip
+        values = trial.sigma / joint.area, trial.tau / joint.area, opening, new.slip
         for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):
             if happens:
                 log_event(system, step, i, kind, values)
-    contact.idle = np.inf if int(joint.passed) & 1 else constants.threshold
+    if new.broken:
+        contact.idle = np.inf if int(joint.passed) & 1 else constants.threshold
 
 
 @_compile

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
+from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.parameters import ModelOptions, Wall
 
 GROUND = -1
@@ -90,6 +91,7 @@ class Layout:
     n_joints: the first n_joints contacts are joints, the rest is the caps' glue.
     drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
     piers: (left, right) [m] of each pier.
+    fibres: of the contacts where `options` ask for them, else None.
     """
 
     wall: Wall
@@ -102,6 +104,7 @@ class Layout:
     drift_bodies: np.ndarray
     drift_height: float
     piers: tuple[tuple[float, float], ...]
+    fibres: Fibres | None = None
 
     @property
     def total_joint_length(self):
@@ -141,7 +144,8 @@ def lay_out(wall, options=None):
     return Layout(
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
-        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers)
+        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
+        fibres=split_into_fibres(wall.joint, contacts, options.fibres) if options.fibres else None)
 
 
 # --- bricks -------------------------------------------------------------------------------------
