@@ -9,7 +9,7 @@ from damage.run.session import EXIT_INPUT, Backend, run_session
 from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
-BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver)
+BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, softens=True)
 
 
 def run_reference(arguments):

@@ -9,7 +9,7 @@ from damage.errors import InputError
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
-from damage.run.settings import RELAXATIONS, RunSettings, rayleigh_factors
+from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, RunSettings, rayleigh_factors
 from damage.wall.parameters import ModelOptions
 
 
@@ -93,8 +93,8 @@ def model_of(parsed):
 
 def _add_model(group, solver):
     add_model_options(group, [one.name for one in fields(ModelOptions) if solver in one.metadata["solvers"]])
-    group.add_argument("--beta", type=float, default=0.0, metavar="S",
-                       help="stiffness-proportional damping (default 0)")
+    group.add_argument("--beta", type=float, metavar="S", help="stiffness-proportional damping (default 0, and "
+                       f"{SOFTENING_BETA_S:g} where joints soften)")
     if solver == "reference":
         group.add_argument("--rayleigh", nargs=3, type=float, metavar=("RATIO", "F1_HZ", "F2_HZ"),
                            help="mass- and stiffness-proportional damping with this ratio at two frequencies")
@@ -140,7 +140,7 @@ def _loading(parsed):
 
 
 def _damping(parsed):
-    """(alpha [1/s], beta [s]) of --beta or --rayleigh."""
+    """(alpha [1/s], beta [s]) of --beta or --rayleigh, beta None where neither is given."""
     if getattr(parsed, "rayleigh", None) is None:
         return 0.0, parsed.beta
     if parsed.beta:

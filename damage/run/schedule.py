@@ -14,6 +14,9 @@ from damage.run.settings import LOCAL_DAMPING, SAMPLE_S, SETTLE_S
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
 
+SOFTENING_STEP_FACTOR = 0.35
+"""The same where joints soften (docs/softening.md)."""
+
 JOINT_STEPS = 10
 """A sample lasts a multiple of so many steps: a solver may look at its broken joints less often than in every step."""
 
@@ -29,8 +32,8 @@ class Stage:
     end_step: int
 
 
-def choose_time_step(settings, critical_s):
-    """The run's time step [s]; InputError above the stable one.
+def choose_time_step(settings, critical_s, softens=False):
+    """The run's time step [s]; InputError above the stable one.  softens: whether the wall's joints do.
 
     Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
     xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
@@ -38,7 +41,8 @@ def choose_time_step(settings, critical_s):
     xi = settings.beta_s / critical_s + settings.alpha_1_s * critical_s / 4
     limit = critical_s * min(np.sqrt(1 + xi**2) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
     if settings.time_step_s is None:
-        return settings.loading.preferred_step_s(min(STEP_FACTOR * critical_s, 0.85 * limit))
+        factor = SOFTENING_STEP_FACTOR if softens else STEP_FACTOR
+        return settings.loading.preferred_step_s(min(factor * critical_s, 0.85 * limit))
     if settings.time_step_s > limit:
         raise InputError(f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
                          f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one")

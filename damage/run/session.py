@@ -25,7 +25,8 @@ class Backend:
     """A solver as a session needs it.
 
     make(layout, time_step): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
-    open_view: opens a live view and returns a function that refreshes it; None where there is none.
+    open_view: opens a live view and returns a function that refreshes it; None where there is none;
+    softens: whether it knows joints with fracture energies.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Backend:
     make: Callable
     check: Callable = lambda settings: None
     open_view: Callable | None = None
+    softens: bool = False
 
 
 def run_session(backend, make_wall, arguments, prog):
@@ -58,13 +60,17 @@ def run_session(backend, make_wall, arguments, prog):
 
 def _run(backend, make_wall, arguments, prog):
     settings = parse_run(arguments, prog=prog, solver=backend.name)
-    backend.check(settings)
     wall = make_wall()
+    settings = settings.for_joint(wall.joint)
+    backend.check(settings)
+    if wall.joint.softens and not backend.softens:
+        raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
+                         "not know; leave them out, or use the reference solver: python3 -m damage reference")
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
     layout = lay_out(wall, settings.model)
     modes = natural_modes(layout)
-    time_step = choose_time_step(settings, modes.critical_time_step_s)
+    time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
     show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
     parameters = {"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": time_step,

@@ -1,7 +1,7 @@
 """One run as a frozen record: what drives the wall, how it is modelled; and the settled numbers of every run."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from damage.checks import check_not_negative, check_positive
@@ -20,6 +20,8 @@ LOCAL_DAMPING = 0.7
 ADAPTIVE_DAMPING = 1.0
 """Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to rest fastest."""
 RELAXATIONS = ("adaptive", "local")
+SOFTENING_BETA_S = 1e-6
+"""Stiffness-proportional damping that joints get which soften, where none is asked for [s] (docs/softening.md)."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +30,8 @@ class RunSettings:
 
     sequence: factors of the motion, a shock each; rest_s: free vibration after each shock [s], which ends
     with a settling stage; time_step_s: None for the solver's own;
-    alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics; relaxation: how static
-    solutions are found, one of RELAXATIONS; perturb_m: size of random offsets of the bricks [m]
+    alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
+    joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random offsets of the bricks [m]
     drawn with `seed`; out: history file, None for a name of its own below `results/`; command: what asked for it.
     """
 
@@ -39,7 +41,7 @@ class RunSettings:
     rest_s: float = 2.0
     time_step_s: float | None = None
     alpha_1_s: float = 0.0
-    beta_s: float = 0.0
+    beta_s: float | None = 0.0
     relaxation: str = "local"
     perturb_m: float = 0.0
     seed: int = 0
@@ -53,9 +55,16 @@ class RunSettings:
         if not self.sequence or not all(map(math.isfinite, self.sequence)):
             raise InputError(f"--sequence {self.sequence}: expected factors of the motion, like 1,0.5,0.4")
         for option, value in (("--rest", self.rest_s), ("--beta", self.beta_s), ("--perturb", self.perturb_m)):
-            check_not_negative(option, value)
+            if value is not None:
+                check_not_negative(option, value)
         if self.time_step_s is not None:
             check_positive("--dt [s]", self.time_step_s)
+
+    def for_joint(self, joint):
+        """These settings with the damping that a damage.wall.parameters.Joint needs, where none was asked for."""
+        if self.beta_s is not None:
+            return self
+        return replace(self, beta_s=SOFTENING_BETA_S if joint.softens else 0.0)
 
     @property
     def duration_s(self):
