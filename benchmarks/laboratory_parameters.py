@@ -89,7 +89,7 @@ def run(folder, table, number, wall, words):
     out = folder / f"{table}_{number}.h5"
     if not (out.exists() and read_history(out).complete):
         words = [str(word) for word in (*words, "--out", out, "--overwrite", "--no-pictures")]
-        if run_session(BACKEND, lambda: wall, words, prog="laboratory_parameters") != 0:
+        if run_session(BACKEND, __file__, lambda: wall, words, prog="laboratory_parameters") != 0:
             sys.exit(f"{table}, row {number} failed")
     return read_history(out)
 

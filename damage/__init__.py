@@ -1,17 +1,23 @@
 """Damage of masonry walls under induced seismicity: walls, joint law, histories, damage index."""
 
-import sys
+from importlib import import_module
 
-from damage.errors import InputError
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall, brick_of_masonry
+from damage.provenance import VERSION as __version__
 
-try:
-    from damage.history.reader import History, read_history
-except ModuleNotFoundError as error:
-    raise ImportError(f"{sys.executable} has no {error.name}: on Debian use /usr/bin/python3, which has the "
-                      "packages after ./run_all.sh or tests/run.sh; elsewhere: pip install .") from None
-
-__version__ = "0.1.0"
-
+_HOMES = {"InputError": "damage.errors", **dict.fromkeys(("History", "read_history"), "damage.history.reader"),
+          **dict.fromkeys(("Brick", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry"),
+                          "damage.wall.parameters")}
 __all__ = ["Brick", "History", "InputError", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry",
            "read_history", "__version__"]
+
+
+def __getattr__(name):
+    """A name of __all__, imported when it is first asked for: a command is there before its libraries are."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    try:
+        return getattr(import_module(_HOMES[name]), name)
+    except ModuleNotFoundError as error:
+        from damage.start import missing_library
+
+        raise ImportError(missing_library(error) or str(error), name=error.name) from None

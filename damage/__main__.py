@@ -1,14 +1,19 @@
 """`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
+from damage.start import begin, missing_library
+
+if __name__ == "__main__":
+    begin()  # before what takes its time to import
+
 import json
 import sys
 from pathlib import Path
 
-from damage import read_history
-from damage.errors import InputError
+from damage.errors import InputError, one_line
 from damage.files import write_text
+from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
-from damage.run.options import OneLineParser, add_model_options, model_of
+from damage.run.options import OneLineParser, add_model_options, file_path, model_of, number_from
 from damage.units import MILLIMETRE
 
 COMMANDS = {}
@@ -16,23 +21,39 @@ COMMANDS = {}
 
 
 def main(arguments=None):
-    """Run one command; returns the exit status: 0 done, 2 bad input."""
+    """Run one command; returns the exit status: 0 done, 1 out of memory, or `check` found a file without an end, 2 bad
+    input, 3 a library is missing."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
-    if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
-        from damage.reference.session import run_reference
-
-        return run_reference(arguments[1:])
     try:
+        if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
+            from damage.reference.session import run_reference
+
+            return run_reference(arguments[1:])
         asked = _parser().parse_args(arguments)
-        asked.command(asked)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        return asked.command(asked) or 0
     except BrokenPipeError:  # the reader of a pipe went away, as `| head` does
         sys.stderr.close()
+        return 0
     except KeyboardInterrupt:
         return 130
-    return 0
+    except Exception as error:
+        return _failed(error)
+
+
+def _failed(error):
+    """Say in one line what is no fault of this software; the exit status."""
+    if isinstance(error, ImportError) and missing_library(error):
+        status, told = 3, missing_library(error)
+    elif isinstance(error, InputError):
+        status, told = 2, f"error: {error}"
+    elif isinstance(error, OSError):
+        status, told = 2, f"error: {one_line(error)}: expected a file or folder that can be read; mend that"
+    elif isinstance(error, MemoryError):
+        status, told = 1, f"error: not enough memory ({one_line(error)}): expected a smaller file"
+    else:
+        raise error
+    print(told, file=sys.stderr)
+    return status
 
 
 def _parser():
@@ -61,7 +82,7 @@ def _arg(*names, **options):
 
 
 def _path(name, metavar, help_=None, **options):
-    return _arg(name, type=Path, metavar=metavar, help=help_, **options)
+    return _arg(name, type=file_path, metavar=metavar, help=help_, **options)
 
 
 def _out(help_, metavar="DIR", required=True):
@@ -71,15 +92,15 @@ def _out(help_, metavar="DIR", required=True):
 _HISTORY = _path("history", "FILE.h5")
 _HISTORIES = _path("histories", "FILE.h5", nargs="+")
 _JSON = _arg("--json", action="store_true", help="as JSON")
-_DRIFT_LIMIT = _arg("--drift-limit-pct", type=float, default=2.0, help="drift limit (default 2)")
+_DRIFT_LIMIT = _arg("--drift-limit-pct", type=number_from(1e-6, 100), default=2.0, help="drift limit (default 2)")
 
 
 def _threshold(of):
-    return _arg("--threshold-mm", type=float, default=0.1, help=f"of {of} (default 0.1)")
+    return _arg("--threshold-mm", type=number_from(1e-6, 1000), default=0.1, help=f"of {of} (default 0.1)")
 
 
 def _tell(asked, found, describe):
-    print(json.dumps(found, indent=2) if asked.json else describe(found))
+    print(json.dumps(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
 
 def _save(figures, folder):
@@ -97,10 +118,30 @@ def _save(figures, folder):
                              help="when a joint counts as slipped (default displacement)"))
 def _index(asked):
     from damage.measure.summary import summarise
-    from damage.run.report import describe
+    from damage.run.report import describe, warn
 
-    _tell(asked, summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
-                           asked.slip), describe)
+    summary = summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
+                        asked.slip)
+    warn(summary["warnings"])
+    _tell(asked, summary, describe)
+
+
+@_command("what histories are worth: whole, ended early, open, damaged; exit status 2 where one is damaged, 1 where "
+          "one has no end", _HISTORIES, _JSON)
+def _check(asked):
+    from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check
+
+    checked = [check(path) for path in asked.histories]
+    _tell(asked, checked, describe_check)
+    found = {one["worth"] for one in checked}
+    return 2 if DAMAGED in found else int(not found <= {WHOLE, UNSEALED})
+
+
+@_command("what made a history: software, command, inputs, every parameter", _HISTORY, _JSON)
+def _info(asked):
+    from damage.history.info import describe, info
+
+    _tell(asked, info(read_history(asked.history)), describe)
 
 
 @_command("cycles, envelope and failure mode of a pushed wall", _HISTORY, _JSON)
@@ -226,9 +267,9 @@ def _paper(asked):
           _path("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
           _arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
           _threshold("opening, slip and width"), _DRIFT_LIMIT,
-          _arg("--tolerance-mm", type=float,
+          _arg("--tolerance-mm", type=number_from(1e-3, 1000),
                help="how far from a joint a crack may be drawn (default: half a brick's height)"),
-          _arg("--margin-mm", type=float,
+          _arg("--margin-mm", type=number_from(0, 1000),
                help="of a field: how far inside a brick's edges points count (default 10)"),
           _out("folder for a picture of each load level", required=False), _JSON)
 def _cracks(asked):
@@ -247,7 +288,8 @@ def _cracks(asked):
           _path("study", "STUDY_DIR", "folder of a study, as results/fragility"),
           _out("folder for table and pictures"),
           _arg("--intensity", default="pga_g", help="column of summary.csv: pga_g (default) or sa_0.2_s_g"),
-          _arg("--replicates", type=int, default=500, metavar="N", help="bootstrap samples (default 500)"))
+          _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
+           help="bootstrap samples (default 500)"))
 def _fragility(asked):
     from damage.measure.tables import write_table
     from damage.studies.fragility import fit_all, fragility_table, load_runs
@@ -263,9 +305,10 @@ def _fragility(asked):
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),
           _path("folder", "DIR", "the study's folder; tables go to DIR/tables"),
-          _arg("--solver", default="both", help="whose runs the study names (default both)"),
+          _arg("--solver", choices=("yade", "reference", "both"), default="both",
+           help="whose runs the study names (default both)"),
           _path("--root", "DIR", "where walls and records lie (default: the working folder)"),
-          _arg("-j", dest="jobs", type=int, default=1, metavar="N", help="processes (default 1)"))
+          _arg("-j", dest="jobs", type=number_from(1, 1000, int), default=1, metavar="N", help="processes (default 1)"))
 def _study_tables(asked):
     from damage.studies.definition import load_study
     from damage.studies.tables import write_study_tables

@@ -1,8 +1,12 @@
 """Checks of input, each in one place: what came, what was expected, how to mend it; and records made from tables."""
 
 import math
+import os
+import stat
+import unicodedata
 from dataclasses import fields
 from numbers import Integral, Real
+from pathlib import Path
 
 from damage.errors import InputError
 
@@ -23,6 +27,11 @@ def check_not_negative(what, value):
     check_number(what, value, "a zero or positive number", lambda value: value >= 0)
 
 
+def check_range(what, value, least, most):
+    """Raise InputError unless `value` is a number from `least` to `most`."""
+    check_number(what, value, f"a number from {least:g} to {most:g}", lambda value: least <= value <= most)
+
+
 def check_whole(what, value, least=0, most=math.inf):
     """Raise InputError unless `value` is a whole number within bounds."""
     if not isinstance(value, Integral) or isinstance(value, bool) or not least <= value <= most:
@@ -30,17 +39,51 @@ def check_whole(what, value, least=0, most=math.inf):
         raise InputError(f"{what} = {value!r}: expected a whole number, {least} {upper}; mend it")
 
 
-def check_fields(record, positive=(), not_negative=()):
-    """Raise InputError unless the named fields of a record are finite and of the right sign."""
-    for check, names in ((check_positive, positive), (check_not_negative, not_negative)):
-        for name in names:
-            check(f"{type(record).__name__}.{name}", getattr(record, name))
+def check_fields(record, **ranges):
+    """Raise InputError unless every named field of a record is a number from the first to the second of its range."""
+    for name, (least, most) in ranges.items():
+        check_range(f"{type(record).__name__}.{name}", getattr(record, name), least, most)
 
 
 def check_choice(what, value, choices):
     """Raise InputError unless `value` is one of `choices`."""
     if value not in choices:
         raise InputError(f"{what} = {value!r}: expected one of {', '.join(choices)}; choose one of them")
+
+
+LONGEST_NAME = 255
+"""Bytes that a file's name may have."""
+
+
+def check_path(path):
+    """The Path of a word; InputError where no file can be called so, or its name would garble what is printed."""
+    path = Path(path)
+    if any(unicodedata.category(c) in ("Cc", "Cs") for c in str(path)):
+        raise InputError(f"path {str(path)!r}: expected a name without control characters and in UTF-8; rename it")
+    longest = max(path.parts, key=lambda part: len(os.fsencode(part)), default="")
+    if len(os.fsencode(longest)) > LONGEST_NAME:
+        raise InputError(f"path {str(path)!r}: a name of {len(os.fsencode(longest))} bytes, expected up to "
+                         f"{LONGEST_NAME}; give a shorter one")
+    return path
+
+
+def check_file(path, wanted, most_mb):
+    """The Path of a file that can be read; InputError where it is missing, no regular file, or larger than that.
+
+    wanted: what is expected of it, in words.
+    """
+    path = check_path(path)
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; expected {wanted}, check the path") from error
+    if not stat.S_ISREG(status.st_mode):
+        kind = "a directory" if stat.S_ISDIR(status.st_mode) else "no regular file"
+        raise InputError(f"{path}: {kind}; expected {wanted}")
+    if status.st_size > most_mb * 1e6:
+        raise InputError(f"{path}: {status.st_size / 1e6:.6g} MB; expected {wanted} of up to {most_mb} MB, make it "
+                         "smaller")
+    return path
 
 
 def record_from(kind, table, derived=()):

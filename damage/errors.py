@@ -1,8 +1,31 @@
 """The exceptions that a user is told in one line."""
 
+_LONGEST = 1200, 300  # characters that are shown of a message's beginning and, where it is longer, of its end
+
+
+def one_line(text):
+    r"""A text on one line: what would move or colour a terminal is escaped, what is long is cut in the middle.
+
+    >>> one_line("a name with a \x1b[31m and a line\nfeed")
+    'a name with a \\x1b[31m and a line\\nfeed'
+    """
+    text, (first, last) = str(text), _LONGEST
+    text = text if len(text) <= first + last else f"{text[:first]} ... {text[-last:]}"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
 
 class InputError(ValueError):
     """Bad input: its one-line message says what came, what was expected, how to mend it."""
+
+    def __init__(self, message=""):
+        super().__init__(one_line(message))
+
+
+class RunError(RuntimeError):
+    """A run that cannot go on, or came to nothing that can be believed: its message is one line."""
+
+    def __init__(self, message=""):
+        super().__init__(one_line(message))
 
 
 class WriteError(OSError):

@@ -23,8 +23,8 @@ def whole_or_nothing(path):
         yield unfinished
         os.replace(unfinished, path)
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}; expected a folder that can be "
-                         "written to, choose another place") from error
+        raise InputError(f"cannot write {path}: {error.strerror or error}; expected a disk with room "
+                         "and a folder that can be written to; make room, or choose another place") from error
     finally:
         if unfinished.is_file():
             unfinished.unlink()

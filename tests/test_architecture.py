@@ -10,7 +10,7 @@ from conftest import REPOSITORY
 
 # Rooms in the order of import: a room may import from those before it, not from one in its own line or after.
 ROOMS = [
-    ("damage.errors", "damage.units", "damage.files", "damage.checks"),
+    ("damage.errors", "damage.units", "damage.files", "damage.checks", "damage.provenance"),
     ("damage.index", "damage.wall", "damage.motion"),
     ("damage.history",),
     ("damage.measure",),

@@ -43,10 +43,10 @@ WALLS = {
 }
 
 OPTIONS = {
-    "pushover-nowhere": (["--pushover", "0"], "expected a positive number"),
+    "pushover-nowhere": (["--pushover", "0"], "expected a number from 1e-06"),
     "unknown-option": (["--harmonix", "0.2", "0.05"], "--harmonix"),
     "missing-record": (["--record", "no_such_file.csv"], "no_such_file.csv"),
-    "negative-step": (["--dt", "-1e-5"], "positive"),
+    "negative-step": (["--dt", "-1e-5"], "--dt .s. = -1e-05: expected a number from 1e-09"),
     "unstable-step": (["--dt", "4.6e-5"], "stable"),
     "no-number": (["--rest", "long"], "--rest"),
     "nan-rest": (["--rest", "nan"], "--rest"),

@@ -11,7 +11,7 @@ from damage.measure import columns
 from damage.measure.tables import summary_row
 from damage.studies.tables import points_of
 
-SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, **columns.MEASURES}
+SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": columns.MADE_BY, **columns.MEASURES}
 
 
 @pytest.mark.parametrize("section", SUMMARY)

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -190,28 +189,11 @@ def test_what_is_no_history_is_refused(tmp_path, make, complaint):
         damage.read_history(path)
 
 
-@pytest.mark.parametrize("header", [0, 4, 11])
-def test_a_bit_flipped_in_a_finished_file_is_an_error_and_no_wait(header, tmp_path):
-    """In the checksummed headers of groups and datasets; a reader of a growing file would try again for ever."""
-    path = tmp_path / "a.h5"
-    writer = open_writer(path)
-    write_samples(writer, 5)
-    writer.finish("complete")
-    data = bytearray(path.read_bytes())
-    place = [found.start() for found in re.finditer(rb"OHDR", data)][header]
-    data[place + 9] ^= 1
-    path.write_bytes(data)
-    code = f"import damage\ntry:\n    damage.read_history({str(path)!r})\nexcept damage.InputError: print('refused')"
-    done = subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY, capture_output=True, text=True, timeout=60)
-    assert done.stdout == "refused\n", done.stderr
-
-
 def test_a_newer_schema_is_refused(tmp_path):
     path = tmp_path / "a.h5"
     open_writer(path).finish("complete")
-    with h5py.File(path, "r+") as file:
-        file.attrs["schema_version"] = 99
-    with pytest.raises(InputError, match="version 99"):
+    path.write_bytes(path.read_bytes().replace(b"masonry-damage-history 2", b"masonry-damage-history 9", 1))
+    with pytest.raises(InputError, match="version 9, this software reads up to 2"):
         damage.read_history(path)
 
 

@@ -142,7 +142,7 @@ def test_mirrored_wall_is_the_mirror_image(symmetric_wall):
 
 
 @pytest.mark.parametrize(("change", "complaint"), [
-    (lambda: Opening(-0.1, 1.0, 1.0), "zero or positive"),
+    (lambda: Opening(-0.1, 1.0, 1.0), "from 0 to 1000"),
     (lambda: Wall("w", 2.0, 1.0, (Opening(1.5, 1.0, 0.5),)), "outside"),
     (lambda: Wall("w", 2.0, 1.0, (Opening(0.5, 1.0, 1.2),)), "outside"),
     (lambda: Wall("w", 2.0, 0.975, (Opening(0.5, 1.0, 0.975),)), "top"),
@@ -150,8 +150,8 @@ def test_mirrored_wall_is_the_mirror_image(symmetric_wall):
     (lambda: Wall("w", 3.0, 1.0, (Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5))), "another opening"),
     (lambda: Wall("w", 0.05, 1.0), "smaller than"),
     (lambda: Wall("no good", 2.0, 1.0), "names files"),
-    (lambda: Brick(density=-1.0), "positive"),
-    (lambda: Brick(length=float("nan")), "positive"),
+    (lambda: Brick(density=-1.0), "from 1 to 100000"),
+    (lambda: Brick(length=float("nan")), "from 0.001 to 100"),
     (lambda: ModelOptions(lintel="steel"), "expected one of"),
     (lambda: ModelOptions(cells=0), "whole number"),
     (lambda: ModelOptions(strength_cov=-0.1), "from 0 to 2"),

@@ -49,7 +49,7 @@ def test_base_moves_in_every_shock_by_its_factor():
 
 @pytest.mark.parametrize("words, message", [
     (["--sequence", "1,x"], "factors with commas"),
-    (["--sequence", "1,nan"], "factors of the motion"),
+    (["--sequence", "1,nan"], "factor of --sequence = nan"),
     (["--free-vibration", "--sequence", "1,1"], "belongs to"),
 ])
 def test_bad_sequences_are_refused(words, message):

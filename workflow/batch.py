@@ -19,15 +19,19 @@ import time
 from pathlib import Path
 
 import pandas as pd
-from shared import MARK, ROOT, end_with_parent
+from room import NO_ROOM, check_room, forecast, is_short, shortage
+from shared import MARK, ROOT, Log, end_with_parent
 
 from damage.errors import InputError
+from damage.files import whole_or_nothing
 from damage.measure.tables import describe_table
 from damage.studies.definition import load_study
 from damage.studies.tables import runs_there
 
 LOCK_PATIENCE_S = 10.0
 """How long to wait for a folder that a killed batch's last processes may still hold [s]."""
+LOOK_S = 2.0
+"""Between two looks at the room on the disk [s]."""
 _STEPS = re.compile(r"(\d+) of (\d+) steps \(.*\) done")
 
 
@@ -44,8 +48,11 @@ def main():
     batch = Batch(study, folder, parsed.jobs, parsed.solver, lock, parsed.slurm)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}\n"
           f"{batch.unit}: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
+    if (warning := forecast(study, folder)) is not None:
+        print(f"warning: {warning}", file=sys.stderr, flush=True)
+    repeat_torn_records(folder / ".snakemake")
     status = batch.snakemake()
-    if status != 0 and not batch.interrupted and batch.simulated():
+    if status != 0 and not batch.ended and batch.simulated():
         batch.snakemake("tables/summary.csv", partial="true")  # of the runs that are there
     return report(batch, status)
 
@@ -69,12 +76,14 @@ def claim(folder, study):
     kept = folder / "study.toml"
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        check_room(folder)
         lock = open(folder / ".lock", "w")  # noqa: SIM115, open as long as the batch lives
         _lock(lock, folder)
         owner = load_name(kept)
         if owner not in (None, study.name):
             raise InputError(f"{folder} holds the study {owner!r}, not {study.name!r}; choose another --out")
-        shutil.copyfile(study.path, kept)
+        with whole_or_nothing(kept) as unfinished:
+            shutil.copyfile(study.path, unfinished)
         (folder / "logs").mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
@@ -95,9 +104,23 @@ def _lock(lock, folder):
 
 def load_name(path):
     """The name in a study file that a batch kept, None where there is none."""
-    found = re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text(encoding="utf-8"), re.MULTILINE) \
+    found = re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text("utf-8", "replace"), re.MULTILINE) \
         if path.is_file() else None
     return found and found[1]
+
+
+def repeat_torn_records(kept):
+    """Have Snakemake, which keeps its records in this folder, do again what it has a torn record of.
+
+    It would drop the record, and with it what the file was made from: a change of that would pass unnoticed.
+    """
+    for record in (kept / "metadata").rglob("*"):
+        try:
+            record.is_file() and json.loads(record.read_bytes())
+        except ValueError:
+            mark = kept / "incomplete" / record.relative_to(kept / "metadata")
+            mark.parent.mkdir(parents=True, exist_ok=True)
+            mark.touch()
 
 
 class Batch:
@@ -106,9 +129,14 @@ class Batch:
     def __init__(self, study, folder, jobs, solver, lock, slurm=False):
         self.study, self.folder, self.jobs, self.solver, self.lock = study, folder, jobs, solver, lock
         self.slurm = slurm
-        self.interrupted = False
+        self.interrupted = self.short = False  # ended by a signal; in want of room
         self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
         self._began, self._there_before = time.monotonic(), len(self.simulated())
+
+    @property
+    def ended(self):
+        """Whether it was ended before its time."""
+        return self.interrupted or self.short
 
     def simulated(self):
         """The points, or single runs, that are simulated."""
@@ -116,6 +144,7 @@ class Batch:
 
     def snakemake(self, *targets, **config):
         """Bring the targets up to date, all of them by default; returns Snakemake's exit status."""
+        log = Log(self.folder / "logs" / "snakemake.log")
         process = subprocess.Popen(
             self._command(targets, config), cwd=self.folder, env=self._environment(), text=True,
             errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -123,11 +152,15 @@ class Batch:
         for name in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(name) != signal.SIG_IGN:  # as nohup leaves SIGHUP
                 signal.signal(name, lambda *_: self._interrupt(process))
-        with open(self.folder / "logs" / "snakemake.log", "a", buffering=1, encoding="utf-8") as log:
-            for line in process.stdout:
-                log.write(line)
-                self._show(line)
-        return process.wait()
+        signal.signal(signal.SIGALRM, lambda *_: self._look(process))
+        signal.setitimer(signal.ITIMER_REAL, LOOK_S, LOOK_S)
+        for line in process.stdout:
+            log.write(line)
+            self._show(line)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        status = process.wait()
+        self.short = self.short or (status != 0 and is_short(self.folder))
+        return status
 
     def _command(self, targets, config):
         config = {"study": json.dumps(str(self.study.path)), "solver": self.solver,
@@ -157,6 +190,7 @@ class Batch:
 
     def _show(self, line):
         """Print what is for people: the runs' own lines, and how far the study is."""
+        self.short = self.short or any(word in line for word in NO_ROOM)  # what Snakemake itself cannot write
         steps = _STEPS.match(line)
         if line.startswith(MARK):
             print(line[len(MARK):], end="", flush=True)
@@ -178,6 +212,17 @@ class Batch:
         if not self.interrupted:
             print("interrupted: ending what runs", file=sys.stderr, flush=True)
         self.interrupted = True
+        self._end(process)
+
+    def _look(self, process):
+        """End all politely where the disk has no room left."""
+        if not self.ended and is_short(self.folder):
+            self.short = True
+            self._end(process)
+
+    @staticmethod
+    def _end(process):
+        """Send an interrupt to Snakemake and all that it runs."""
         try:
             os.killpg(process.pid, signal.SIGINT)
         except ProcessLookupError:
@@ -197,6 +242,9 @@ def report(batch, status):
     if batch.interrupted:
         print("interrupted: the same command goes on from here", file=sys.stderr)
         return 130
+    if batch.short:
+        print(f"error: {shortage(folder)}, and the same command goes on from here", file=sys.stderr)
+        return 1
     failed = list(failures(batch))
     if (folder / "tables" / "summary.csv").exists():
         print(describe_table(_shown_table(folder / "tables", batch.unit)))
@@ -242,9 +290,22 @@ def last_words(log):
     return f" ({lines[-1][:200]})" if lines else ""
 
 
-if __name__ == "__main__":
+def run_program():
+    """Run `main` and see that what it prints arrives; returns the exit status."""
     try:
-        sys.exit(main())
+        status = main()
+        sys.stdout.flush()
+        return status
     except BrokenPipeError:  # the reader of a pipe went away, as `| head` does: all ends with this process
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+        pass
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+    except OSError as error:
+        print(f"error: cannot write {error.filename or 'what this prints'}: {error.strerror}; mend that, and the same "
+              "command goes on from here", file=sys.stderr)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(run_program())

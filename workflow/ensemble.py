@@ -31,6 +31,15 @@ from damage.studies.tables import write_row
 def main():
     """Run one ensemble; returns the exit status."""
     asked = _arguments()
+    try:
+        return run_members(asked)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_FAILED
+
+
+def run_members(asked):
+    """Bring all members and their tables up to date; returns the exit status."""
     keep_what_fits(asked.runs, asked.point, asked.inputs)
     status, names = EXIT_OK, []
     for number in range(1, asked.members + 1):

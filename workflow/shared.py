@@ -4,12 +4,44 @@ import ctypes
 import sys
 from pathlib import Path
 
+from damage.errors import InputError
+
 ROOT = Path(__file__).resolve().parents[1]
 MARK = "@@ "
 """Begins a line meant for the person at the terminal; everything else goes to a log only."""
 
 _PR_SET_PDEATHSIG = 1
 _LIBC = ctypes.CDLL(None)
+
+
+class Log:
+    """Lines at the end of a file, as far as its disk takes them: nothing ends for want of a log.
+
+    Where the file cannot be made, InputError.
+    """
+
+    def __init__(self, path):
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = open(path, "ab", buffering=0)  # noqa: SIM115, open as long as this process
+        except OSError as error:
+            raise InputError(f"cannot write {path}: {error.strerror}; expected a folder that can be written to, make "
+                             "room or choose another --out") from error
+
+    def write(self, text):
+        """Add text, or what of it fits."""
+        try:
+            self._file.write(text.encode(errors="replace"))
+        except OSError:
+            pass
+
+    def fileno(self):
+        """Of the open file."""
+        return self._file.fileno()
+
+    def clear(self):
+        """Drop what is in the file."""
+        self._file.truncate(0)
 
 
 def tell(text):

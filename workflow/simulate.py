@@ -18,7 +18,9 @@ import sys
 import time
 from pathlib import Path
 
-from shared import MARK, ROOT, end_with_parent, tell
+from shared import MARK, ROOT, Log, end_with_parent, tell
+
+from damage.errors import InputError
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
@@ -33,11 +35,18 @@ def main():
     """Run one simulation; returns the exit status."""
     end_with_parent(signal.SIGTERM)
     asked = _arguments()
-    asked.log.parent.mkdir(parents=True, exist_ok=True)
-    with open(asked.log, "a+", buffering=1, encoding="utf-8") as log:
-        fcntl.flock(log, fcntl.LOCK_EX)  # a killed batch's solver may still be closing its file
-        log.truncate(0)
+    try:
+        log = Log(asked.log)
+    except InputError as error:
+        tell(f"{asked.run}: FAILED, {error}")
+        return 1
+    fcntl.flock(log, fcntl.LOCK_EX)  # a killed batch's solver may still be closing its file
+    log.clear()
+    try:
         status = _ensemble(asked, log) if asked.ensemble else _single(asked, log)
+    except OSError as error:
+        log.write(f"error: {error.filename}: {error.strerror}\n")
+        status = 1
     if status != 0:
         tell(f"{asked.run}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}, see {asked.log}")
     return status
@@ -151,7 +160,6 @@ def _follow(run, lines, log):
 
 def _not_whole(part):
     """Why the history is not a complete one, None where it is."""
-    from damage.errors import InputError
     from damage.history.reader import read_history
 
     try:

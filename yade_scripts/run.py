@@ -1,11 +1,13 @@
 """Run one wall in YADE from the command line of `yade walls/NAME.py`."""
 
 import sys
+from pathlib import Path
 
 import yade
 
 from damage.errors import InputError
 from damage.run.session import Backend, run_session
+from damage.wall.file import wall_of
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.solver import YadeSolver
 from yade_scripts.view import open_view
@@ -13,8 +15,10 @@ from yade_scripts.view import open_view
 
 def main(make_wall):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE."""
-    backend = Backend("yade", {"yade": yade.config.version}, YadeSolver, _check, open_view)
-    run_and_leave(lambda: run_session(backend, make_wall, sys.argv[1:], prog=f"yade {sys.argv[0]}"))
+    path = Path(sys.argv[0])
+    backend = Backend("yade", {"yade": yade.config.version}, YadeSolver, Path(__file__).parent, _check, open_view)
+    run_and_leave(lambda: run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:],
+                                      prog=f"yade {path}"))
 
 
 def _check(settings):

@@ -14,9 +14,10 @@ from matplotlib.patches import Patch
 
 from damage.draw import style
 from damage.draw.wall import legend_widths_mm, line_width, wall_shape
+from damage.history.info import one_line
 from damage.history.moments import STATES, choose_sample, moving
 from damage.index import THRESHOLD
-from damage.measure.energy import DISSIPATED, STORED, energy_error, energy_scale, imbalance
+from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_scale, imbalance
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 
@@ -150,7 +151,7 @@ def _draw_index(ax, index, latched):
     lines += ax.plot(time_s, latched["DI"], color=style.BLACK, lw=0.6, ls="--", zorder=1.5, label="DI, shear limit")
     lines += ax.plot(time_s, latched["DI_slip"], color=style.BLUE, lw=0.6, ls="--", zorder=1.5,
                      label=r"DI$_\mathrm{slip}$, shear limit")
-    top = np.nan_to_num(np.maximum(index["DI"], latched["DI"])).max()
+    top = np.maximum(index["DI"], latched["DI"]).max()
     ax.set(ylabel="damage index [-]", ylim=(0, 1.06 * top or 0.01))
     return lines
 
@@ -161,7 +162,7 @@ def drift_picture(history):
     choose_sample(history, "end")
     figure, ax = style.new_figure(2.1)
     drift_pct = 100 * history.series["drift_ratio"].to_numpy()
-    largest = np.nan_to_num(np.abs(drift_pct)).max()
+    largest = np.abs(drift_pct).max()
     limits = [limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest <= LIMITS_UP_TO_PCT]
     for value, label, line in limits:
         for side in (-value, value):
@@ -214,10 +215,10 @@ def energy_picture(history):
             above.plot(series["time_s"], series[name], color=colour, ls=line, label=label,
                        lw=1.3 if name == "input_energy_j" else 0.9)
     above.set_ylabel("energy [J]")
-    error = energy_error(series)
+    error = energy_error_of(history)
     style.add_title(figure, history, *[] if error is None or not np.isfinite(error) else [
         f"imbalance before settling up to {100 * error:.2g} % of the energy put in"])
-    scale, unit = _error_scale(series)
+    scale, unit = _error_scale(series, error)
     below.axhline(0, color=style.MEDIUM, lw=0.5)
     below.plot(series["time_s"], imbalance(_known_energies(series)) * scale, color=style.BLACK)
     below.set_ylabel(f"imbalance [{unit}]")
@@ -232,11 +233,9 @@ def _known_energies(series):
     return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
 
 
-def _error_scale(series):
-    """Factor from J to the imbalance's unit, and that unit, as in `damage.measure.energy.energy_error`."""
-    before = moving(series)
-    scale = energy_scale(_known_energies(before)) if len(before) else 0.0
-    return (100 / scale, "%") if scale > 0 else (1.0, "J")
+def _error_scale(series, error):
+    """Factor from J to the imbalance's unit, and that unit; error: None where there is nothing to measure it by."""
+    return (1.0, "J") if error is None else (100 / energy_scale(_known_energies(moving(series))), "%")
 
 
 # --- files ---------------------------------------------------------------------------------------
@@ -251,4 +250,4 @@ PICTURES = {
 
 def save_all(history, folder):
     """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
-    return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder)
+    return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder, one_line(history))

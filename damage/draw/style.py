@@ -11,6 +11,7 @@ from matplotlib import style
 from matplotlib.figure import Figure
 
 from damage.files import whole_or_nothing
+from damage.provenance import VERSION, commit
 
 COLUMN_WIDTH = 90 / 25.4  # [inch], one column of a journal
 DOTS_PER_INCH = 200
@@ -106,16 +107,23 @@ def collapse_label(history):
     return f"collapse at {history.collapsed_at_s:.3f} s"
 
 
-FORMATS = {"png": {"Software": None}, "pdf": {"CreationDate": None}}  # without the date: same run, same bytes
+FORMATS = {"png": ("Software", "Description"), "pdf": ("Creator", "Subject")}
+"""Of a picture's own data, what says which software drew it, and what made what it shows."""
 
 
 @styled
-def save_figures(figures, folder):
-    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, made where missing; their paths."""
+def save_figures(figures, folder, made=""):
+    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, made where missing; their paths.
+
+    made: what made the results that they show; it goes into the pictures' own data, with this software's version.
+    """
     paths = []
     for name, figure in figures:
-        for ending, metadata in FORMATS.items():
+        for ending, (drawn_by, shows) in FORMATS.items():
             paths.append(Path(folder) / f"{name}.{ending}")
+            metadata = {drawn_by: f"masonry-damage {VERSION}, commit {commit()}", shows: made}
+            if ending == "pdf":
+                metadata["CreationDate"] = None  # same run, same bytes
             with whole_or_nothing(paths[-1]) as unfinished:
                 figure.savefig(unfinished, format=ending, metadata=metadata)
     return paths

@@ -30,8 +30,7 @@ def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
     damage = history.index(threshold=threshold, slip=slip)["DI"].to_numpy()
     if sample == "max":
-        # A run that failed may end in NaN: that is no maximum.
-        sample = int(np.argmax(np.nan_to_num(damage, nan=-1.0)))
+        sample = int(np.argmax(damage))
     elif sample == "end":
         sample = n_times - 1
     elif isinstance(sample, str) or not -n_times <= sample < n_times:
@@ -49,8 +48,7 @@ def nearest_snapshot(history, time_s):
     nearest = int(np.argmin(np.abs(times - time_s)))
     # Slow tests take their snapshots further apart than the shaking of a wall does.
     near = max(NEAR_S, float(np.median(np.diff(times)))) if len(times) > 1 else NEAR_S
-    is_usable = abs(times[nearest] - time_s) <= near and np.all(np.isfinite(history.displacement[nearest]))
-    return nearest if is_usable else None
+    return nearest if abs(times[nearest] - time_s) <= near else None
 
 
 def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):

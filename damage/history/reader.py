@@ -1,7 +1,7 @@
 """Read a history file into pandas frames."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -11,11 +11,14 @@ import pandas as pd
 
 from damage.checks import record_from
 from damage.errors import InputError
+from damage.history.apart import apart
+from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
 from damage.history.moments import moving
-from damage.history.schema import AT_LIMIT, BROKEN, EVENTS, SCHEMA, SCHEMA_VERSION, STAGES, STATUS
+from damage.history.schema import AT_LIMIT, BROKEN, CODES, EVENTS, SCHEMA, SCHEMA_VERSION, STAGES, STATUS, TABLES
+from damage.history.structure import check_structure
+from damage.history.values import check_parameters, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
-from damage.wall.layout import KINDS
 from damage.wall.parameters import ModelOptions, Wall
 
 
@@ -106,31 +109,57 @@ class History:
 def read_history(path):
     """Read the history at `path`, also one that still grows or whose run was killed.
 
-    Raises InputError when the file is missing, is no history, or has a newer schema.
+    Raises InputError when the file is missing, is no history, has a newer schema, was damaged or changed since its run
+    closed it, or says what cannot be.
     """
     path = Path(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file; give the path of a history (.h5)")
+    head = read_head(path)
+    if head is None or not head.sealed:
+        return apart(path, _open)
+    check_seal(path, head)
+    return _open(path)
+
+
+def _open(path, believe=lambda n_bytes: None):
+    """Read a file that is what it was sealed as, or this in a process of its own."""
     try:
         with h5py.File(path, "r", libver="latest", swmr=_is_growing(path)) as file:
             _check_schema(file, path)
-            return _read(file, path)
-    except InputError:
-        raise
+            believe(check_structure(file))
+            history = _read(file, path)
+        _check_head(history)
+        check_values(history)
+        check_parameters(history.parameters)
+        # Parameters that make no sense are a fault of the file, to be told here and not in the midst of a command.
+        _ = history.loading.as_dict(), history.model, history.masonry_wall
+        return history
+    except InputError as error:
+        raise error if str(path) in str(error) else _unreadable(path, error) from None
     except Exception as error:  # a damaged file may say anything
-        raise InputError(f"{path} cannot be read as a history ({_first_line(error)}); "
-                         "expected an HDF5 file that a run wrote") from error
+        raise _unreadable(path, error) from error
+
+
+def _check_head(history):
+    """What the head says stands in the file, too, and there it is sealed."""
+    head = read_head(history.path)
+    if head and head != replace(head, **head_of(history.solver, history.versions)):
+        raise InputError("its head names another software or model than the rest of it")
+
+
+def _unreadable(path, error):
+    said = (str(error).strip() or type(error).__name__).splitlines()[0]
+    return InputError(f"{path} cannot be read as a history ({said}); expected an HDF5 file that a run wrote")
 
 
 def _is_growing(path):
     """Whether a run still writes the file, or was killed: HDF5's mark in its superblock.  In a finished file, read so,
     HDF5 would wait for ever for a damaged part to become whole."""
     with path.open("rb") as file:
-        return file.read(12)[11:] >= b"\4"  # of its consistency flags that of a single writer with many readers
-
-
-def _first_line(error):
-    return (str(error).strip() or type(error).__name__).splitlines()[0]
+        block = file.read(HEAD_BYTES + 12)
+    start = 0 if block.startswith(HDF5) else HEAD_BYTES
+    return block[start + 11:start + 12] >= b"\4"  # of its consistency flags that of a single writer with many readers
 
 
 def _check_schema(file, path):
@@ -146,22 +175,24 @@ def _check_schema(file, path):
 def _read(file, path):
     run = file["run"]
     # A killed run may have flushed one column more often than another: cut to the shortest.
-    series, n_times = _columns(file["series"], min(len(d) for group in ("series", "frames")
-                                                   for d in file[group].values()))
-    events, _ = _columns(file["events"], min(len(d) for d in file["events"].values()))
-    n_snapshots = min(len(d) for d in file["snapshots"].values())
+    series, n_times = _columns(file, "series", min(len(file[f"{group}/{name}"]) for group in ("series", "frames")
+                                                   for name in TABLES[group]))
+    events, _ = _columns(file, "events", min(len(file[f"events/{name}"]) for name in TABLES["events"]))
+    n_snapshots = min(len(file[f"snapshots/{name}"]) for name in TABLES["snapshots"])
     state = file["frames/state"][:n_times]
     collapsed = float(run["collapsed_at_s"][()])
+    head = read_head(path)
     return History(
         path=path, wall=run.attrs["wall"], solver=run.attrs["solver"], command=run.attrs["command"],
-        status=STATUS[int(run["status"][()])],
+        # What is open has no end yet, whatever it says of itself.
+        status=STATUS[0 if head and not head.sealed else int(run["status"][()])],
         collapsed_at_s=None if np.isnan(collapsed) else collapsed,
         parameters=json.loads(run.attrs["parameters_json"]),
         versions=json.loads(run.attrs["versions_json"]),
-        static={name: float(value[()]) for name, value in file["static"].items()},
+        static={name: float(file[f"static/{name}"][()]) for name in sorted(TABLES["static"])},
         attributes=dict(run.attrs),
-        joints=_decode(_columns(file["joints"])[0], "kind", KINDS),
-        bodies=_columns(file["bodies"])[0],
+        joints=_decode(_columns(file, "joints")[0], "kind", CODES["joints/kind"]),
+        bodies=_columns(file, "bodies")[0],
         series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
         opening_m=file["frames/opening_m"][:n_times], slip_m=file["frames/slip_m"][:n_times],
         broken=(state & BROKEN) > 0, at_limit=(state & AT_LIMIT) > 0,
@@ -176,8 +207,9 @@ def _number_shocks(series):
     return series
 
 
-def _columns(group, n_rows=None):
-    frame = pd.DataFrame({name: dataset[:n_rows] for name, dataset in group.items()})
+def _columns(file, group, n_rows=None):
+    """The datasets of a group that the schema names, as a DataFrame; how many rows it has."""
+    frame = pd.DataFrame({name: file[f"{group}/{name}"][:n_rows] for name in sorted(TABLES[group])})
     return frame, len(frame)
 
 

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+"""1 had no head (`damage.history.head`)."""
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling")
 EVENTS = ("tension", "shear", "opened", "slipped")
@@ -11,7 +12,7 @@ BROKEN, AT_LIMIT = 1, 2  # bits of frames/state
 
 
 class Column(NamedTuple):
-    """A column of a table or a dataset of a file; dtype: as the file stores it."""
+    """A column of a table or a dataset of a file; dtype: as the file stores it, in as many bytes as it likes."""
 
     unit: str
     meaning: str
@@ -27,13 +28,13 @@ STATIC = {
 }
 JOINTS = {
     "kind": Column("code", "bed (the base joint, too), head", "u1"),
-    "first_body": Column("index, -1 ground", "lower body, or left one"),
-    "second_body": Column("index", "upper body, or right one"),
+    "first_body": Column("index, -1 ground", "lower body, or left one", "i8"),
+    "second_body": Column("index", "upper body, or right one", "i8"),
     "x_m": Column("m", "place in the undeformed wall, along it"), "z_m": Column("m", "the same, upwards"),
     "length_m": Column("m", "tributary length"), "area_m2": Column("m2", "tributary length times the thickness"),
     "normal_stiffness_pa_m": Column("Pa/m", "with the bricks' compliance"),
     "shear_stiffness_pa_m": Column("Pa/m", "with the bricks' compliance"),
-    "elastic": Column("bool", "held by the lintel, cannot break"),
+    "elastic": Column("bool", "held by the lintel, cannot break", "?"),
     "tensile_strength_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
     "cohesion_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
 }
@@ -41,7 +42,7 @@ BODIES = {
     "x_m": Column("m", "centre, along the wall"), "z_m": Column("m", "centre, upwards"),
     "length_m": Column("m", "along the wall"), "height_m": Column("m", "upwards"),
     "mass_kg": Column("kg", "mass"), "inertia_kg_m2": Column("kg m2", "moment of inertia about the centre"),
-    "course": Column("index, -1 cap", "0 at the base, -1 for a cap of the top mass"),
+    "course": Column("index, -1 cap", "0 at the base, -1 for a cap of the top mass", "i8"),
 }
 SERIES = {
     "stage": Column("code", "motion, rest, settling (local damping 0.7)", "u1"),
@@ -84,6 +85,14 @@ SNAPSHOTS = {
 GROWING = {"series": SERIES, "frames": FRAMES, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS}
 """Groups whose datasets grow during a run."""
 TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, **GROWING}
+SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "series": ("samples",),
+          "frames": ("samples", "joints"), "events": ("events",), "snapshots": ("snapshots",),
+          "snapshots/displacement": ("snapshots", "bodies", 3)}
+"""Of the datasets of a group, or of one: what they have as many of."""
+CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head")}
+"""Of a dataset: what its numbers stand for."""
+RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
+       "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}
 
 
 def markdown(columns):

@@ -1,9 +1,11 @@
 """The history file: one HDF5 file a run, written step by step and readable while it grows.
 
 `docs/history-schema.md` is the schema.  All datasets are made first; then the file is in HDF5's
-single-writer multiple-reader mode, so that what was flushed is whole even after SIGKILL.
+single-writer multiple-reader mode, so that what was flushed is whole even after SIGKILL.  When it is closed, its head
+is sealed with the checksum of all that follows.
 """
 
+import fcntl
 import json
 import os
 import platform
@@ -16,10 +18,12 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pandas as pd
+import scipy
 
 from damage.errors import InputError, WriteError
 from damage.history import schema
-from damage.wall.layout import KINDS
+from damage.history.head import HEAD_BYTES, Head, head_of, seal, write_head
 
 SNAPSHOT_SAMPLES = 10
 """Samples between two snapshots of the bodies."""
@@ -34,7 +38,8 @@ class HistoryWriter:
     path: of the new file; an existing one raises InputError unless `overwrite`.
     layout: damage.wall.layout.Layout; parameters: JSON-able dictionary of all that defines the run, and the `command`
     that asked for it, where that is not this process's own.
-    solver: "yade" or "reference"; versions: {software: version}.
+    solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model", the digest of the
+    model's code, where they are known.
     Where the disk is full or does not take what is written, WriteError: the file stays as the last flush left it,
     unfinished, and HDF5 can no longer be left in order: end the process by os._exit.
     """
@@ -44,11 +49,13 @@ class HistoryWriter:
         self._rows = {group: [] for group in schema.GROWING}  # of each group, in the order of its columns
         with self._writing():
             self._file = _create_file(self.path, overwrite)
+            write_head(self.path, Head(**head_of(solver, versions)))
             _write_run_attributes(self._file, layout, solver, parameters, versions)
             _write_tables(self._file, layout)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
             self._growing = _create_growing(self._file, layout)
-            self._file.swmr_mode = True
+            self._file.swmr_mode = True  # HDF5 takes its own lock off the file
+            self._lock = _lock(self.path, fcntl.LOCK_SH)
         self.flush()
 
     def static_stage(self, **values):
@@ -99,6 +106,8 @@ class HistoryWriter:
                 self._file["run/collapsed_at_s"][()] = collapsed_at_s
             self._file["run/status"][()] = schema.STATUS.index(status)
             self._file.close()
+            seal(self.path)
+            self._lock.close()
 
     @contextmanager
     def _writing(self):
@@ -119,8 +128,10 @@ def check_output(path, overwrite=False):
         raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
     if path.exists() and not overwrite:
         raise InputError(f"{path} exists already: it is kept; give --overwrite or another --out")
-    if path.exists() and not (path.is_file() and (path.stat().st_size == 0 or h5py.is_hdf5(path))):
-        raise InputError(f"{path} is no history, and --overwrite replaces none but those: give another --out")
+    if path.exists():
+        if not (path.is_file() and (path.stat().st_size == 0 or h5py.is_hdf5(path))):
+            raise InputError(f"{path} is no history, and --overwrite replaces none but those: give another --out")
+        _lock(path, fcntl.LOCK_EX).close()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         probe = path.parent / f".{path.name}.{os.getpid()}.probe"
@@ -137,8 +148,28 @@ def check_output(path, overwrite=False):
 
 def _create_file(path, overwrite):
     check_output(path, overwrite)
-    path.unlink(missing_ok=True)
-    return h5py.File(path, "w", libver="latest")
+    if path.exists():
+        with _lock(path, fcntl.LOCK_EX):
+            path.unlink()
+    try:
+        return h5py.File(path, "x", libver="latest", userblock_size=HEAD_BYTES)
+    except FileExistsError:
+        raise InputError(f"{path} exists now: another run began it at this moment; give another --out") from None
+
+
+def _lock(path, kind):
+    """The file of a history, open and locked until it is closed: LOCK_SH by the run that writes it, LOCK_EX by one that
+    would replace it.  Raises InputError where another has it; a file system without locks has none."""
+    file = open(path, "rb")  # noqa: SIM115, open as long as the lock is held
+    try:
+        fcntl.flock(file, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        file.close()
+        raise InputError(f"{path} is in use: another run writes it, or a program reads it; wait for its end, or give "
+                         "another --out") from None
+    except OSError:
+        pass
+    return file
 
 
 def _write_run_attributes(file, layout, solver, parameters, versions):
@@ -147,8 +178,8 @@ def _write_run_attributes(file, layout, solver, parameters, versions):
     run = file.create_group("run")
     command = parameters.get("command") or " ".join(sys.argv)
     parameters = {name: value for name, value in parameters.items() if name != "command"}
-    versions = {"python": platform.python_version(), "numpy": np.__version__,
-                "h5py": h5py.__version__, "hdf5": h5py.version.hdf5_version, **versions}
+    versions = {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__,
+                "pandas": pd.__version__, "h5py": h5py.__version__, "hdf5": h5py.version.hdf5_version, **versions}
     run.attrs.update({
         "solver": solver, "wall": layout.wall.name, "command": command,
         "created_utc": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -158,8 +189,8 @@ def _write_run_attributes(file, layout, solver, parameters, versions):
         "total_joint_length_m": layout.total_joint_length, "drift_height_m": layout.drift_height,
         "height_m": layout.wall.built_height, "length_m": layout.wall.length,
     })
-    run.create_dataset("status", data=np.uint8(0)).attrs["codes"] = ", ".join(schema.STATUS)
-    run.create_dataset("collapsed_at_s", data=np.nan).attrs["unit"] = "s"
+    for name, first in (("status", np.uint8(0)), ("collapsed_at_s", np.nan)):
+        run.create_dataset(name, data=first).attrs["unit"] = schema.RUN[name].unit
     for name, column in schema.STATIC.items():
         file.create_dataset(f"static/{name}", data=np.nan).attrs["unit"] = column.unit
 
@@ -175,8 +206,7 @@ def _write_tables(file, layout):
                                   bodies.course))}
     for group, (columns, values) in tables.items():
         for (name, column), data in zip(columns.items(), values, strict=True):
-            file.create_dataset(f"{group}/{name}", data=data).attrs["unit"] = column.unit
-    file["joints/kind"].attrs["codes"] = ", ".join(KINDS[:2])
+            file.create_dataset(f"{group}/{name}", data=data, dtype=column.dtype).attrs["unit"] = column.unit
 
 
 def _create_growing(file, layout):
@@ -192,8 +222,8 @@ def _create_growing(file, layout):
                 f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,
                 chunks=(chunks.get(group, _CHUNK), *shape), compression="gzip", compression_opts=2, shuffle=True))
             made[group][-1].attrs["unit"] = column.unit
-    file["series/stage"].attrs["codes"] = ", ".join(schema.STAGES)
-    file["events/kind"].attrs["codes"] = ", ".join(schema.EVENTS)
+    for path, names in schema.CODES.items():
+        file[path].attrs["codes"] = ", ".join(names)
     return made
 
 

@@ -17,11 +17,17 @@ from damage.index import THRESHOLD
 from damage.laboratory.csv_table import CsvTable
 from damage.measure.cracks import ENDS, cracks_at
 from damage.units import MILLIMETRE
+from damage.wall.parameters import LONGEST_M
 
 COLUMNS = ("load_level", "drift_pct", "crack", "point", "x_m", "z_m", "opening_mm", "slip_mm", "width_mm", "mode")
 REQUIRED = ("crack", "point", "x_m", "z_m")
 MODES = ("tension", "shear", "mixed", "unknown")
 STRETCHES = ("crack", "line", *ENDS, "opening_m", "slip_m", "width_m", "mode")
+BOUNDS = {"load_level": 1e6, "drift_pct": 1e3, "point": 1e9, "x_m": LONGEST_M, "z_m": LONGEST_M,
+          **dict.fromkeys(("opening_mm", "slip_mm", "width_mm"), 1e4)}
+"""Largest sizes of what a file may hold, but for the sign."""
+MOST_DRAWN_M = 10_000.0
+"""Length of all polylines of a file [m]."""
 _AGREE = 0.02  # share of the width by which a given width may miss sqrt(opening^2 + slip^2), for rounding
 _AGREE_MM = 0.01
 
@@ -60,12 +66,16 @@ def read_cracks(path):
     for level in rows["level"].unique():
         chosen = np.flatnonzero(rows["level"] == level)
         patterns.append(CrackPattern(level, _drift(table, rows, chosen), _stretches(table, rows, chosen)))
+    drawn = sum(float(pattern.length_m.sum()) for pattern in patterns)
+    if drawn > MOST_DRAWN_M:
+        raise InputError(f"{path}: cracks of {drawn:g} m in all; expected up to {MOST_DRAWN_M:g} m, look at the unit")
     return patterns
 
 
 def _rows(table):
     """Checked columns in SI units."""
     numbers = {name: table.numbers(name) for name in COLUMNS if name not in ("crack", "mode")}
+    table.refuse_beyond(**BOUNDS)
     level = numbers["load_level"]
     if "load_level" in table.text:
         table.refuse(np.isnan(level), "no load_level; give its number")

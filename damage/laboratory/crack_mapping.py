@@ -26,6 +26,7 @@ from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
 PIECE = 0.5 * MILLIMETRE
+_TOGETHER = 200  # pieces whose distances to the joints near them are worked out at once: memory
 
 
 @dataclass(frozen=True)
@@ -67,26 +68,35 @@ def map_cracks(pattern, layout, tolerance=None):
 def _on_joints(number, stretch, ends, tolerance):
     """Rows (stretch, joint, x and z of both ends, length) of the joints that one stretch runs along."""
     low, high = ends[:, 0], ends[:, 1]
-    near = np.flatnonzero(np.all((low <= stretch.max(axis=0) + tolerance)
-                                 & (high >= stretch.min(axis=0) - tolerance), axis=1))
-    if len(near) == 0:
-        return
     whole = stretch[1] - stretch[0]
     length = float(np.hypot(*whole))
     n_pieces = max(1, int(np.ceil(length / PIECE)))
     middle = stretch[0] + whole * ((np.arange(n_pieces) + 0.5) / n_pieces)[:, None]
-    is_head = (high - low)[near, 1] > (high - low)[near, 0]
-    sine = (whole / length)[np.where(is_head, 0, 1)]
-    apart = np.maximum(np.maximum(low[near] - middle[:, None], middle[:, None] - high[near]), 0)
-    cost = np.hypot(apart[..., 0], apart[..., 1]) / tolerance + sine**2
-    best = np.argmin(cost, axis=1)
-    best[cost[np.arange(n_pieces), best] >= 1] = -1
+    best = np.concatenate([_nearest(part, whole / length, low, high, tolerance)
+                           for part in np.split(middle, range(_TOGETHER, n_pieces, _TOGETHER))])
     half = np.abs(whole) / n_pieces / 2
-    for place in np.unique(best[best >= 0]):
-        joint, pieces = near[place], middle[best == place]
+    for joint in np.unique(best[best >= 0]):
+        pieces = middle[best == joint]
         start, end = (np.clip(edge, low[joint], high[joint])
                       for edge in (pieces.min(axis=0) - half, pieces.max(axis=0) + half))
         yield number, joint, *start, *end, length * len(pieces) / n_pieces
+
+
+def _nearest(middle, along, low, high, tolerance):
+    """The joint that each piece of a stretch belongs to, -1 for none: (n_pieces,).
+
+    middle: (n_pieces, 2) [m]; along: (2,) unit vector; low, high: ends of the joints (n_joints, 2) [m].
+    """
+    near = np.flatnonzero(np.all((low <= middle.max(axis=0) + tolerance)
+                                 & (high >= middle.min(axis=0) - tolerance), axis=1))
+    if len(near) == 0:
+        return np.full(len(middle), -1)
+    is_head = (high - low)[near, 1] > (high - low)[near, 0]
+    sine = along[np.where(is_head, 0, 1)]
+    apart = np.maximum(np.maximum(low[near] - middle[:, None], middle[:, None] - high[near]), 0)
+    cost = np.hypot(apart[..., 0], apart[..., 1]) / tolerance + sine**2
+    best = np.argmin(cost, axis=1)
+    return np.where(cost[np.arange(len(middle)), best] >= 1, -1, near[best])
 
 
 def _share_that_fits(table, joint_length):

@@ -6,7 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage.checks import check_file
 from damage.errors import InputError
+
+MOST_MB, MOST_ROWS = 100, 10**6
+"""Size of a file, and its rows."""
 
 
 class CsvTable:
@@ -20,6 +24,8 @@ class CsvTable:
         self.path = Path(path)
         lines = _lines(self.path)
         kept = [k for k, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
+        if len(kept) > MOST_ROWS + 1:
+            raise InputError(f"{path} has {len(kept) - 1} rows: expected up to {MOST_ROWS}; take fewer points")
         if not kept:
             raise InputError(f"{path} is empty: expected a header with the columns {', '.join(required)}")
         try:
@@ -61,6 +67,12 @@ class CsvTable:
                                                   "number, or nothing where it is unknown")
         return values
 
+    def refuse_beyond(self, **bounds):
+        """Raise `error` of the first row with a number larger, but for its sign, than the bound of its column."""
+        for name, bound in bounds.items():
+            beyond = np.abs(np.nan_to_num(self.numbers(name))) > bound
+            self.refuse(beyond, f"{name} is beyond {bound:g}; look at the unit")
+
     def error(self, row, problem):
         """InputError about a row (index)."""
         return InputError(f"{self.path} line {self.line[row]}: {problem}")
@@ -72,8 +84,7 @@ class CsvTable:
 
 
 def _lines(path):
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; give the path of a CSV file")
+    check_file(path, "a CSV file", MOST_MB)
     try:
         return path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:

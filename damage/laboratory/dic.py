@@ -23,6 +23,7 @@ from damage.measure.cracks import crack_table
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.kinematics import ContactKinematics, rigid_displacement
+from damage.wall.parameters import LONGEST_M
 
 REQUIRED = ("x_m", "z_m", "ux_m", "uz_m")
 OPTIONAL = ("load_level", "drift_pct")
@@ -82,6 +83,7 @@ def read_field(path):
     the correlation lost, are left out.  Raises InputError with the line."""
     table = CsvTable(path, REQUIRED, OPTIONAL)
     x, z, ux, uz, level, drift = (table.numbers(name) for name in (*REQUIRED, *OPTIONAL))
+    table.refuse_beyond(**dict.fromkeys(REQUIRED, LONGEST_M), load_level=1e6, drift_pct=1e3)
     table.refuse(np.isnan(x) | np.isnan(z), "no place; give x_m and z_m")
     table.refuse(np.isnan(ux) != np.isnan(uz), "one displacement of two; give ux_m and uz_m, or neither")
     if "load_level" in table.text:

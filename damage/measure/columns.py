@@ -56,6 +56,12 @@ RUN = {
     "seed": Column("1", "of the bricks' random offsets"),
 }
 """What tells one run from another of its point, and how it ended."""
+MADE_BY = {
+    "software": Column("", "version of this software, `unknown` of a run before 0.2"),
+    "commit": Column("", "of its repository; `changed` where the tree differed"),
+    "model_digest": Column("", "of the code of the model in this solver: runs with equal ones can be compared"),
+}
+"""What made a run; of a point, all that its runs have."""
 MEASURES = {
     "Index, drift": {
         _index("max", "displacement"): Column("1", "each its own maximum over the run, slip by displacement"),

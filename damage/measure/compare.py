@@ -15,7 +15,7 @@ from damage.history.moments import BREAKS, STATES, state_codes
 from damage.index import THRESHOLD
 from damage.measure.patterns import compare_patterns, describe_patterns
 from damage.measure.summary import summarise
-from damage.measure.vibration import upward_crossings
+from damage.measure.vibration import NOISE, upward_crossings
 
 DIVERGED = 0.01  # of the peak drift: two runs have parted
 
@@ -106,12 +106,13 @@ def compare_drift(first, second):
     failure = min(_first_break(first), _first_break(second))
     before = time <= failure
     difference, scale = here - there, np.sqrt(np.mean(here[before] ** 2))
-    rms = float(np.sqrt(np.mean(difference[before] ** 2)) / scale) if scale > 0 else 0.0
-    apart = np.flatnonzero(np.abs(difference) > DIVERGED * np.abs(here).max())
+    rms = float(np.sqrt(np.mean(difference[before] ** 2)) / scale) if scale > NOISE else 0.0
+    peak = np.abs(here).max(initial=NOISE)
+    apart = np.flatnonzero(np.abs(difference) > DIVERGED * peak)
     return {"first_failure_s": None if np.isinf(failure) else failure, "rms_before_failure": rms,
             "allowed": DRIFT_TOLERANCE, "agrees": bool(rms <= DRIFT_TOLERANCE),
             "lag_s": _lag(time, here, there), "diverged_at_s": float(time[apart[0]]) if len(apart) else None,
-            "rms_whole": float(np.sqrt(np.mean(difference**2) / np.mean(here**2))) if here.any() else 0.0}
+            "rms_whole": float(np.sqrt(np.mean(difference**2) / np.mean(here**2))) if peak > NOISE else 0.0}
 
 
 def _common_drift(first, second):
@@ -137,7 +138,7 @@ def _first_break(history):
 
 def _lag(time, here, there):
     """How much later the second drift is [s], by the peak of the cross-correlation."""
-    if len(time) < 8 or not here.any() or not there.any():
+    if len(time) < 8 or min(np.abs(here).max(), np.abs(there).max()) <= NOISE:
         return 0.0
     step = (time[-1] - time[0]) / (len(time) - 1)
     product = np.correlate(there, here, mode="full")

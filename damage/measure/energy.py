@@ -3,9 +3,18 @@
 import numpy as np
 
 from damage.history.moments import is_moving, moving
+from damage.units import GRAVITY
 
 STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
 DISSIPATED = ("friction_energy_j", "fracture_energy_j", "damping_energy_j")
+NOISE = 1e-12
+"""Share of weight times height below which an input is rounding: of a façade wall less than a microjoule, where the
+push of a free vibration is a millijoule."""
+
+
+def noise_j(mass_kg, height_m):
+    """Energy below which nothing came into a wall of this mass and height [J]."""
+    return NOISE * mass_kg * GRAVITY * height_m
 
 
 def imbalance(series):
@@ -15,21 +24,47 @@ def imbalance(series):
     return total - total[0]
 
 
-def energy_error(series):
+def energy_error(series, noise=0.0):
     """Largest absolute imbalance over the largest absolute input [-], settling stage excluded.
 
-    None where nothing came in, or of too few samples.
+    None where no more than `noise` [J] came in, or of too few samples.
     """
     before = moving(series)
     if len(before) < 2:
         return None
     scale = energy_scale(before)
-    return float(np.abs(imbalance(before)).max() / scale) if scale > 0 else None
+    return float(np.abs(imbalance(before)).max() / scale) if scale > noise else None
+
+
+def energy_error_of(history):
+    """`energy_error` of a History, None where no more than rounding came in."""
+    return energy_error(history.series, noise_j(history.bodies["mass_kg"].sum(), history.attributes["height_m"]))
 
 
 def energy_scale(series):
     """What an imbalance is measured by [J]: the largest input or, in free vibration, the energy of the kick."""
     return max(np.abs(series["input_energy_j"]).max(), series["kinetic_energy_j"].iloc[0])
+
+
+class Balance:
+    """The `energy_error` of a run under way: `add` a row of the series at a time, settling stages left out."""
+
+    def __init__(self, noise):
+        self._noise, self._first, self._largest, self._scale, self._n = noise, 0.0, 0.0, 0.0, 0
+
+    def add(self, row):
+        """row: {column of the series: value}."""
+        excess = sum(row[name] for name in (*STORED, *DISSIPATED)) - row["input_energy_j"]
+        if self._n == 0:
+            self._first, self._scale = excess, row["kinetic_energy_j"]
+        self._n += 1
+        self._largest = max(self._largest, abs(excess - self._first))
+        self._scale = max(self._scale, abs(row["input_energy_j"]))
+
+    @property
+    def error(self):
+        """The error so far [-], None where `energy_error` has none."""
+        return self._largest / self._scale if self._n > 1 and self._scale > self._noise else None
 
 
 def energy_measures(history):

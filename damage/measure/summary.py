@@ -6,7 +6,8 @@ from damage.errors import InputError
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure.cracks import psi_summary
 from damage.measure.cycles import cycle_measures
-from damage.measure.energy import energy_error, energy_measures
+from damage.measure.doubts import doubts
+from damage.measure.energy import energy_error_of, energy_measures
 from damage.measure.limits import classes
 from damage.measure.pushed import first_loading
 from damage.measure.vibration import period_of
@@ -16,7 +17,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     """Key numbers of a History as a plain dictionary.
 
     Each `max` is its own maximum over the run.  `residual` is the last state of the settling
-    stage, or of a collapse; None for a run that did not come to its end.
+    stage, or of a collapse; None for a run that did not come to its end.  `warnings`: what is odd about the run.
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
@@ -29,6 +30,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     cracks = psi_summary(history, threshold)
     # Where YADE drives the top, the damping energy of the motion is what closes the balance: it tells no error.
     balance_is_closed = history.solver == "yade" and history.loading.drives_top
+    energy_error = None if balance_is_closed else energy_error_of(history)
     return {
         "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
@@ -40,7 +42,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "max_slip_mm": float(np.abs(history.slip_m).max() * 1e3),
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
-        "energy_error_fraction": None if balance_is_closed else energy_error(series),
+        "energy_error_fraction": energy_error, "warnings": doubts(history, energy_error),
         "period_s": period_of(history), **first_loading(history),
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),

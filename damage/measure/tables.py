@@ -1,9 +1,11 @@
 """Tables of histories as CSV for spreadsheets and scripts; units stand in the column names.
 
-`python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, and of a
-sequence _shocks.csv; `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` one row a history.
+`python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, of a
+sequence _shocks.csv, and STEM_info.json, which says what made them; `python3 -m damage tables summary FILE.h5 ...
+--out FILE.csv` one row a history.
 """
 
+import json
 from dataclasses import asdict
 from pathlib import Path
 
@@ -11,7 +13,8 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.files import whole_or_nothing
+from damage.files import whole_or_nothing, write_text
+from damage.history.info import info, made_by
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.cycles import cycles_table, index_by_both
@@ -28,11 +31,12 @@ def summary_row(history, run="", point=""):
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     numbers = summarise(history)
-    del numbers["complete"]  # status says it
+    del numbers["complete"], numbers["warnings"]  # status and the columns say it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
     row |= _motion_columns(history) | asdict(history.model) | {name: history.parameters.get(name) for name in (
         "alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s", "eigen_period_s")}
+    row |= made_by(history)
     for key, value in numbers.items():
         if key in ("max", "residual", "max_shear_limit", "residual_shear_limit"):
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
@@ -115,12 +119,14 @@ RUN_TABLES = {"index": index_table, "events": events_table, "joints": joints_tab
 
 
 def write_run_tables(history, stem, names=RUN_TABLES):
-    """Write the named tables of a run to STEM_index.csv and so on, shocks of sequences alone; returns their paths."""
+    """Write the named tables of a run to STEM_index.csv and so on, shocks of sequences alone, and what made them to
+    STEM_info.json; returns their paths."""
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
     if history.series["shock"].iloc[-1] == 1:
         names = [name for name in names if name != "shocks"]
-    return [write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names]
+    return [write_text(f"{stem}_info.json", json.dumps(info(history), indent=1)),
+            *(write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names)]
 
 
 def write_table(table, path):

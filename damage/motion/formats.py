@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from damage.checks import check_file
 from damage.errors import InputError
 from damage.files import DATA, write_text
 from damage.motion.record import Record, _shown, _utc
@@ -24,6 +25,9 @@ TIME_TOLERANCE = 0.01
 Room for the rounding of the printed times: four decimals at 150 Hz are 0.75 % of the step.
 """
 
+MOST_MB = 50
+"""Size of a record's file."""
+
 QUIET_S = 2.0
 """The mean of this first part of a miniSEED trace is taken as the instrument's offset [s]."""
 
@@ -35,8 +39,8 @@ _MINISEED_START = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03")
 _CSV_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
 _NUMBER = r"([-+.\dEe]+)"
 _AT2_COUNT_AND_STEP = (
-    re.compile(rf"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE),
-    re.compile(rf"^\s*(\d+)[\s,]+{_NUMBER}[\s,]+NPTS\s*,\s*DT", re.IGNORECASE),
+    re.compile(rf"NPTS\s*=\s*(\d{{1,12}})\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE),
+    re.compile(rf"^\s*(\d{{1,12}})[\s,]+{_NUMBER}[\s,]+NPTS\s*,\s*DT", re.IGNORECASE),
 )
 _AT2_NOT_ACCELERATION_IN_G = re.compile(r"VELOCITY|DISPLACEMENT|UNITS OF (?!G\b)", re.IGNORECASE)
 
@@ -149,7 +153,8 @@ def _read_at2(path, lines: list[str]) -> Record:
     count, step_s = found
     if len(values) != count:
         raise InputError(f"{path}: {len(values)} values; expected the NPTS = {count} of line 4, fetch it anew")
-    return Record(Path(path).stem, step_s, np.array(values) * GRAVITY, "", str(path))
+    with np.errstate(over="ignore"):  # an infinite sample is refused with its number
+        return Record(Path(path).stem, step_s, np.array(values) * GRAVITY, "", str(path))
 
 
 def _at2_count_and_step(line: str) -> tuple[int, float] | None:
@@ -172,7 +177,8 @@ def _read_miniseed(path, data: bytes, response) -> Record:
     if counts.size < quiet:
         raise InputError(f"{path}: {counts.size} samples; expected {quiet} or more, as the mean of the first"
                          f" {QUIET_S:g} s is the instrument's offset")
-    acceleration = (counts - counts[:quiet].mean()) / sensitivity
+    with np.errstate(over="ignore"):  # an infinite sample is refused with its number
+        acceleration = (counts - counts[:quiet].mean()) / sensitivity
     start_utc = str(trace.stats.starttime)
     return Record(trace.id, trace.stats.delta, acceleration, start_utc, str(path))
 
@@ -210,13 +216,14 @@ def _sensitivity(obspy, station_xml: Path, trace) -> float:
     if not station_xml.is_file():
         raise InputError(f"{station_xml}: no such file; expected the StationXML of {trace.id} there,"
                          " or another path given as response")
+    check_file(station_xml, f"the StationXML of {trace.id}", MOST_MB)
     try:
         inventory = obspy.read_inventory(io.BytesIO(station_xml.read_bytes()))
         found = inventory.get_response(trace.id, trace.stats.starttime).instrument_sensitivity
     except Exception as error:  # obspy raises a bare Exception where no channel matches
         raise InputError(f"{station_xml}: obspy says {_shown(error)};"
                          f" expected the StationXML of {trace.id} at {trace.stats.starttime}") from error
-    units = str(found.input_units).upper() if found and found.value else "no sensitivity"
+    units = str(found.input_units).upper() if found and found.value and math.isfinite(found.value) else "no sensitivity"
     if units not in ACCELERATION_UNITS:
         raise InputError(f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
                          " in counts per M/S**2, give an acceleration channel")
@@ -225,10 +232,8 @@ def _sensitivity(obspy, station_xml: Path, trace) -> float:
 
 def _content(path) -> bytes:
     """Bytes of a file that must exist and hold something."""
-    if Path(path).is_dir():
-        raise InputError(f"{path}: a directory; expected a record file (CSV, AT2 or miniSEED)")
     try:
-        data = Path(path).read_bytes()
+        data = check_file(path, "a record file (CSV, AT2 or miniSEED)", MOST_MB).read_bytes()
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}; expected a file, check the path") from error
     if not data.strip():

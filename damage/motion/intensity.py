@@ -24,6 +24,9 @@ HIGHEST_CORNER = 0.8
 POINTS_PER_PERIOD = 100
 """Instants a period at which an oscillator's peak is sought: misses 1 - cos(pi/100) < 0.05 %."""
 
+MOST_VALUES = 10**8
+"""Instants of an oscillator's response, 8 bytes each."""
+
 
 def pga_g(record: Record) -> float:
     """Peak ground acceleration [g]."""
@@ -104,6 +107,9 @@ def oscillator_response(
     state = signal.lfilter([1.0], [1.0, -np.exp(pole * time_step_s)], -(start * phi0 + change * phi1))
     state = np.concatenate(([0.0], state[:-1]))  # (n_samples - 1,) at the start of each step
     instants = math.ceil(POINTS_PER_PERIOD * time_step_s / period_s)
+    if instants * start.size > MOST_VALUES:
+        raise InputError(f"a period of {period_s:g} s of {start.size} samples {time_step_s:g} s apart: expected up to "
+                         f"{MOST_VALUES} instants in all, {POINTS_PER_PERIOD} a period; resample the record")
     response = np.empty((instants, start.size))
     for number, part in enumerate(np.arange(1, instants + 1) / instants):
         elapsed_s = part * time_step_s

@@ -13,12 +13,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from damage.checks import check_choice, check_not_negative, check_number, check_positive, check_whole, record_from
+from damage.checks import check_choice, check_positive, check_range, check_whole, record_from
 from damage.errors import InputError
 from damage.motion import record as prepare
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.motion.record import Record
 from damage.units import GRAVITY
+
+PERIODS_S, HIGHEST_G, MOST_CYCLES = (1e-3, 1000.0), 100.0, 10**6
+"""Of a base motion: least and largest period of a harmonic one [s], peak [g], cycles."""
 
 
 class Loading:
@@ -26,12 +29,14 @@ class Loading:
 
     shakes_base, drives_top: whether it does; initial_velocity_m_s: of the wall's top in its first mode at time zero
     [m/s]; duration_s: of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
-    pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where not told.
+    peak_g: largest acceleration of the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of
+    the base along the wall, None where not told.
     Every one has a name, too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
     shakes_base, drives_top, initial_velocity_m_s, duration_s = False, False, 0.0, 0.0
     cycle_edges_s = np.zeros(0)
+    peak_g = 0.0
     pga_g = sa_02_s_g = None
 
     def preferred_step_s(self, max_step_s: float) -> float:
@@ -56,9 +61,9 @@ class Harmonic(Loading):
     shakes_base: ClassVar[bool] = True
 
     def __post_init__(self):
-        check_positive("harmonic period [s]", self.period_s)
-        check_not_negative("harmonic amplitude [g]", self.amplitude_g)
-        check_whole("cycles", self.cycles, 1)
+        check_range("harmonic period [s]", self.period_s, *PERIODS_S)
+        check_range("harmonic amplitude [g]", self.amplitude_g, 0, HIGHEST_G)
+        check_whole("cycles", self.cycles, 1, MOST_CYCLES)
 
     @property
     def name(self) -> str:
@@ -76,6 +81,10 @@ class Harmonic(Loading):
 
     @property
     def pga_g(self) -> float:
+        return self.amplitude_g
+
+    @property
+    def peak_g(self) -> float:
         return self.amplitude_g
 
     def preferred_step_s(self, max_step_s: float) -> float:
@@ -156,6 +165,10 @@ class Recorded(Loading):
     def duration_s(self) -> float:
         """Time of the last sample that is used [s]."""
         return self.motion[0].duration_s
+
+    @property
+    def peak_g(self) -> float:
+        return max(map(pga_g, self.motion))
 
     def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost between steps."""
@@ -244,6 +257,8 @@ BOUNDARIES = ("cantilever", "fixed")
 EASE_S = 0.1
 """Time that a pushed top takes to start, to turn round and to stop [s]: longer than a wall's first period,
 so that it does not make the wall vibrate."""
+DRIFTS_PCT, SPEEDS_M_S = (1e-6, 100.0), (1e-6, 1.0)
+"""Least and largest drift that a top is pushed to [%], and speed [m/s]: less is rounding, more is not quasi-static."""
 
 
 @dataclass(frozen=True)
@@ -269,12 +284,13 @@ class TopDisplacement(Loading):
         if not self.amplitudes_pct:
             raise InputError("no drift to push the top to; expected one or more [%]; give some")
         for drift in self.amplitudes_pct:
-            check_positive("drift [%]", drift)
-        check_whole("cycles", self.cycles)
+            check_range("drift [%]", drift, *DRIFTS_PCT)
+        check_whole("cycles", self.cycles, 0, 1000)
+        if len(self.amplitudes_pct) > 1000:
+            raise InputError(f"{len(self.amplitudes_pct)} drifts to push the top to; expected up to 1000; give fewer")
         check_choice("boundary", self.boundary, BOUNDARIES)
-        check_positive("speed [m/s]", self.speed_m_s)
-        check_number("local damping", self.local_damping, "a number from 0 to 0.7, for which steps are stable",
-                     lambda value: 0 <= value <= 0.7)
+        check_range("speed [m/s]", self.speed_m_s, *SPEEDS_M_S)
+        check_range("local damping", self.local_damping, 0, 0.7)  # beyond it steps are not stable
 
     @property
     def name(self) -> str:
@@ -309,8 +325,12 @@ class TopDisplacement(Loading):
 
     def velocities(self, interval_s: float, height: float) -> np.ndarray:
         """Velocity of the top [m/s] in every interval of that length, until the motion's end: (n,)."""
-        n = math.ceil(self.schedule(height)[0][-1] / interval_s)
+        n = math.ceil(self.length_s(height) / interval_s)
         return np.diff(self.top_displacement(np.arange(n + 1) * interval_s, height)) / interval_s
+
+    def length_s(self, height: float) -> float:
+        """Time of the motion's end [s]."""
+        return float(self.schedule(height)[0][-1])
 
     def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:
         """Times (k,) [s] and top displacements (k,) [m] from (0, 0): to every turning point, and a rest there."""

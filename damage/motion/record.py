@@ -7,8 +7,14 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 from scipy import signal
 
-from damage.checks import check_number, check_positive
+from damage.checks import check_positive, check_range
 from damage.errors import InputError
+
+TIME_STEPS_S = 1e-6, 1.0
+MOST_SAMPLES, HIGHEST_M_S2, MOST_SCALE = 10**6, 1e5, 1e3
+"""Of a record: least and largest time step [s], number of samples, acceleration [m/s2], factor on it."""
+LOWEST_HZ = 1e-3
+"""Lowest corner of a band-pass [Hz]: records last minutes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +38,7 @@ class Record:
 
     def __post_init__(self):
         where = self.source or self.name or "record"
-        check_positive(f"{where}: time step [s]", self.time_step_s)
+        check_range(f"{where}: time step [s]", self.time_step_s, *TIME_STEPS_S)
         acceleration = np.array(self.acceleration_m_s2, dtype=np.float64)
         if acceleration.ndim != 1 or acceleration.size < 2:
             raise InputError(f"{where}: acceleration of shape {acceleration.shape};"
@@ -41,6 +47,12 @@ class Record:
         if not finite.all():
             raise InputError(f"{where}: sample {np.argmin(finite)} is {acceleration[np.argmin(finite)]};"
                              " expected finite numbers, fill or cut the gap")
+        if acceleration.size > MOST_SAMPLES:
+            raise InputError(f"{where}: {acceleration.size} samples; expected up to {MOST_SAMPLES}, cut the record")
+        largest = np.argmax(np.abs(acceleration))
+        if abs(acceleration[largest]) > HIGHEST_M_S2:
+            raise InputError(f"{where}: sample {largest} is {acceleration[largest]:g} m/s2; expected up to "
+                             f"{HIGHEST_M_S2:g}, look at the unit")
         acceleration.setflags(write=False)
         object.__setattr__(self, "acceleration_m_s2", acceleration)
         object.__setattr__(self, "start_utc", _utc(self.start_utc, 0.0, where))
@@ -58,7 +70,7 @@ class Record:
 
 def scaled(record: Record, factor: float) -> Record:
     """The record times a factor; a negative one turns its direction."""
-    check_number("scale factor", factor)
+    check_range("scale factor", factor, -MOST_SCALE, MOST_SCALE)
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
 
 
@@ -114,9 +126,9 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
     an edge falls with 6 dB times `order` an octave and the amplitude at a corner is 1/2.
     """
     rate_hz = 1.0 / record.time_step_s
-    if not 0 < low_hz < high_hz < 0.5 * rate_hz:
-        raise InputError(f"band {low_hz!r} to {high_hz!r} Hz; expected 0 < low < high < {0.5 * rate_hz:g} Hz,"
-                         f" half the sampling rate of {record.name}")
+    if not LOWEST_HZ <= low_hz < high_hz < 0.5 * rate_hz:
+        raise InputError(f"band {low_hz!r} to {high_hz!r} Hz; expected {LOWEST_HZ:g} <= low < high < {0.5 * rate_hz:g}"
+                         f" Hz, half the sampling rate of {record.name}")
     if order not in range(2, 21, 2):
         raise InputError(f"filter order {order!r}; expected 2, 4, ... 20: two passes share it")
     sos = signal.butter(int(order) // 2, (low_hz, high_hz), "bandpass", fs=rate_hz, output="sos")
@@ -125,6 +137,9 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
     except ValueError as error:
         raise InputError(f"{record.name}: {record.acceleration_m_s2.size} samples are too few for a filter of"
                          f" order {order}; expected a longer record") from error
+    except np.linalg.LinAlgError as error:
+        raise InputError(f"{record.name}: {low_hz:g} Hz are too little for samples {record.time_step_s:g} s apart;"
+                         " expected a higher corner, or a record with fewer samples a second") from error
     return replace(record, acceleration_m_s2=filtered)
 
 

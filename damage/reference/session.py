@@ -1,24 +1,26 @@
 """`python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the built-in solver."""
 
 import sys
+from pathlib import Path
 
 import numba
 
+from damage.errors import one_line
 from damage.reference.solver import ReferenceSolver
 from damage.run.session import EXIT_INPUT, Backend, run_session
 from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
-BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, softens=True)
+BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, Path(__file__).parent, softens=True)
 
 
 def run_reference(arguments):
     """Run with the words of a command line, the wall file first; returns the exit status."""
     wall, *options = arguments or ["--help"]
     if wall.startswith("-") and wall not in ("-h", "--help"):
-        print(f"error: {wall} comes where a wall file should; give {PROG} walls/NAME.py [OPTIONS]",
+        print(f"error: {one_line(wall)} comes where a wall file should; give {PROG} walls/NAME.py [OPTIONS]",
               file=sys.stderr)
         return EXIT_INPUT
     if wall.startswith("-"):
         wall, options = "walls/NAME.py", ["--help"]
-    return run_session(BACKEND, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
+    return run_session(BACKEND, wall, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")

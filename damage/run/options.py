@@ -1,10 +1,13 @@
 """The options of a run, the same for every solver, and the frozen record that they become."""
 
 import argparse
+import hashlib
+import os
 import re
 from dataclasses import fields
 from pathlib import Path
 
+from damage.checks import check_path
 from damage.errors import InputError
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
@@ -23,6 +26,26 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message):
         raise InputError(f"{message}; see --help")
+
+
+def file_path(word):
+    """The type of an option that names a file or a folder."""
+    try:
+        return check_path(word)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
+def number_from(least, most, kind=float):
+    """The type of an option that is a number from `least` to `most`; kind: int for a whole one."""
+    def convert(word):
+        value = kind(word)
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{word}: expected a number from {least:g} to {most:g}; mend it")
+        return value
+
+    convert.__name__ = kind.__name__  # for what argparse says of a word that is none
+    return convert
 
 
 def parse_run(arguments, prog, solver):
@@ -52,11 +75,11 @@ def _add_motion(group):
     group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"), help="a sine from zero")
     group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each "
                        "drift of --cyclic (default 2)")
-    group.add_argument("--record", type=Path, metavar="FILE",
+    group.add_argument("--record", type=file_path, metavar="FILE",
                        help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
     group.add_argument("--scale", type=float, help="factor on the record (default 1)")
     group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
-    group.add_argument("--vertical", type=Path, metavar="FILE", help="the record's vertical component")
+    group.add_argument("--vertical", type=file_path, metavar="FILE", help="the record's vertical component")
     group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase")
@@ -107,7 +130,7 @@ def _add_model(group, solver):
 
 
 def _add_run(group, solver):
-    group.add_argument("--out", type=Path, metavar="FILE.h5", help="the history "
+    group.add_argument("--out", type=file_path, metavar="FILE.h5", help="the history "
                        "(default: a free name below results/)")
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5")
     group.add_argument("--rest", type=float, default=2.0, metavar="S",
@@ -118,6 +141,7 @@ def _add_run(group, solver):
         group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
 
 
+_LONGEST_STEM = 200  # bytes; a character has up to four
 _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"), "speed": ("pushover", "cyclic"),
             "damping": ("pushover", "cyclic"),
             "sequence": ("harmonic", "record"),
@@ -191,9 +215,11 @@ def free_name(wall, settings, solver, folder="results"):
     parts = [wall.name, settings.loading.name, solver, *settings.model.tags()]
     parts += ["sequence-" + "-".join(f"{factor:g}" for factor in settings.sequence)] \
         if settings.sequence != (1.0,) else []
-    stem, number = "_".join(parts), 1
+    stem, count = "_".join(parts), 1
+    if len(os.fsencode(stem)) > _LONGEST_STEM:
+        stem = f"{stem[:_LONGEST_STEM // 4 - 9]}_{hashlib.sha256(stem.encode()).hexdigest()[:8]}"
     while True:
-        path = Path(folder) / f"{stem}{'' if number == 1 else f'_{number}'}.h5"
+        path = Path(folder) / f"{stem}{'' if count == 1 else f'_{count}'}.h5"
         if not path.exists():
             return path
-        number += 1
+        count += 1

@@ -2,12 +2,10 @@
 
 import sys
 
+from damage.errors import one_line
 from damage.history.reader import read_history
+from damage.measure.doubts import static_doubts
 from damage.measure.summary import summarise
-from damage.run.settings import AT_REST
-
-ENERGY_ERROR = 0.03
-"""Energy error [-] above which a run is warned of: standing walls of the studies have up to 0.021."""
 
 
 def report(path, pictures=True):
@@ -16,14 +14,12 @@ def report(path, pictures=True):
     The history is complete by then: whatever fails here is told and loses nothing.
     """
     history = read_history(path)
-    for warning in static_warnings(history):
-        print(f"warning: {warning}", file=sys.stderr)
     if len(history.series) == 0:
+        warn(static_doubts(history))
         print(f"{history.status}: no sample was written")
         return
     summary = summarise(history)
-    for warning in energy_warnings(summary["energy_error_fraction"]):
-        print(f"warning: {warning}", file=sys.stderr)
+    warn(summary["warnings"])
     print(describe(summary))
     if pictures:
         try:
@@ -33,27 +29,14 @@ def report(path, pictures=True):
             for picture in save_all(history, folder):
                 print(f"picture: {picture}")
         except Exception as error:
-            print(f"warning: the history is whole, its pictures failed ({error}); "
+            print(f"warning: the history is whole, its pictures failed ({one_line(error)}); "
                   f"try: python3 -m damage plot {path} --out {path.with_suffix('')}", file=sys.stderr)
 
 
-def static_warnings(history):
-    """What is odd about the start of a run, a line each: broken joints, or a wall not at rest."""
-    static, warnings = history.static, []
-    if static["broken_joints"] > 0:
-        warnings.append(f"{static['broken_joints']:.0f} contact points broke under gravity, before the motion")
-    if static["unbalanced_force"] > AT_REST:
-        warnings.append(f"the motion began before the wall was at rest: unbalanced force "
-                        f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}")
-    return warnings
-
-
-def energy_warnings(error):
-    """What is odd about a run's energy error [-], None where there is none: a list of str."""
-    if error is None or error <= ENERGY_ERROR:
-        return []
-    return [f"energy error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not trust "
-            "this run; give a smaller --dt"]
+def warn(warnings):
+    """Print warnings, a line each."""
+    for warning in warnings:
+        print(f"warning: {warning}", file=sys.stderr)
 
 
 def describe(summary):

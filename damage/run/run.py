@@ -2,9 +2,12 @@
 
 import numpy as np
 
+from damage.errors import RunError
 from damage.history.writer import SNAPSHOT_SAMPLES
+from damage.measure.doubts import AT_REST
+from damage.measure.energy import Balance, noise_j
 from damage.run import schedule
-from damage.run.settings import ADAPTIVE_DAMPING, AT_REST, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
+from damage.run.settings import ADAPTIVE_DAMPING, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import NO_MOTION
 from damage.run.watch import has_collapsed, index_now, unbalanced_force
 from damage.units import GRAVITY
@@ -31,6 +34,7 @@ class Run:
         self._zero = self._last = None  # instants: of time zero, of the last sample
         self._last_s = 0.0  # time of that sample
         self._balance_j = self._damped_j = 0.0
+        self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
         if settings.perturb_m > 0:
             random = np.random.default_rng(settings.seed)
             solver.shift(random.normal(0, settings.perturb_m, (len(layout.bodies), 2)))
@@ -47,6 +51,11 @@ class Run:
                          self._last.slip)
 
     @property
+    def energy_error(self):
+        """Of the samples so far: `damage.measure.energy.energy_error` [-], None where hardly anything came in."""
+        return self._balance.error
+
+    @property
     def duration_s(self):
         """Of all stages after the static one [s]."""
         return self.stages[-1].end_step * self.solver.time_step
@@ -60,7 +69,7 @@ class Run:
         solver.damp(**self._relaxation(LOCAL_DAMPING))
         solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n))
         while self.keep_going(self, self.time):
-            solver.advance(LOOK_STEPS)
+            self._advance(LOOK_STEPS)
             held = self.time - RAMP_S
             if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
                 break
@@ -105,8 +114,21 @@ class Run:
             while solver.clock < stage.end_step:
                 if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
                     return False
-                solver.advance(min(stage.end_step - solver.clock, LOOK_STEPS), self.sample_steps, self.sample)
+                self._advance(min(stage.end_step - solver.clock, LOOK_STEPS), self.sample_steps, self.sample)
         return True
+
+    def _advance(self, *how):
+        """Let the solver advance; a run that blows up ends at once."""
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                self.solver.advance(*how)
+        except ArithmeticError as error:
+            raise self._failure(error) from error
+
+    def _failure(self, problem):
+        stage = f"static stage, {self.time:.6g} s" if self.stage == "static" else f"{self.time:.6g} s"
+        return RunError(f"the run blew up ({stage}): {problem}; expected finite numbers; give a smaller --dt, or look "
+                        "at the wall's stiffnesses and masses")
 
     def _unbalanced_force(self):
         return unbalanced_force(self.layout, *self.solver.forces())
@@ -131,11 +153,14 @@ class Run:
         now = self._last = self.solver.instant(base)
         self._last_s = self.time
         motion, top = self._motion(now), self._top(now)
-        self.writer.append(self.stage, {
+        row = {
             "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
             "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
-            "base_shear_n": now.base_shear_n, "top_force_n": now.top_force_n, **self._energies(now, motion),
-        }, now.opening, now.slip, now.state)
+            "base_shear_n": now.base_shear_n, **self._energies(now, motion)}
+        self._check_finite({**row, "motion": motion, "opening": now.opening, "slip": now.slip})
+        self.writer.append(self.stage, {**row, "top_force_n": now.top_force_n}, now.opening, now.slip, now.state)
+        if self.stage != "settling":
+            self._balance.add(row)
         if self._samples % SNAPSHOT_SAMPLES == 0:
             self.writer.snapshot(self.time, motion)
         self._write_events(self.solver.drain_events())
@@ -145,6 +170,11 @@ class Run:
             self.solver.push(self._top_velocities[min(self._samples, len(self._top_velocities) - 1)])
         self._samples += 1
         return self.collapsed_at_s is None
+
+    def _check_finite(self, values):
+        for name, value in values.items():
+            if not np.all(np.isfinite(value)):
+                raise self._failure(f"{name} is no longer finite")
 
     def _energies(self, now, motion):
         """Energies since time zero [J].  Damping that the solver cannot tell is what is missing in the balance

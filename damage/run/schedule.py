@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import LOCAL_DAMPING, SAMPLE_S, SETTLE_S
+from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SETTLE_S
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
@@ -76,6 +76,23 @@ def stages(settings, layout, time_step, sample_steps):
             found.append(Stage(shock, name, start, end))
             start = end
     return found
+
+
+def check_size(settings, layout, time_step):
+    """Raise InputError of a run that is longer than can be, before anything is made for it; time_step [s]."""
+    loading, interval = settings.loading, sample_steps(time_step)
+    length_s = loading.length_s(layout.pushed_height) if loading.drives_top else settings.duration_s
+    if length_s > LONGEST_S:
+        raise InputError(f"a push of {length_s:.6g} s: expected up to {LONGEST_S:g} s; give a smaller drift, fewer "
+                         "--cycles or a larger --speed")
+    steps = length_s / time_step
+    if steps > MOST_STEPS:
+        raise InputError(f"a run of {length_s:.6g} s in {steps:.3g} steps of {time_step:.3g} s: expected up to "
+                         f"{MOST_STEPS:.0e} steps; give a larger --dt, less damping (--beta), or a shorter run")
+    states = steps / interval * layout.n_joints
+    if states > MOST_STATES:
+        raise InputError(f"{steps / interval:.3g} samples of {layout.n_joints} contact points: expected up to "
+                         f"{MOST_STATES:.0e} states in all; give a shorter run, or fewer --cells")
 
 
 def base_acceleration(settings, schedule, time_step):

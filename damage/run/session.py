@@ -6,14 +6,17 @@ import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
-from damage.errors import InputError, WriteError
+from damage.errors import InputError, RunError, WriteError
 from damage.history.writer import HistoryWriter, check_output
+from damage.measure.doubts import ENERGY_FAILURE
+from damage.provenance import file_origin, versions
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.report import report
 from damage.run.run import Run
-from damage.run.schedule import choose_time_step
+from damage.run.schedule import check_size, choose_time_step
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
@@ -24,6 +27,7 @@ EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 class Backend:
     """A solver as a session needs it.
 
+    versions: {software: version} beside this software's own; code: the folder of the solver's modules;
     make(layout, time_step): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
     open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softens: whether it knows joints with fracture energies.
@@ -32,19 +36,17 @@ class Backend:
     name: str
     versions: dict
     make: Callable
+    code: Path
     check: Callable = lambda settings: None
     open_view: Callable | None = None
     softens: bool = False
 
 
-def run_session(backend, make_wall, arguments, prog):
-    """Run the wall that `make_wall()` returns with the words of a command line; the exit status:
+def run_session(backend, wall_file, make_wall, arguments, prog):
+    """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command line; the exit status:
     0 done, 1 failed, 2 bad input, 130 interrupted."""
     try:
-        return _run(backend, make_wall, arguments, prog)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return EXIT_INPUT
+        return _run(backend, wall_file, make_wall, arguments, prog)
     except WriteError as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
@@ -53,12 +55,24 @@ def run_session(backend, make_wall, arguments, prog):
         return exit_.code or EXIT_OK
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
-    except Exception:
-        traceback.print_exc()
+    except Exception as error:
+        return _tell(error)
+
+
+def _tell(error):
+    """Say what went wrong, in one line where it is no fault of this software; the exit status."""
+    if isinstance(error, MemoryError):
+        error = RunError(f"not enough memory ({error}): expected room for the run; give a shorter one, fewer --cells")
+    elif isinstance(error, OSError):
+        error = InputError(f"{error}: expected a file or folder that can be read and written; mend that")
+    if not isinstance(error, InputError | RunError):
+        traceback.print_exception(error)
         return EXIT_FAILED
+    print(f"error: {error}", file=sys.stderr)
+    return EXIT_INPUT if isinstance(error, InputError) else EXIT_FAILED
 
 
-def _run(backend, make_wall, arguments, prog):
+def _run(backend, wall_file, make_wall, arguments, prog):
     settings = parse_run(arguments, prog=prog, solver=backend.name)
     wall = make_wall()
     settings = settings.for_joint(wall.joint)
@@ -71,13 +85,14 @@ def _run(backend, make_wall, arguments, prog):
     layout = lay_out(wall, settings.model)
     modes = natural_modes(layout)
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
+    check_size(settings, layout, time_step)
     show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
-    parameters = {"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": time_step,
-                  "critical_time_step_s": modes.critical_time_step_s,
+    parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
+                  "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0])}
     writer = HistoryWriter(out, layout, solver=backend.name, parameters=parameters,
-                           versions=backend.versions, overwrite=settings.overwrite)
+                           versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
     print(f"history: {out}", flush=True)
     status = _simulate(backend, layout, settings, modes, time_step, writer, show)
     report(out, pictures=settings.pictures and status == EXIT_OK)
@@ -113,6 +128,9 @@ def _simulate(backend, layout, settings, modes, time_step, writer, show):
             run.start(modes.shape[0])
             finished = run.run_all()
         collapsed = run.collapsed_at_s
+        if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
+            raise RunError(f"energy error {100 * run.energy_error:.3g} % of the input, expected up to "
+                           f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
     finally:
         progress.close()

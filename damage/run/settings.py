@@ -4,16 +4,20 @@ import math
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from damage.checks import check_not_negative, check_positive
+from damage.checks import check_range, check_whole
 from damage.errors import InputError
-from damage.wall.parameters import ModelOptions
+from damage.index import THRESHOLD
+from damage.motion.loading import HIGHEST_G
+from damage.motion.record import MOST_SCALE
+from damage.wall.parameters import MOST_SEED, ModelOptions
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
 RAMP_S, HOLD_S, HOLD_AT_MOST_S = 0.2, 0.2, 3.0
 """Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
-AT_REST = 1e-5
-"""Unbalanced force below which the static stage is over [-]."""
+LONGEST_S, MOST_STEPS, MOST_STATES = 2000.0, 10**8, 10**9
+"""What a run may have: length [s], time steps, and states of contact points in all of its samples, eleven bytes each
+when the history is read."""
 SETTLE_S = 0.5
 """Length of the settling stage [s] and its local damping [-]: the residual is its last state."""
 LOCAL_DAMPING = 0.7
@@ -31,8 +35,8 @@ class RunSettings:
     sequence: factors of the motion, a shock each; rest_s: free vibration after each shock [s], which ends
     with a settling stage; time_step_s: None for the solver's own;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
-    joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random offsets of the bricks [m]
-    drawn with `seed`; out: history file, None for a name of its own below `results/`; command: what asked for it.
+    joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
+    offsets of the bricks [m] drawn with `seed`; out: history file, None for a name of its own below `results/`; command: what asked for it.
     """
 
     loading: object
@@ -52,13 +56,27 @@ class RunSettings:
     command: str = ""
 
     def __post_init__(self):
-        if not self.sequence or not all(map(math.isfinite, self.sequence)):
-            raise InputError(f"--sequence {self.sequence}: expected factors of the motion, like 1,0.5,0.4")
-        for option, value in (("--rest", self.rest_s), ("--beta", self.beta_s), ("--perturb", self.perturb_m)):
-            if value is not None:
-                check_not_negative(option, value)
+        if not self.sequence:
+            raise InputError("--sequence without a factor: expected factors of the motion, like 1,0.5,0.4")
+        for factor in self.sequence:
+            check_range("a factor of --sequence", factor, -MOST_SCALE, MOST_SCALE)
+        check_range("--rest [s]", self.rest_s, 0, LONGEST_S)
+        if self.beta_s is not None:
+            check_range("--beta [s]", self.beta_s, 0, 1)
+        check_range("--perturb [m]", self.perturb_m, 0, THRESHOLD)  # more is a visible crack by itself
+        check_whole("--seed", self.seed, 0, MOST_SEED)
         if self.time_step_s is not None:
-            check_positive("--dt [s]", self.time_step_s)
+            check_range("--dt [s]", self.time_step_s, 1e-9, 1)
+        self._check_motion()
+
+    def _check_motion(self):
+        if self.duration_s > LONGEST_S:
+            raise InputError(f"a run of {self.duration_s:.6g} s: expected up to {LONGEST_S:g} s, a million samples; "
+                             "give a shorter motion, fewer --cycles or shocks, or a shorter --rest")
+        peak_g = self.loading.peak_g * max(map(abs, self.sequence))
+        if peak_g > HIGHEST_G:
+            raise InputError(f"a base motion of up to {peak_g:.3g} g: expected up to {HIGHEST_G:g} g; give a smaller "
+                             "--scale or --sequence, or look at the record's unit")
 
     def for_joint(self, joint):
         """These settings with the damping that a damage.wall.parameters.Joint needs, where none was asked for."""
@@ -84,9 +102,9 @@ def rayleigh_factors(ratio, first_hz, second_hz):
 
     ratio = alpha / (2 omega) + beta omega / 2 at both (Chopra, Dynamics of Structures, section 11.4).
     """
-    if not (0 <= ratio < 1 and 0 < first_hz < second_hz < math.inf):
+    if not (0 <= ratio < 1 and 0.01 <= first_hz < second_hz <= 1000):
         raise InputError(f"--rayleigh {ratio:g} {first_hz:g} {second_hz:g}: expected a ratio from 0 to 1 and two "
-                         "rising frequencies, like 0.02 5 20")
+                         "rising frequencies from 0.01 to 1000, like 0.02 5 20")
     first, second = 2 * math.pi * first_hz, 2 * math.pi * second_hz
     beta = 2 * ratio / (first + second)
     return beta * first * second, beta

@@ -32,6 +32,7 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+from damage.checks import check_file, check_path, check_whole
 from damage.errors import InputError
 from damage.run.options import parse_run
 from damage.studies.grid import expand
@@ -44,6 +45,8 @@ SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
 PERTURB_M = 1e-9
 """Offsets of the bricks in an ensemble where the study says nothing else [m]: far below what a joint opens."""
+MOST_MEMBERS = 10_000
+"""Runs of an ensemble."""
 _ENTRY_KEYS = {"id", "wall", "options", "solvers", "members", "perturb", "samples"}
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -131,12 +134,13 @@ def load_study(path, solver="yade", root=None):
     Raises InputError, which says what came, what was expected and how to mend it.
     """
     path, root = Path(path).absolute(), Path(root or ".").resolve()
+    check_file(path, "a study file (.toml)", 10)
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}; give the path of a study file (.toml)") from error
-    except ValueError as error:  # of TOML or of UTF-8
-        raise InputError(f"{path} is no TOML ({error}); mend the file") from error
+    except (ValueError, RecursionError) as error:  # of TOML or of UTF-8
+        raise InputError(f"{path} is no TOML in UTF-8 ({error}); mend the file") from error
     _check_keys(table, {"name", "title", "pictures", "runs", "grid"}, f"{path}")
     runs = [run for entry, where in _entries(table, path) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
@@ -199,8 +203,8 @@ def _ensemble(table, where):
     if "perturb" in table and "members" not in table:
         raise InputError(f"{where}: perturb without members; expected both; add members = 5")
     for name in ("members", "samples"):
-        if name in table and not (type(table[name]) is int and table[name] >= 1):
-            raise InputError(f"{where}: {name} = {table[name]!r}; expected a whole number, 1 or more; mend it")
+        if name in table:
+            check_whole(f"{where}: {name}", table[name], 1, MOST_MEMBERS)
     perturb = table.get("perturb", PERTURB_M)
     if type(perturb) not in (int, float) or not perturb > 0:
         raise InputError(f"{where}: perturb = {perturb!r}; expected a length above zero [m], like 1e-9; mend it")
@@ -256,7 +260,7 @@ def _word(value, name, where):
 
 def _find(path, where, folder, root):
     """The path of a file named beside the study or in the repository: relative within the latter, else absolute."""
-    for candidate in (folder / path, root / path):
+    for candidate in (folder / check_path(path), root / path):
         if candidate.is_file():
             found = candidate.resolve()
             return str(found.relative_to(root) if found.is_relative_to(root) else found)

@@ -10,9 +10,13 @@ whatever its type.  `{ from = 1, to = 25 }` stands for the whole numbers 1 to 25
 """
 
 import itertools
+import math
 import re
 
 from damage.errors import InputError
+
+MOST_POINTS = 100_000
+"""Runs that a grid may stand for."""
 
 _NAME = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
@@ -27,6 +31,9 @@ def expand(grid, where):
     if not isinstance(vary, dict) or not vary:
         raise InputError(f"{where}: vary = {vary!r}; expected a table of lists, like vary = {{ scale = [0.5, 1] }}")
     lists = {name: _values(name, values, where) for name, values in vary.items()}
+    count = math.prod(map(len, lists.values()))
+    if count > MOST_POINTS:
+        raise InputError(f"{where}: vary stands for {count} runs; expected up to {MOST_POINTS}; take some values out")
     unused = sorted(set(lists) - _names(kept))
     if unused:
         raise InputError(f"{where}: vary names {unused[0]!r}, which nothing uses; expected {{{unused[0]}}} in its "
@@ -35,10 +42,10 @@ def expand(grid, where):
 
 
 def _values(name, values, where):
-    """The list of values of one name; { from, to } is one of whole numbers."""
+    """The values of one name; { from, to } are whole numbers."""
     if isinstance(values, dict) and set(values) == {"from", "to"} and all(type(end) is int for end in values.values()):
-        values = list(range(values["from"], values["to"] + 1))
-    if not isinstance(values, list) or not values:
+        values = range(values["from"], min(values["to"], values["from"] + MOST_POINTS) + 1)
+    if not isinstance(values, list | range) or not values:
         raise InputError(f"{where}: vary holds {name} = {values!r}; expected a list with values, or "
                          "{ from = 1, to = 25 }; mend it")
     return values

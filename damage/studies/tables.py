@@ -6,6 +6,7 @@ and NAME_max; study.h5, both of them as HDF5 (`read_study_table`).  A run's row 
 DIR/tables/rows; it is worked out anew when the history is younger.
 """
 
+import io
 import json
 from concurrent.futures import ProcessPoolExecutor
 
@@ -16,7 +17,7 @@ import pandas as pd
 from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
 from damage.history.reader import read_history
-from damage.measure.columns import PARAMETERS, RUN, names
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN, names
 from damage.measure.tables import summary_row, write_table
 
 
@@ -31,9 +32,12 @@ def runs_there(run, folder):
 def row_of(folder, name, point):
     """The summary's row of one run, from its file or, where that is missing or old, from the history."""
     history, kept = folder / "runs" / f"{name}.h5", folder / "tables" / "rows" / f"{name}.json"
-    if not kept.is_file() or kept.stat().st_mtime_ns < history.stat().st_mtime_ns:
-        return write_row(read_history(history), kept, point)
-    return json.loads(kept.read_text(encoding="utf-8"))
+    if kept.is_file() and kept.stat().st_mtime_ns >= history.stat().st_mtime_ns:
+        try:
+            return json.loads(kept.read_text(encoding="utf-8"))
+        except ValueError:  # torn, as by a power failure
+            pass
+    return write_row(read_history(history), kept, point)
 
 
 def write_row(history, path, point):
@@ -78,6 +82,7 @@ def _point(runs):
     ended = runs["status"] == "complete"
     row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
             "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None}
+    row |= {name: "; ".join(sorted(set(runs[name].dropna()))) for name in MADE_BY if name in runs}
     for name in runs.columns.difference([*row, *RUN], sort=False):
         values = runs[name].dropna()
         if _is_number(values):
@@ -97,7 +102,8 @@ def write_hdf5(tables, path):
 
     Numbers are f8, NaN where empty; words are UTF-8, empty where missing.
     """
-    with whole_or_nothing(path) as unfinished, h5py.File(unfinished, "w") as file:
+    content = io.BytesIO()  # HDF5 itself cannot be left in order once a write has failed
+    with h5py.File(content, "w") as file:
         for table, frame in tables.items():
             group = file.create_group(table, track_order=True)
             for name, column in frame.items():
@@ -105,6 +111,8 @@ def write_hdf5(tables, path):
                 values = column.fillna("").astype(str).to_numpy(object) if words else column.to_numpy(dtype="f8",
                                                                                                      na_value=np.nan)
                 group.create_dataset(name, data=values, dtype=h5py.string_dtype() if words else "f8")
+    with whole_or_nothing(path) as unfinished:
+        unfinished.write_bytes(content.getbuffer())
 
 
 def read_study_table(path, table="runs"):

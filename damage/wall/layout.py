@@ -22,6 +22,8 @@ from damage.wall.parameters import ModelOptions, Wall
 GROUND = -1
 BED, HEAD, CAP = 0, 1, 2
 KINDS = ("bed", "head", "cap")
+MOST_CONTACTS = 200_000
+"""Contact points of a wall: a sample holds nine bytes of each."""
 CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
 _TINY = 1e-6  # [m], two positions closer than this are the same
 
@@ -131,7 +133,7 @@ class Layout:
 def lay_out(wall, options=None):
     """Lay a wall out: bricks in running bond, caps, cells and contact points.
 
-    Raises InputError where the openings' edges leave cells too narrow to compute with.
+    Raises InputError where the openings' edges leave cells too narrow to compute with, or there are too many.
     """
     options = options or ModelOptions()
     courses = [_lay_course(wall, course) for course in range(wall.courses)]
@@ -139,6 +141,10 @@ def lay_out(wall, options=None):
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
+    points = len(cells.body) * (1 if options.contacts == "interior" else 2)
+    if points > MOST_CONTACTS:
+        raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has over {points} contact "
+                         f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
     contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks)
     drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)
     return Layout(

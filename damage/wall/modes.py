@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import eigsh
 
+from damage.errors import InputError
 from damage.wall.layout import GROUND, HEAD
 
 
@@ -63,16 +64,29 @@ def mass_vector(layout):
 
 
 def natural_modes(layout, n_modes=6):
-    """The `n_modes` longest natural periods, their shapes, and 2 / omega_max."""
+    """The `n_modes` longest natural periods, their shapes, and 2 / omega_max.
+
+    Raises InputError of a wall that has none in the numbers of this machine.
+    """
     scale = 1 / np.sqrt(mass_vector(layout))
     matrix = (diags(scale) @ stiffness_matrix(layout) @ diags(scale)).tocsc()
     start = np.ones(matrix.shape[0])  # a fixed start makes the result the same every time
     n_modes = min(n_modes, matrix.shape[0] - 2)
-    values, vectors = eigsh(matrix, k=n_modes, sigma=0.0, v0=start)
-    highest = eigsh(matrix, k=1, which="LA", return_eigenvectors=False, tol=1e-6, v0=start)[0]
+    try:
+        values, vectors = eigsh(matrix, k=n_modes, sigma=0.0, v0=start)
+        highest = eigsh(matrix, k=1, which="LA", return_eigenvectors=False, tol=1e-6, v0=start)[0]
+    except (ArithmeticError, RuntimeError, ValueError) as error:  # ARPACK's and SuperLU's
+        raise _no_modes(layout, error) from error
+    if not (values.min() > 0 and np.isfinite(highest)):
+        raise _no_modes(layout, f"squared frequency {values.min():.3g}")
     order = np.argsort(values)
     shapes = (vectors * scale[:, None]).T[order].reshape(n_modes, -1, 3)
     top = shapes[:, layout.drift_bodies, 0].mean(axis=1)
     largest = np.abs(shapes[:, :, :2]).max(axis=(1, 2))
     shapes /= np.where(np.abs(top) > 1e-6 * largest, top, largest)[:, None, None]
     return Modes(2 * np.pi / np.sqrt(values[order]), shapes, float(2 / np.sqrt(highest)))
+
+
+def _no_modes(layout, problem):
+    return InputError(f"wall {layout.wall.name} has no natural modes ({problem}): expected stiffnesses and masses of "
+                      "masonry, and every brick held by others; mend the wall")

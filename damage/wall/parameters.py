@@ -8,9 +8,13 @@ paper gives a value; `docs/choices.md` gives the source of every other one.
 import math
 from dataclasses import asdict, dataclass, field, fields, replace
 
-from damage.checks import check_choice, check_fields, check_not_negative, check_number, check_whole, record_from
+from damage.checks import check_choice, check_fields, check_not_negative, check_range, check_whole, record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
+
+LONGEST_M, LONGEST_NAME, MOST_BRICKS = 1000.0, 100, 50_000
+"""What a wall may have: length and height [m], characters of its name, bricks; the shipped ones have up to 666."""
+MOST_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,8 @@ class Brick:
     shear_modulus: float = 2.16e9
 
     def __post_init__(self):
-        check_fields(self, positive=self.__dataclass_fields__)
+        check_fields(self, **dict.fromkeys(("length", "height", "thickness"), (1e-3, 100.0)), density=(1.0, 1e5),
+                     **dict.fromkeys(("young_modulus", "shear_modulus"), (1.0, 1e20)))
 
 
 @dataclass(frozen=True)
@@ -53,8 +58,9 @@ class Joint:
     mode_ii_fracture_energy: float | None = None
 
     def __post_init__(self):
-        check_fields(self, positive=("normal_stiffness", "shear_stiffness"),
-                       not_negative=("friction_angle", "tensile_strength", "cohesion"))
+        check_fields(self, **dict.fromkeys(("normal_stiffness", "shear_stiffness"), (1.0, 1e20)),
+                     **dict.fromkeys(("tensile_strength", "cohesion"), (0.0, 1e20)))
+        check_not_negative("Joint.friction_angle", self.friction_angle)
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
                              "pi/2; give radians, for example math.radians(32)")
@@ -71,7 +77,7 @@ def _check_fracture_energies(joint):
     names = ("mode_i_fracture_energy", "mode_ii_fracture_energy")
     given = [getattr(joint, name) or 0.0 for name in names]
     for name, value in zip(names, given):
-        check_not_negative(f"Joint.{name} [J/m2]", value)
+        check_range(f"Joint.{name} [J/m2]", value, 0, 1e9)
     if (given[0] > 0) != (given[1] > 0):
         raise InputError(f"Joint with fracture energies {given[0]:g} and {given[1]:g} J/m2 in modes I and II: expected "
                          "both above zero, or neither for a brittle bond; give the other, about ten times in mode II")
@@ -118,7 +124,8 @@ class Opening:
     sill: float = 0.0
 
     def __post_init__(self):
-        check_fields(self, positive=("width", "height"), not_negative=("left", "sill"))
+        check_fields(self, **dict.fromkeys(("width", "height"), (1e-3, LONGEST_M)),
+                     **dict.fromkeys(("left", "sill"), (0.0, LONGEST_M)))
 
     @property
     def right(self):
@@ -145,15 +152,20 @@ class Wall:
     joint: Joint = field(default_factory=Joint)
 
     def __post_init__(self):
-        if not self.name or not all(c.isalnum() or c in "-_" for c in self.name):
-            raise InputError(f"Wall.name = {self.name!r}: expected letters, digits, '-' or '_', since "
-                             "it names files; rename the wall")
+        named = isinstance(self.name, str) and 0 < len(self.name) <= LONGEST_NAME
+        if not named or not all(c.isalnum() or c in "-_" for c in self.name):
+            raise InputError(f"Wall.name = {self.name!r}: expected up to {LONGEST_NAME} letters, digits, '-' or '_', "
+                             "since it names files; rename the wall")
         object.__setattr__(self, "openings", tuple(self.openings))
-        check_fields(self, positive=("length", "height"), not_negative=("precompression",))
+        check_fields(self, **dict.fromkeys(("length", "height"), (1e-3, LONGEST_M)), precompression=(0.0, 1e9))
         check_choice("Wall.base_course", self.base_course, ("whole", "half"))
         if self.courses < 1 or self.length < self.brick.length / 2:
             raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
                              "half a brick by one course; make it larger")
+        bricks = self.courses * math.ceil(self.length / self.brick.length)
+        if bricks > MOST_BRICKS:
+            raise InputError(f"wall {self.name} has about {bricks} bricks: expected up to {MOST_BRICKS}; make it "
+                             "smaller, or of larger bricks")
         _check_openings(self)
 
     @property
@@ -267,8 +279,8 @@ class ModelOptions:
             if one.metadata["choices"]:
                 check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
         check_whole("cells", self.cells, 1, 16)
-        check_number("strength_cov", self.strength_cov, "a number from 0 to 2", lambda value: 0 <= value <= 2)
-        check_whole("strength_seed", self.strength_seed)
+        check_range("strength_cov", self.strength_cov, 0, 2)
+        check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
         check_whole("fibres", self.fibres, 0, 64)
 
     def tags(self):

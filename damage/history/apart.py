@@ -1,0 +1,78 @@
+"""Reading in a process of its own: a file that nothing vouches for may hang HDF5, crash it or ask for any memory."""
+
+import faulthandler
+import os
+import pickle
+import signal
+import sys
+import warnings
+from pathlib import Path
+
+from damage.errors import InputError
+
+SECONDS = 8
+"""Longest time that a small file may take: a machine may be busy."""
+BYTES_A_SECOND = 10e6  # what a large one may take on top
+FREE_BYTES = 500e6
+"""What may be asked for beyond what this process has, by the file's word alone."""
+
+
+def apart(path, read):
+    """`read(path, believe)` done in a child of this process; returns what it returns.
+
+    believe(n_bytes): the reader has looked, and needs so much memory.
+    Raises InputError where it does, dies, or takes too long.
+    """
+    if not sys.platform.startswith("linux"):  # elsewhere a fork of a program with threads is no safe place
+        return read(path, lambda n_bytes: None)
+    limit_s = SECONDS + int(os.path.getsize(path) / BYTES_A_SECOND)
+    receive, send = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of forks beside threads: the child only reads, and ends
+        child = os.fork()
+    if child == 0:
+        os.close(receive)
+        _be_the_child(path, read, send, limit_s)
+    os.close(send)
+    with os.fdopen(receive, "rb") as answer:
+        told = b"".join(answer)
+    killed_by = os.WTERMSIG(os.waitpid(child, 0)[1])
+    if killed_by == signal.SIGALRM:
+        raise InputError(f"{path} cannot be read as a history: HDF5 found no end in {limit_s} s, it is damaged")
+    if killed_by:
+        raise InputError(f"{path} cannot be read as a history: HDF5 crashes on it (signal {killed_by}), it is damaged")
+    found = pickle.loads(told)
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def _be_the_child(path, read, send, limit_s):
+    """Read, send what came of it, and end without a trace of this process's own ending."""
+    import resource  # not on every system
+
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)  # ends HDF5, too, wherever it is
+    signal.alarm(limit_s)
+    faulthandler.disable()
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    _allow(FREE_BYTES)
+    try:
+        found = read(path, lambda n_bytes: _allow(FREE_BYTES + 4 * n_bytes))  # arrays, tables, pickled, sent
+    except Exception as error:
+        found = error if isinstance(error, InputError) else InputError(f"{path} cannot be read as a history ({error})")
+    try:
+        with open(send, "wb") as answer:
+            pickle.dump(found, answer, protocol=5)
+    finally:
+        os._exit(0)
+
+
+def _allow(n_bytes):
+    """Let this process have so much more memory than it has now."""
+    import resource
+
+    now = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    wanted = int(now + n_bytes)
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))

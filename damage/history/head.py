@@ -1,0 +1,102 @@
+"""The first 512 bytes of a history, before HDF5's own (its user block): what made the file, and a seal on the rest.
+
+    masonry-damage-history 2
+    software 0.2.0
+    model reference 6b1f0c9a52e4
+    sealed sha256 5891b5b522d5df08... of 412345 bytes
+
+Text, so that `head -c 512 FILE.h5` shows it and a study looks at it in no time.  The last line is written when all else
+is on the disk; until then it is `open`.  HDF5 never sees a file whose seal is broken: it waits for ever on one damaged
+byte in a file that grows, and crashes on another.  A file of schema version 1 has no such block.
+"""
+
+import hashlib
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from damage.errors import InputError
+from damage.provenance import UNKNOWN
+
+HEAD_BYTES = 512  # the least that HDF5 allows
+_FIRST = "masonry-damage-history 2"
+_LINES = re.compile(_FIRST + r"\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
+                    r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*")
+HDF5 = b"\x89HDF\r\n\x1a\n"
+_LATER = re.compile(rb"masonry-damage-history (\d+)\n")
+
+
+@dataclass(frozen=True)
+class Head:
+    """software, model: what made the file, in words; sha256, n_bytes: of what follows the block, None while open."""
+
+    software: str
+    model: str
+    sha256: str | None = None
+    n_bytes: int | None = None
+
+    @property
+    def sealed(self):
+        """Whether the run that wrote the file closed it."""
+        return self.sha256 is not None
+
+    def as_bytes(self):
+        """The block itself."""
+        end = f"sealed sha256 {self.sha256} of {self.n_bytes} bytes" if self.sealed else "open"
+        return f"{_FIRST}\nsoftware {self.software}\nmodel {self.model}\n{end}\n".encode().ljust(HEAD_BYTES, b"\0")
+
+
+def head_of(solver, versions):
+    """{"software", "model"} for the Head of a run by a solver, of its versions {software: version}."""
+    return {"software": versions.get("masonry-damage", UNKNOWN), "model": f"{solver} {versions.get('model', UNKNOWN)}"}
+
+
+def write_head(path, head):
+    """Write the block of a new history, whose HDF5 part begins behind it."""
+    with open(path, "r+b", buffering=0) as file:
+        file.write(head.as_bytes())
+
+
+def seal(path):
+    """Vouch for a history that is closed: its bytes are to stay what they are now."""
+    head = read_head(path)
+    write_head(path, Head(head.software, head.model, *_digest(path)))
+
+
+def read_head(path):
+    """The Head of a history, None where it is of schema version 1.  Raises InputError for any other file."""
+    try:
+        with open(path, "rb") as file:
+            block = file.read(HEAD_BYTES)
+    except OSError as error:
+        raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a history (.h5)") from error
+    if block.startswith(HDF5):
+        return None
+    later = _LATER.match(block)
+    if later and int(later[1]) > 2:
+        raise InputError(f"{path} has schema version {int(later[1])}, this software reads up to 2; update the software")
+    found = _LINES.fullmatch(block.decode("ascii", errors="replace"))
+    if not found or len(block) < HEAD_BYTES:
+        what = "its first 512 bytes are damaged" if later else "it begins otherwise"
+        raise InputError(f"{path} cannot be read as a history ({what}); expected a file that a run wrote")
+    software, model, sha256, n_bytes = found.groups()
+    return Head(software, model, sha256, n_bytes and int(n_bytes))
+
+
+def check_seal(path, head):
+    """Raise InputError unless the file is, byte for byte, what was sealed."""
+    n_bytes = os.path.getsize(path) - HEAD_BYTES
+    if n_bytes != head.n_bytes:
+        raise InputError(f"{path} has {n_bytes} bytes behind its head, {head.n_bytes} were sealed: it was cut short or "
+                         "changed since its run; take another copy, or run it again")
+    if _digest(path)[0] != head.sha256:
+        raise InputError(f"{path} is not what its run sealed (its SHA-256 differs): it was damaged or changed; take "
+                         "another copy, or run it again")
+
+
+def _digest(path):
+    """(SHA-256, number) of the bytes behind the head."""
+    with open(path, "rb") as file:
+        file.seek(HEAD_BYTES)
+        return hashlib.file_digest(file, "sha256").hexdigest(), Path(path).stat().st_size - HEAD_BYTES

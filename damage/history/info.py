@@ -1,0 +1,83 @@
+"""What a history is worth, and what made it: `python3 -m damage check` and `info`."""
+
+from math import isnan
+
+from damage.errors import InputError
+from damage.history.head import read_head
+from damage.history.reader import read_history
+from damage.provenance import UNKNOWN
+
+WHOLE, UNSEALED, ENDED_EARLY, OPEN, DAMAGED = "whole", "unsealed", "ended early", "open", "damaged"
+WORTH = {
+    WHOLE: "complete, and byte for byte as its run sealed it",
+    UNSEALED: "complete; its structure is sound, but no checksum vouches for its values (schema version 1)",
+    ENDED_EARLY: "as its run left it, which did not come to its end",
+    OPEN: "a run writes it now, or was killed: what was flushed is there, no checksum vouches for it",
+    DAMAGED: "not to be used",
+}
+
+
+def check(path):
+    """What the file at `path` is worth: {"file", "worth": one of WORTH, "status", "samples", "until_s", "says"}."""
+    try:
+        history, head = read_history(path), read_head(path)
+    except InputError as error:
+        return {"file": str(path), "worth": DAMAGED, "status": None, "samples": None, "until_s": None,
+                "says": str(error)}
+    if (head is not None and not head.sealed) or history.status == "unfinished":
+        worth = OPEN
+    else:
+        worth = (ENDED_EARLY if not history.complete else UNSEALED if head is None else WHOLE)
+    time_s = history.series["time_s"]
+    return {"file": str(path), "worth": worth, "status": history.status, "samples": len(time_s),
+            "until_s": float(time_s.iloc[-1]) if len(time_s) else None, "says": WORTH[worth]}
+
+
+def describe_check(checked):
+    """One line a file."""
+    return "\n".join(
+        f"{one['worth']}: {one['says']}" if one["worth"] == DAMAGED else
+        f"{one['worth']}: {one['file']}: {one['status']}, {one['samples']} samples"
+        + ("" if one["until_s"] is None else f" to {one['until_s']:.3f} s") + f"; {one['says']}" for one in checked)
+
+
+def made_by(history):
+    """{"software", "commit", "model_digest"} of a History, "unknown" where an older one does not say it."""
+    return {name: history.versions.get(key, UNKNOWN) for name, key in (
+        ("software", "masonry-damage"), ("commit", "commit"), ("model_digest", "model"))}
+
+
+def one_line(history):
+    """What made a History, for a picture's own data."""
+    made = made_by(history)
+    return (f"{history.path.name}: {history.command}; {history.solver} solver, masonry-damage {made['software']}, "
+            f"commit {made['commit']}, model {made['model_digest']}")
+
+
+def info(history):
+    """All that made a History, as a plain dictionary."""
+    return {"file": str(history.path), "wall": history.wall, "solver": history.solver, "status": history.status,
+            "collapsed_at_s": history.collapsed_at_s, "created_utc": history.attributes["created_utc"],
+            "machine": history.attributes["machine"], "command": history.command, **made_by(history),
+            "versions": history.versions, "parameters": history.parameters,
+            "static": {name: None if isnan(value) else value for name, value in history.static.items()}}
+
+
+def describe(told):
+    """The `info` of a history as lines for people: first what made it, then every parameter."""
+    lines = [f"{name:14s}{told[name]}" for name in (
+        "file", "wall", "solver", "status", "created_utc", "machine", "command", "software", "commit", "model_digest")]
+    lines += [f"{name:14s}{version}" for name, version in sorted(told["versions"].items())
+              if name not in ("masonry-damage", "commit", "model")]
+    for title in ("static", "parameters"):
+        lines += [f"{title}:", *(f"  {name:42s}{value}" for name, value in _flat(told[title]))]
+    return "\n".join(lines)
+
+
+def _flat(table, above=""):
+    """(name with those of the tables above it, value) of all entries, however deep."""
+    for name, value in table.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{above}{name}.")
+        else:
+            yield f"{above}{name}", value

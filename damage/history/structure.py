@@ -1,0 +1,96 @@
+"""Whether an HDF5 file has the structure of a history; nothing that it says is believed before."""
+
+import h5py
+import numpy as np
+
+from damage.errors import InputError
+from damage.history import schema
+
+PACKED = 1032
+"""What deflate makes of a row of zeros: so many bytes of one."""
+_LONGEST_CHUNK = 65536  # rows
+_WORDS = ("solver", "wall", "command", "created_utc", "machine", "parameters_json", "versions_json")
+_LENGTHS = ("total_joint_length_m", "drift_height_m", "height_m", "length_m")
+
+
+def check_structure(file):
+    """Look at an open file without reading its data; returns how many bytes they will take.
+
+    Raises InputError where a dataset is missing, is none, or has another shape or type than the schema says.
+    """
+    _check_attributes(file)
+    sizes, n_bytes = {}, 0
+    ended = "run" in file and _dataset(file, "run/status")[()] != 0
+    for name, column in schema.RUN.items():
+        _check_type(f"run/{name}", _dataset(file, f"run/{name}"), column)
+    for group, columns in schema.TABLES.items():
+        for name, column in columns.items():
+            path = f"{group}/{name}"
+            dataset = _dataset(file, path)
+            _check_type(path, dataset, column)
+            _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
+            n_bytes += _stored(path, dataset)
+    for what in ("joints", "bodies"):
+        if sizes[what] == 0:
+            raise InputError(f"it has no {what}")
+    return n_bytes
+
+
+def _check_attributes(file):
+    run = file.get("run", getlink=True)
+    if not isinstance(run, h5py.HardLink) or not isinstance(file["run"], h5py.Group):
+        raise InputError("it has no group run")
+    attributes = file["run"].attrs
+    for name in _WORDS:
+        if not isinstance(attributes.get(name), str):
+            raise InputError(f"attribute {name} of run is {attributes.get(name)!r}, expected words")
+    for name in _LENGTHS:
+        value = attributes.get(name)
+        if not isinstance(value, (float, np.floating)) or not 0 < value < np.inf:
+            raise InputError(f"attribute {name} of run is {value!r}, expected a length")
+
+
+def _dataset(file, path):
+    """The dataset at `path`, in this very file: links lead to other files, or nowhere."""
+    dataset = file
+    for name in path.split("/"):
+        if not isinstance(dataset, h5py.Group) or not isinstance(dataset.get(name, getlink=True), h5py.HardLink):
+            raise InputError(f"it has no dataset {path}")
+        dataset = dataset[name]
+    if not isinstance(dataset, h5py.Dataset) or dataset.is_virtual or dataset.external:
+        raise InputError(f"{path} is no dataset of this file")
+    return dataset
+
+
+def _check_type(path, dataset, column):
+    expected, unit = np.dtype(column.dtype), dataset.attrs.get("unit", column.unit)
+    if dataset.dtype.kind != expected.kind or dataset.dtype.itemsize > 8:
+        raise InputError(f"{path} is of type {dataset.dtype}, expected {expected}")
+    if not isinstance(unit, str) or unit.split(",")[0] != column.unit.split(",")[0]:
+        raise InputError(f"{path} has the unit {unit!r:.80}, expected {column.unit}")
+    codes = schema.CODES.get(path)
+    if codes and dataset.attrs.get("codes") != ", ".join(codes):
+        raise InputError(f"{path} has the codes {dataset.attrs.get('codes')!r:.80}, expected {', '.join(codes)}")
+
+
+def _check_shape(path, dataset, expected, sizes, ended):
+    """Rows as many as its fellows have, but for those that a killed run flushed once more often."""
+    shape = dataset.shape
+    if shape is None or len(shape) != len(expected):
+        raise InputError(f"{path} has shape {shape}, expected ({', '.join(map(str, expected))})")
+    for number, of in zip(shape, expected):
+        wanted = of if isinstance(of, int) else sizes.setdefault(of, number)
+        if number != wanted and (ended or of in ("joints", "bodies", 3)):
+            raise InputError(f"{path} has shape {shape}, expected {wanted} {of if of != wanted else ''}".rstrip())
+        if not isinstance(of, int):
+            sizes[of] = min(number, wanted)
+
+
+def _stored(path, dataset):
+    """Bytes of the data in memory, if the file can hold so much."""
+    needed, there = dataset.dtype.itemsize * int(np.prod(dataset.shape, dtype=object)), dataset.id.get_storage_size()
+    if needed > PACKED * there:
+        raise InputError(f"{path} says it has {needed} bytes where {there} are stored")
+    if dataset.chunks and (dataset.chunks[0] > _LONGEST_CHUNK or dataset.chunks[1:] != dataset.shape[1:]):
+        raise InputError(f"{path} is stored in chunks of {dataset.chunks}, expected at most {_LONGEST_CHUNK} rows")
+    return needed

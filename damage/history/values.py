@@ -1,0 +1,66 @@
+"""Whether what a history says can be: numbers, joints that exist, time that goes on."""
+
+import numpy as np
+
+from damage.checks import check_number
+from damage.errors import InputError
+
+_HUGE = 1e30
+"""No quantity of a wall comes near this number of its unit."""
+
+
+def check_parameters(parameters):
+    """Raise InputError unless the parameters of a run are a table of tables, numbers and words, as a run writes it."""
+    kinds = {"loading": dict, "wall": dict, "model": dict, "wall_file": dict, "sequence": list}
+    if not isinstance(parameters, dict):
+        raise InputError("its parameters are no table")
+    for name, value in parameters.items():
+        if not isinstance(value, kinds.get(name, (str, float, int, type(None)))):
+            raise InputError(f"parameter {name} is {value!r:.80}")
+        if isinstance(value, (int, float)) and not abs(value) < _HUGE:
+            raise InputError(f"parameter {name} is {value!r:.80}, expected a number that can be")
+    for factor in parameters.get("sequence", [1.0]) or [None]:
+        check_number("a factor of parameter sequence", factor)
+
+
+def check_values(history):
+    """Raise InputError where a History says what cannot be: no numbers, joints that do not exist, time that stops."""
+    joints, bodies, events, series = history.joints, history.bodies, history.events, history.series
+    for name, value in history.static.items():
+        if abs(value) >= _HUGE:
+            raise InputError(f"static/{name} is {value:g}, expected a number that can be")
+    _check_columns("joints", joints, infinite=("tensile_strength_pa", "cohesion_pa"))
+    _check_columns("bodies", bodies)
+    _check_columns("events", events)
+    # What a solver does not tell is empty: a column has all its values or none.
+    told = [name for name, values in series.items() if name in ("time_s", "drift_ratio") or not values.isna().all()]
+    _check_columns("series", series[told])
+    for table, names in ((joints, ("length_m", "area_m2")), (bodies, ("length_m", "height_m", "mass_kg"))):
+        for name in names:
+            _refuse(~(table[name] > 0), name, "a number above zero", table[name])
+    for table, name, least, end in ((joints, "first_body", -1, len(bodies)), (joints, "second_body", 0, len(bodies)),
+                                    (events, "joint", 0, len(joints))):
+        _refuse((table[name] < least) | (table[name] >= end), name, f"{least} to {end - 1}", table[name])
+    _refuse(np.diff(series["time_s"], prepend=-np.inf) <= 0, "time_s", "a later time than before", series["time_s"])
+    for name in ("opening_m", "slip_m", "displacement"):
+        frames = getattr(history, name)
+        fine = (np.abs(frames) < _HUGE).all(axis=tuple(range(1, frames.ndim)))
+        if not fine.all():
+            raise InputError(f"{name} is no number that can be in row {int(np.argmin(fine))}: its run "
+                             "blew up, give it a smaller --dt")
+
+
+def _check_columns(table, frame, infinite=()):
+    """All numbers are some that can be; those of the columns `infinite` may be infinite, too."""
+    for name, values in frame.items():
+        if values.dtype.kind == "f":
+            allowed = (np.abs(values) < _HUGE) | ((values == np.inf) & (name in infinite))
+            _refuse(~allowed, f"{table}/{name}", "a number that can be", values)
+
+
+def _refuse(wrong, name, expected, values):
+    """Raise InputError of the first row where `wrong`."""
+    wrong = np.asarray(wrong)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise InputError(f"{name} is {values.iloc[row]:g} in row {row}, expected {expected}")

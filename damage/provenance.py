@@ -1,0 +1,68 @@
+"""What made a result: this software's version and commit, and a digest of the code that decides its values."""
+
+import ast
+import hashlib
+import os
+import subprocess
+from functools import cache
+from pathlib import Path
+
+VERSION = "0.2.0.dev0"
+HERE = Path(__file__).parent
+MODEL = ("units.py", "wall", "motion", "run/run.py", "run/schedule.py", "run/settings.py", "run/watch.py")
+"""What of the package decides the values of any run; the solver's own folder comes to it."""
+UNKNOWN = "unknown"
+
+
+@cache
+def commit():
+    """The commit that the package is in, "changed" behind it where tracked files differ; "unknown" outside git."""
+    def git(*words):
+        return subprocess.run(["git", "-C", HERE, *words], capture_output=True, text=True, timeout=10, check=True,
+                              env=os.environ | {"GIT_OPTIONAL_LOCKS": "0"}).stdout
+
+    try:
+        git("ls-files", "--error-unmatch", "__init__.py")  # an installed copy may lie in another repository
+        found = git("describe", "--always", "--abbrev=40", "--exclude=*", "--dirty= changed")
+    except (OSError, subprocess.SubprocessError):
+        return UNKNOWN
+    return found.strip()
+
+
+def versions(solver_folder):
+    """{software: version} of this software and of its model in one solver, for a history."""
+    return {"masonry-damage": VERSION, "commit": commit(), "model": model_digest(solver_folder)}
+
+
+def file_origin(path):
+    """{"file": name without its folder, which differs by machine, "sha256"} of a file that a run is made from."""
+    try:
+        return {"file": Path(path).name, "sha256": hashlib.sha256(Path(path).read_bytes()).hexdigest()}
+    except OSError:  # a wall that no file made
+        return {"file": Path(path).name, "sha256": UNKNOWN}
+
+
+@cache
+def model_digest(solver_folder):
+    """Twelve hexadecimal digits of the code of the model in one solver; comments and docstrings do not count.
+
+    solver_folder: path of the solver's package, whose modules all count.
+    """
+    digest = hashlib.sha256()
+    for path in [path for name in MODEL for path in _modules(HERE / name)] + _modules(Path(solver_folder)):
+        digest.update(f"{path.name}\0{_code(path)}\0".encode())
+    return digest.hexdigest()[:12]
+
+
+def _modules(path):
+    return sorted(path.glob("*.py")) if path.is_dir() else [path]
+
+
+def _code(path):
+    """A module's code without comments, layout and docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            node.body = [one for one in body if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
+    return ast.dump(tree)

@@ -1,0 +1,23 @@
+"""A place for what numba compiles: it refuses to run without one."""
+
+import atexit
+import shutil
+import sys
+import tempfile
+
+import numba
+
+
+def find_a_place():
+    """Where numba finds no folder to keep what it compiles in, give it one that goes when this process does."""
+    try:
+        numba.njit(cache=True)(_any)
+    except RuntimeError:  # neither NUMBA_CACHE_DIR, nor beside the sources, nor in the home folder
+        numba.config.CACHE_DIR = tempfile.mkdtemp(prefix="masonry-damage-")
+        atexit.register(shutil.rmtree, numba.config.CACHE_DIR, ignore_errors=True)
+        print("warning: no folder can be written to keep compiled code in: it is compiled for this run alone; set "
+              "NUMBA_CACHE_DIR to a folder that can", file=sys.stderr)
+
+
+def _any():
+    """A function beside those that are compiled: numba judges by its file."""

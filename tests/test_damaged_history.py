@@ -1,0 +1,269 @@
+"""Histories that were damaged, changed or cut short: one clear line, no wait, no crash; and what a file is worth."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections import Counter
+
+import h5py
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+from damaged import FINISHED, GOOD, KILLED, OLD, attack, change, mark_growing, originals, outcome
+from small_history import make_history
+from test_history import open_writer, write_samples
+
+import damage
+from damage.errors import InputError
+from damage.history import apart as in_a_child
+from damage.history.head import HEAD_BYTES, read_head, seal
+from damage.history.info import DAMAGED, ENDED_EARLY, OPEN, UNSEALED, WHOLE, check
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    return originals(tmp_path_factory.mktemp("originals"))
+
+
+@pytest.fixture
+def finished(files, tmp_path):
+    path = tmp_path / "a.h5"
+    path.write_bytes(files[FINISHED].read_bytes())
+    return path
+
+
+def altered(path, what):
+    """Have `what(file)` change the history as HDF5 does, and seal it anew; returns the path."""
+    with h5py.File(path, "r+", libver="latest") as file:
+        what(file)
+    seal(path)
+    return path
+
+
+def replaced(name, value):
+    def change_it(file):
+        del file[name]
+        file[name] = value
+    return change_it
+
+
+def put(name, value):
+    def change_it(file):
+        file[name][0] = value
+    return change_it
+
+
+# --- the seal -------------------------------------------------------------------------------------
+
+def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
+    head, history = read_head(finished), damage.read_history(finished)
+    assert head.sealed and head.model == f"reference {history.versions['model']}"
+    told = finished.read_bytes()[:HEAD_BYTES].decode()
+    assert told.startswith(f"masonry-damage-history 2\nsoftware {damage.__version__}\nmodel reference ")
+    count = f"tail -c +{HEAD_BYTES + 1} {finished} | sha256sum"  # anyone can
+    assert subprocess.run(count, shell=True, capture_output=True, text=True).stdout.split()[0] == head.sha256
+
+
+@pytest.mark.parametrize("place", [0.01, 0.3, 0.7, 0.999])
+def test_one_changed_byte_is_found(place, finished):
+    data = bytearray(finished.read_bytes())
+    data[int(HEAD_BYTES + place * (len(data) - HEAD_BYTES))] ^= 1
+    finished.write_bytes(data)
+    with pytest.raises(InputError, match="SHA-256 differs"):
+        damage.read_history(finished)
+
+
+@pytest.mark.parametrize("change_size", [-1, -5000, 1])
+def test_a_file_of_another_length_is_found(change_size, finished):
+    size = finished.stat().st_size + change_size
+    os.truncate(finished, size)
+    with pytest.raises(InputError, match=rf"has {size - HEAD_BYTES} bytes behind its head, \d+ were sealed"):
+        damage.read_history(finished)
+
+
+@pytest.mark.parametrize("length", [0, 1, 511, 512, 700])
+def test_a_stump_is_refused(length, finished):
+    os.truncate(finished, length)
+    with pytest.raises(InputError, match=r"cannot be read as a history|were sealed"):
+        damage.read_history(finished)
+
+
+@pytest.mark.parametrize(("old", "new"), [(b"sealed sha256", b"sealed sha257"), (b" bytes\n\0", b" bytes\n\1"),
+                                          (b"history 2", b"history 0"), (b"software 0", b"software 7")])
+def test_a_damaged_head_is_refused(old, new, finished):
+    finished.write_bytes(finished.read_bytes().replace(old, new, 1))
+    with pytest.raises(InputError, match="cannot be read as a history"):
+        damage.read_history(finished)
+
+
+def test_what_no_run_closed_has_no_end_whatever_it_says(tmp_path):
+    """As where the machine stops between the last byte and the seal."""
+    writer = open_writer(tmp_path / "a.h5")
+    write_samples(writer, 5)
+    writer.finish("complete")
+    mark_growing(tmp_path / "a.h5")
+    history = damage.read_history(tmp_path / "a.h5")
+    assert history.status == "unfinished" and len(history.series) == 5
+
+
+# --- many faults ----------------------------------------------------------------------------------
+
+def test_single_bits_and_changes_are_refused_or_harmless(tmp_path):
+    """Some of the thousand of `python3 -m tests.damaged`; a seed of its own in each version would find more, and no
+    one could say why it failed."""
+    found = Counter()
+    for kind, done, word, told, seconds in attack(tmp_path, 60, 90, seed=11, kinds=(FINISHED, OLD)):
+        assert word in GOOD, (kind, done, word, told)
+        assert seconds < 10
+        found[kind, word] += 1
+    assert found[FINISHED, "refused"] > 60
+
+
+def test_every_flip_behind_the_head_of_a_sealed_file_is_refused(finished):
+    whole = finished.read_bytes()
+    random = np.random.default_rng(3)
+    for place in random.integers(8 * HEAD_BYTES, 8 * len(whole), 300):
+        data = bytearray(whole)
+        data[place // 8] ^= 1 << place % 8
+        finished.write_bytes(data)
+        with pytest.raises(InputError, match="SHA-256 differs"):
+            damage.read_history(finished)
+
+
+@pytest.mark.parametrize("header", [0, 4, 11])
+def test_a_file_that_grew_and_is_damaged_is_an_error_after_a_while(header, files, tmp_path, monkeypatch):
+    """In the checksummed headers of groups and datasets HDF5 waits for the writer to mend them."""
+    monkeypatch.setattr(in_a_child, "SECONDS", 1)
+    path = tmp_path / "a.h5"
+    data = bytearray(files[KILLED].read_bytes())
+    place = [found.start() for found in re.finditer(rb"OHDR", data)][header]
+    data[place + 9] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=r"HDF5 found no end in 1 s|cannot be read as a history"):
+        damage.read_history(path)
+
+
+def test_a_reader_that_crashes_is_an_error(files):
+    def crash(path, believe):
+        os.kill(os.getpid(), 11)
+
+    with pytest.raises(InputError, match=r"HDF5 crashes on it \(signal 11\)"):
+        in_a_child.apart(files[OLD], crash)
+
+
+def test_a_reader_gets_no_more_memory_than_it_may_believe(files, monkeypatch):
+    def greedy(path, believe):
+        return len(np.ones(10_000_000))  # 80 MB
+
+    monkeypatch.setattr(in_a_child, "FREE_BYTES", 20e6)
+    with pytest.raises(InputError, match=r"cannot be read as a history \(Unable to allocate"):
+        in_a_child.apart(files[OLD], greedy)
+    assert in_a_child.apart(files[OLD], lambda path, believe: (believe(80_000_000), greedy(path, believe))[1]) == 10**7
+
+
+def test_a_live_history_is_read_apart_and_alike(tmp_path):
+    writer = open_writer(tmp_path / "a.h5")
+    write_samples(writer, 130)
+    writer.flush()
+    growing = damage.read_history(tmp_path / "a.h5")
+    writer.finish("complete")
+    whole = damage.read_history(tmp_path / "a.h5")
+    assert growing.status == "unfinished" and whole.complete
+    assert growing.series.equals(whole.series) and growing.joints.equals(whole.joints)
+    assert (growing.opening_m == whole.opening_m).all()
+
+
+# --- what cannot be -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize(("what", "complaint"), [
+    (lambda file: file.pop("series/time_s"), "no dataset series/time_s"),
+    (replaced("frames", 1.0), "no dataset frames/opening_m"),
+    (replaced("joints/x_m", h5py.SoftLink("/joints/z_m")), "no dataset joints/x_m"),
+    (replaced("joints/x_m", h5py.ExternalLink("/dev/zero", "x")), "no dataset joints/x_m"),
+    (replaced("joints", h5py.ExternalLink("/dev/zero", "x")), "no dataset joints/kind"),
+    (replaced("static/weight_n", b"heavy"), "static/weight_n is of type object, expected float64"),
+    (replaced("bodies/x_m", np.zeros((3, 3))), r"bodies/x_m has shape \(3, 3\), expected \(bodies\)"),
+    (lambda file: file["series/time_s"].resize(7, axis=0), r"series/time_s has shape \(7,\), expected \d+ samples"),
+    (lambda file: [rows.resize(10**12, axis=0) for rows in file["events"].values()], "8000000000000 bytes where"),
+    (lambda file: file["joints/x_m"].attrs.modify("unit", "ft"), "joints/x_m has the unit 'ft', expected m"),
+    (lambda file: file["events/kind"].attrs.modify("codes", "a, b"), "events/kind has the codes 'a, b', expected ten"),
+    (lambda file: file["run"].attrs.__setitem__("wall", 7), "attribute wall of run is 7, expected words"),
+    (lambda file: file["run"].attrs.modify("height_m", -1.0), "attribute height_m of run is -1.0, expected a length"),
+    (lambda file: file["run"].attrs.modify("parameters_json", "[1]"), "parameters are no table"),
+    (lambda file: file["run"].attrs.modify("parameters_json", "{"), "Expecting property name"),
+    (put("series/drift_ratio", np.nan), "series/drift_ratio is nan in row 0"),
+    (put("series/kinetic_energy_j", np.inf), "series/kinetic_energy_j is inf in row 0"),
+    (put("frames/slip_m", np.nan), "slip_m is no number that can be in row 0"),
+    (put("series/time_s", 1e9), "time_s is .* in row 1, expected a later time"),
+    (put("series/stage", 9), "codes need to be between"),
+    (put("events/joint", 10**6), "joint is 1e\\+06 in row 0, expected 0 to 145"),
+    (put("joints/first_body", -2), "first_body is -2 in row 0, expected -1 to 39"),
+    (put("joints/length_m", 0), "length_m is 0 in row 0, expected a number above zero"),
+    (lambda file: file["run/status"].write_direct(np.array(4, "u1")), "index out of range"),
+])
+def test_a_history_that_says_what_cannot_be_is_refused(what, complaint, finished):
+    with pytest.raises(InputError, match=complaint) as caught:
+        damage.read_history(altered(finished, what))
+    assert str(finished) in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_dataset_that_no_schema_names_yet_is_left_alone(finished):
+    whole = damage.read_history(finished)
+    history = damage.read_history(altered(finished, lambda file: file.create_dataset("series/later_m", data=[1.0])))
+    assert history.series.equals(whole.series)
+
+
+def test_changes_that_crash_hdf5_itself_are_told(tmp_path, monkeypatch):
+    """The mutator works in a child, too: of some of its changes HDF5 dies, and goes on with the next one."""
+    path = tmp_path / "a.h5"
+    path.write_bytes(b"")
+    monkeypatch.setattr("damaged._change_values", lambda file, random: os.abort())
+    assert "exception" in change(path, __import__("random").Random(1)) and outcome(path)[0] == "refused"
+
+
+# --- check ----------------------------------------------------------------------------------------
+
+def test_check_says_what_each_file_is_worth(files, finished, tmp_path, damage_command):
+    make_history(tmp_path / "early.h5", status="interrupted")
+    (tmp_path / "bad.h5").write_text("words")
+    paths = {WHOLE: finished, UNSEALED: files[OLD], OPEN: files[KILLED], ENDED_EARLY: tmp_path / "early.h5",
+             DAMAGED: tmp_path / "bad.h5"}
+    for worth, path in paths.items():
+        assert check(path)["worth"] == worth
+    done = damage_command("check", *paths.values())
+    assert done.returncode == 2 and done.stderr == ""
+    assert [line.split(":")[0] for line in done.stdout.splitlines()] == list(paths)
+    assert damage_command("check", paths[WHOLE], paths[UNSEALED]).returncode == 0
+    done = damage_command("check", paths[WHOLE], paths[OPEN], "--json")
+    assert done.returncode == 1 and [one["status"] for one in json.loads(done.stdout)] == ["complete", "unfinished"]
+
+
+@pytest.mark.parametrize("command", [["index"], ["cycles"], ["plot", "--out", "x"], ["tables", "run", "--out", "x"],
+                                     ["cracks"], ["info"], ["laboratory", "--out", "x"], ["compare"]])
+def test_every_command_refuses_a_damaged_history_alike(command, finished, tmp_path):
+    os.truncate(finished, 20000)
+    name, *options = command
+    words = [name, *options[:1 if name == "tables" else 0], finished, *([finished] if name == "compare" else []),
+             *options[1 if name == "tables" else 0:]]
+    done = subprocess.run([sys.executable, "-m", "damage", *map(str, words)], cwd=tmp_path, capture_output=True,
+                          text=True, env=os.environ | {"PYTHONPATH": str(REPOSITORY)})
+    assert done.returncode == 2 and done.stdout == ""
+    assert re.fullmatch(r"error: \S+a\.h5 has 19488 bytes behind its head, \d+ were sealed: .*\n", done.stderr)
+
+
+# --- two writers ----------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_a_second_run_on_one_history_is_refused(overwrite, tmp_path):
+    path = tmp_path / "a.h5"
+    writer = open_writer(path)
+    write_samples(writer, 3)
+    writer.flush()
+    with pytest.raises(InputError, match="in use: another run writes it" if overwrite else "exists already"):
+        open_writer(path, overwrite=overwrite)
+    write_samples(writer, 3, first=3)
+    writer.finish("complete")
+    assert len(damage.read_history(path).series) == 6
+    open_writer(path, overwrite=True).finish("complete")
