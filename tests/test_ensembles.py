@@ -56,6 +56,7 @@ class TestGrid:
         (f'[[runs]]\n{WALL}{SINE}members = true', "members = True"),
         (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9', "perturb without members"),
         (f'[[runs]]\n{WALL}{SINE}perturb = -1\nmembers = 2', "perturb = -1"),
+        (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9\nscatter = 0.1\nmembers = 2', "choose one kind"),
         (f'[[runs]]\n{WALL}{SINE}samples = 2\nmembers = 2', "choose one kind"),
         (f'[[runs]]\n{WALL}{SINE}samples = 2', "strengths do not scatter"),
         (f'[[runs]]\n{WALL}options = {{ seed = 3 }}\nmembers = 2', "--seed is set by members"),
@@ -83,7 +84,7 @@ class TestShipped:
             (f"walls/{wall}.py", str(period), str(amplitude)) for wall in ("solid", "symmetric", "asymmetric")
             for period in (0.06, 0.2, 0.33, 1.0) for amplitude in (0.01, 0.025, 0.05, 0.075, 0.1)}
         assert {(run.members, run.adaptive, run.varied) for run in runs} == {
-            (5, True, ("--perturb", "1e-09", "--seed"))}
+            (5, True, ("--scatter", "0.01", "--seed"))}
 
     def test_ida_is_two_records_at_eight_scales_on_two_walls(self):
         study = load_study(REPOSITORY / "studies" / "ida.toml", "both")
@@ -188,7 +189,7 @@ class TestBatch:
             f"tiny_harmonic-0.1-{g}_cycles-2_rest-0.5_reference_s{k}" for g, k in
             ((0.01, 1), (0.4, 1), (0.4, 2), (0.4, 3), (0.5, 1), (0.5, 2), (0.5, 3))]
         assert [history.parameters["seed"] for history in histories] == [1, 1, 2, 3, 1, 2, 3]
-        assert {history.parameters["perturb_m"] for history in histories} == {1e-9}
+        assert {history.parameters["scatter"] for history in histories} == {0.01}
 
     def test_tables_have_a_row_a_run_and_a_row_a_point(self, whole):
         tables = whole.out / "tables"

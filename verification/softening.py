@@ -23,7 +23,7 @@ FORMS = {"": 0, ", 8 fibres": 8, ", 16 fibres": 16}
 """Name -> fibres."""
 NOT_IN_YADE = "its joints are brittle"
 FINE, COARSE = 1500, 6000
-"""Steps up to the strength and a half, and beyond."""
+"""Steps to the first corner, the strength and a half, and from each to the next."""
 
 
 def pair(fibres=0):
@@ -37,31 +37,30 @@ def between(layout):
     return int(np.flatnonzero((contacts.kind == BED) & (contacts.first != GROUND))[0])
 
 
-def paths():
-    """{name: (n, 2) opening and shear displacement [m]}."""
+def paths(fine=FINE, coarse=COARSE):
+    """{name: (n, 2) opening and shear displacement [m]}, with so many steps to the first corner and to each other."""
     layout, joint = pair(), JOINT
+
+    def path(*corners):
+        parts = [np.linspace(a, b, coarse if number else fine, endpoint=False)
+                 for number, (a, b) in enumerate(zip(corners[:-1], corners[1:]))]
+        return np.vstack([*parts, corners[-1]])
+
     kn, ks = (values[between(layout)] for values in (layout.contacts.normal_stiffness, layout.contacts.shear_stiffness))
     apart, out = 4e-4, 3e-3
     held = -0.3e6 / kn
-    found = {"tension": _path((0, 0), (1.5 * joint.tensile_strength / kn, 0), (apart, 0))}
+    found = {"tension": path((0, 0), (1.5 * joint.tensile_strength / kn, 0), (apart, 0))}
     for pressure in PRESSURES_MPA:
         opening, peak = -1e6 * pressure / kn, (joint.cohesion + 1e6 * pressure * 0.42) / ks
-        found[f"shear at {pressure:g} MPa"] = _path((opening, 0), (opening, 1.5 * peak), (opening, out))
-    found["opening and sliding alike"] = _path((0, 0), (1e-5, 1e-5), (apart, apart))
-    found["slid by 0.15 mm, then opened"] = _path((held, 0), (held, 1e-5), (held, 1.5e-4), (apart, 1.5e-4))
-    found["opened by 0.02 mm, closed, then slid"] = _path((0, 0), (1e-5, 0), (2e-5, 0), (held, 0), (held, out))
-    found["opened and closed, further each time"] = _path(
+        found[f"shear at {pressure:g} MPa"] = path((opening, 0), (opening, 1.5 * peak), (opening, out))
+    found["opening and sliding alike"] = path((0, 0), (1e-5, 1e-5), (apart, apart))
+    found["slid by 0.15 mm, then opened"] = path((held, 0), (held, 1e-5), (held, 1.5e-4), (apart, 1.5e-4))
+    found["opened by 0.02 mm, closed, then slid"] = path((0, 0), (1e-5, 0), (2e-5, 0), (held, 0), (held, out))
+    found["opened and closed, further each time"] = path(
         (0, 0), *((corner, 0) for amplitude in (1e-5, 2e-5, 4e-5, 8e-5, apart) for corner in (amplitude, held)))
-    found["slid to and fro, further each time"] = _path(
+    found["slid to and fro, further each time"] = path(
         (held, 0), *((held, sign * amplitude) for amplitude in (2e-5, 5e-5, 1e-4, 2e-4, 4e-4) for sign in (1, -1)))
     return found
-
-
-def _path(*corners):
-    """Straight from corner to corner, with fine steps to the first."""
-    parts = [np.linspace(a, b, FINE if number == 0 else COARSE, endpoint=False)
-             for number, (a, b) in enumerate(zip(corners[:-1], corners[1:]))]
-    return np.vstack([*parts, corners[-1]])
 
 
 class Driven:
@@ -134,11 +133,11 @@ def _slid(driven, path):
     return path[-1, 1] - driven.shear_stress[-1] / layout.contacts.shear_stiffness[between(layout)]
 
 
-def compared():
+def compared(fine=FINE, coarse=COARSE):
     """Both forms along every path: rows of (path, dissipated by the smooth law [J/m2], and for 8 and 16 fibres what
     they dissipate more [%], and the root mean square of the stresses' difference over the largest stress [%])."""
     rows = []
-    for name, path in paths().items():
+    for name, path in paths(fine, coarse).items():
         smooth, *others = (Driven(path, fibres) for fibres in FORMS.values())
         row = [name, smooth.dissipated]
         for other in others:

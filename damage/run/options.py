@@ -55,7 +55,7 @@ def parse_run(arguments, prog, solver):
     return RunSettings(
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
-        perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
+        perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, view=getattr(parsed, "view", False), command=" ".join([prog, *arguments]),
         model=model_of(parsed))
 
@@ -126,7 +126,9 @@ def _add_model(group, solver):
                            "local as in YADE")
     group.add_argument("--perturb", type=float, default=0.0, metavar="M",
                        help="random offsets of the bricks, for ensembles (default 0)")
-    group.add_argument("--seed", type=int, default=0, help="of the random offsets (default 0)")
+    group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, for "
+                       "ensembles: coefficient of variation (default 0)")
+    group.add_argument("--seed", type=int, default=0, help="of the random offsets and the scatter (default 0)")
 
 
 def _add_run(group, solver):

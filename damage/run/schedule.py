@@ -9,7 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SETTLE_S
+from damage.run.settings import (
+    LOCAL_DAMPING,
+    LONGEST_S,
+    MOST_STATES,
+    MOST_STEPS,
+    SAMPLE_S,
+    SETTLE_S,
+    SOFTENING_BETA_S,
+)
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
@@ -47,6 +55,18 @@ def choose_time_step(settings, critical_s, softens=False):
         raise InputError(f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
                          f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one")
     return settings.time_step_s
+
+
+def softening_warnings(settings, time_step, critical_s):
+    """What of a run's step and damping is outside of what softening joints were shown to need: a list of lines."""
+    told = []
+    if time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
+        told.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
+                    f"{SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out")
+    if settings.beta_s < SOFTENING_BETA_S and not settings.loading.drives_top:
+        told.append(f"--beta {settings.beta_s:g} s: expected at least {SOFTENING_BETA_S:g} where joints soften, or "
+                    "cracks follow rounding and step; leave --beta out")
+    return told
 
 
 def sample_steps(time_step):

@@ -16,7 +16,7 @@ from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.report import report
 from damage.run.run import Run
-from damage.run.schedule import check_size, choose_time_step
+from damage.run.schedule import check_size, choose_time_step, softening_warnings
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
@@ -82,10 +82,13 @@ def _run(backend, wall_file, make_wall, arguments, prog):
                          "not know; leave them out, or use the reference solver: python3 -m damage reference")
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
-    layout = lay_out(wall, settings.model)
+    layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    settings.check_offsets(layout.contacts)
     modes = natural_modes(layout)
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
     check_size(settings, layout, time_step)
+    for warning in softening_warnings(settings, time_step, modes.critical_time_step_s) if wall.joint.softens else ():
+        print(f"warning: {warning}", file=sys.stderr)
     show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),

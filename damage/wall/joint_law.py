@@ -210,7 +210,7 @@ def soften(opening, trial, state, parameters):
         slip += sign * slid
     if event == SHEAR or (event == TENSION and opening <= 0.0 and slid > 0.0):
         at_limit = True
-    return ContactState(sigma, sign * tau, slip, event != INTACT, at_limit, state.friction_work + lost - of_the_bond,
+    return ContactState(sigma, sign * tau, slip, event != INTACT, at_limit, state.friction_work + (lost - of_the_bond),
                         fracture_work + of_the_bond, kappa, gap), event
 
 
