@@ -27,7 +27,7 @@ def compare_patterns(first, second):
     """Scores of two Histories of one wall at the end of their motions, None where nothing has cracked in either:
     {"broken", "visible": {"fss", "shuffled", "mirrored": number, "tells_sides": bool}, "window_m"}.
 
-    broken: joints whose bond is gone; visible: opened or slipped by more than 0.1 mm now.
+    broken: joints whose bond is gone; visible: that opened or slipped by more than 0.1 mm, whatever they do then.
     """
     return {**{what: _scores(first, second, what) for what in ("broken", "visible")}, "window_m": WINDOW_M}
 
@@ -44,10 +44,11 @@ def fractions_skill_score(f, g):
 
 def cracked(history, what):
     """Which joints are cracked at the end of the (last) motion, bool (n_joints,); what: "broken" or "visible"."""
-    sample = int(np.flatnonzero(history.series["stage"] == "motion")[-1])
+    moving = np.flatnonzero(history.series["stage"] == "motion")
+    end = int(moving[-1]) + 1 if len(moving) else len(history.series)
     if what == "broken":
-        return history.broken[sample]
-    return (history.opening_m[sample] > THRESHOLD) | (np.abs(history.slip_m[sample]) > THRESHOLD)
+        return history.broken[end - 1]
+    return ((history.opening_m[:end] > THRESHOLD) | (np.abs(history.slip_m[:end]) > THRESHOLD)).any(axis=0)
 
 
 def fractions(history, flags, mirrored=False):
@@ -86,7 +87,7 @@ def _scores(first, second, what):
 def describe_patterns(result):
     """What `compare_patterns` returns, as lines for people."""
     lines = []
-    for what, words in (("broken", "broken joints"), ("visible", "joints open or slipped by 0.1 mm")):
+    for what, words in (("broken", "broken joints"), ("visible", "joints that opened or slipped by 0.1 mm")):
         scores = result[what]
         if scores["fss"] is None:
             lines.append(f"pattern of {words} at the end of the motion: none in either run")
