@@ -40,7 +40,7 @@ TOLERANCES = {
     "DI_open": Tolerance(absolute=0.006, relative=0.3),
     "DI_slip_shear_limit": Tolerance(absolute=0.015, relative=0.2),
 }
-"""Of correct solvers with the same contact points; the perturbed runs of one code spread as much."""
+"""Of correct solvers with the same contact points; runs of one code that differ by rounding spread as much."""
 DRIFT_TOLERANCE = 0.005  # normalised RMS of the drift before the first failure
 
 

@@ -31,6 +31,7 @@ class ReferenceWall:
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
         self._held = None
+        self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
 
     # --- state, as arrays in the layout's order -------------------------------------------------
@@ -127,12 +128,24 @@ class ReferenceWall:
             raise OverflowError(f"{count} events between two samples, {_CAPACITY} fit; sample more often")
         self.system.n_events[0] = 0
         events, values = self.system.events[:count].copy(), self.system.values[:count].copy()
-        fibres = self.layout.fibres
-        if fibres is not None:  # a contact breaks, opens and slips with the last of its fibres
-            told = fibres.last[events[:, 1]]
-            events, values = events[told], values[told]
-            events[:, 1] = fibres.contact[events[:, 1]]
+        if self.layout.fibres is not None:
+            events, values = self._events_of_fibres(events, values)
         return events[:, 0], events[:, 1], events[:, 2], values
+
+    def _events_of_fibres(self, events, values):
+        """A contact breaks with the last of its fibres; what it opens and slips is known now, at the sample."""
+        fibres, joints = self.layout.fibres, self.system.joints
+        told = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
+        events, values = events[told], values[told]
+        events[:, 1] = fibres.contact[events[:, 1]]
+        now = np.column_stack([self._of_joints(joints["sigma"]), self._of_joints(joints["tau"]), self.opening, self.slip])
+        for kind, size in ((tables.OPENED, now[:, 2]), (tables.SLIPPED, np.abs(now[:, 3]))):
+            new = np.flatnonzero((size > THRESHOLD) & ~self._passed[kind])
+            self._passed[kind][new] = True
+            step = np.full(len(new), self.step - self.first_step)
+            events = np.vstack([events, np.column_stack([step, new, np.full(len(new), kind)])])
+            values = np.vstack([values, now[new]])
+        return events, values
 
     def hold(self, bodies, rotation):
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
