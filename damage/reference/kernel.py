@@ -98,6 +98,8 @@ def run_steps(system, constants, base, gravity, first_step, n_steps):
     its last value holds beyond its end.  Call `contact_forces` once before the first run: out of numba's
     cache, runs then use its own machine code instead of a slower copy that is part of this function.
     """
+    if constants.beta > 0.0:
+        remember_all(system)
     for step in range(first_step, first_step + n_steps):
         ax = base[step, 0] if step < len(base) else 0.0
         az = base[step, 1] if step < len(base) else 0.0
@@ -115,8 +117,8 @@ def contact_forces(system, constants, step, singly):
     Each pair goes the shortest way that is right: as one spring, by its springs, or by the joint law.
     singly: none as one spring, so that forces are the sums of what `read_joints` then reads, to the last bit.
     """
-    pairs, contacts, place = system.pairs, system.contacts, system.place
-    damped = constants.beta > 0.0
+    pairs, contacts, place, last = system.pairs, system.contacts, system.place, system.last
+    damped, rate, lost = constants.beta > 0.0, constants.beta / constants.dt, 0.0
     clear_forces(place)
     for p in range(len(pairs)):
         pair = pairs[p]
@@ -125,39 +127,55 @@ def contact_forces(system, constants, step, singly):
         if pair.broken == 0 and not singly and stays_whole(pair, gap):
             forces = whole_pair(pair, gap)
             if damped:
-                forces = damp(system, constants, p, gap, forces, change(system.last[p], forces))
+                forces, work = damp(last[p], rate, gap, forces, change(last[p], forces))
+                lost += work
         else:
             forces, elastic = springs(contacts, pair, gap, constants.material)
             if elastic:
                 if damped:
-                    forces = damp(system, constants, p, gap, forces, change(system.last[p], forces))
+                    forces, work = damp(last[p], rate, gap, forces, change(last[p], forces))
+                    lost += work
                 if pair.broken:
                     remember(contacts, pair, gap.shear)
             else:
                 forces, steady = joint_forces(system, constants, step, p, gap)
                 if damped:
-                    forces = damp(system, constants, p, gap, forces, steady)
+                    forces, work = damp(last[p], rate, gap, forces, steady)
+                    lost += work
         push(a, b, frame, forces)
+    system.energy[DAMPING] += lost
 
 
 @_compile
 def read_joints(system):
-    """Opening, shear displacement [m] and stresses [Pa] of all contacts at the present places, into `joints`; and
-    what damping compares the next step with, into `last`.
+    """Opening, shear displacement [m] and stresses [Pa] of all contacts at the present places, into `joints`.
 
     After `contact_forces` every contact is a spring from where the law has left it, so that no law is needed.
     """
     pairs, contacts, joints, place = system.pairs, system.contacts, system.joints, system.place
     for p in range(len(pairs)):
         pair = pairs[p]
+        _, gap = relative_motion(pair, place[pair.a], place[pair.b])
+        for i in range(pair.start, pair.stop):
+            opening, sigma, tau = spring(contacts[i], gap)
+            if stays_open(contacts[i], opening):
+                sigma = tau = 0.0
+            keep_stresses(joints[i], opening, gap.shear, sigma, tau)
+
+
+@_compile
+def remember_all(system):
+    """What damping proportional to stiffness compares the next step with, of the present places, into `last`."""
+    pairs, contacts, place = system.pairs, system.contacts, system.place
+    for p in range(len(pairs)):
+        pair = pairs[p]
         normal = along = couple = 0.0
         _, gap = relative_motion(pair, place[pair.a], place[pair.b])
         for i in range(pair.start, pair.stop):
-            opening, sigma, tau = stresses(contacts[i], gap)
-            keep_stresses(joints[i], opening, gap.shear, sigma, tau)
-            normal += sigma
-            along += tau
-            couple += sigma * contacts[i].offset
+            trial = stresses(contacts[i], gap)
+            normal += trial.sigma
+            along += trial.tau
+            couple += trial.sigma * contacts[i].offset
         keep_last(system.last[p], gap, Forces(normal, along, couple))
 
 
@@ -284,7 +302,7 @@ def joint_forces(system, constants, step, p, gap):
     for i in range(pair.start, pair.stop):
         contact, joint = system.contacts[i], system.joints[i]
         trial, kappa = spring(contact, gap), joint.kappa
-        old = stresses(contact, before)
+        old = stresses(contact, before) if constants.beta > 0.0 else trial
         new, event = judge(contact, joint, trial.opening, gap.shear, constants.material)
         if new.broken or new.kappa > 0.0:
             log_joint(system, constants, step, i, trial, new, event)
@@ -325,17 +343,15 @@ def change(last, forces):
 
 
 @_compile
-def damp(system, constants, p, gap, forces, steady):
-    """Add damping proportional to stiffness to the forces of a pair [N, N m]; its work is lost.
+def damp(last, rate, gap, forces, steady):
+    """The forces of a pair [N, N m] with damping proportional to stiffness, and its work [J], which is lost.
 
-    steady: what is damped, the change of its elastic forces since the last step."""
-    last, rate = system.last[p], constants.beta / constants.dt
+    rate: beta over the time step [-]; steady: what is damped, the change of its elastic forces since the last step."""
     work = (steady.normal * (gap.middle - last.middle) + steady.along * (gap.shear - last.shear)
             + steady.couple * (gap.turn - last.turn))
-    system.energy[DAMPING] += rate * work
     keep_last(last, gap, forces)
     return Forces(forces.normal + rate * steady.normal, forces.along + rate * steady.along,
-                  forces.couple + rate * steady.couple)
+                  forces.couple + rate * steady.couple), rate * work
 
 
 @_compile
