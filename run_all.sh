@@ -13,7 +13,7 @@ shipped() {
 
 usage() {
     cat <<END
-usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
+usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--remake]
 
 STUDY is one of: $(shipped | paste -sd' '),
 the path of a study file of your own (.toml; copy studies/quick.toml), or all: every one that ships, each into
@@ -24,6 +24,7 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
   --slurm        each as a job of a SLURM cluster that shares this folder; SBATCH_PARTITION and the
                  like choose where (docs/batches.md); -j is the number of jobs at a time
+  --remake       make runs again that another version of the model made; without it they are kept, and named
   -h, --help     this help
 
 DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
@@ -41,7 +42,7 @@ fail() {
     exit 2
 }
 
-study='' jobs=$(nproc) out='' solver=yade slurm=''
+study='' jobs=$(nproc) out='' solver=yade slurm='' remake=''
 while [ $# -gt 0 ]; do
     case $1 in
         -h | --help)
@@ -50,6 +51,10 @@ while [ $# -gt 0 ]; do
             ;;
         --slurm)
             slurm=--slurm
+            shift
+            ;;
+        --remake)
+            remake=--remake
             shift
             ;;
         --out=* | --solver=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
@@ -63,7 +68,7 @@ while [ $# -gt 0 ]; do
             esac
             shift 2
             ;;
-        -*) fail "unknown option $1: expected -j, --out, --solver or --slurm; see --help" ;;
+        -*) fail "unknown option $1: expected -j, --out, --solver, --slurm or --remake; see --help" ;;
         *)
             [ -z "$study" ] || fail "two studies, $study and $1: expected one; run them one after the other"
             study=$1
@@ -96,6 +101,12 @@ case $study in
         ;;
 esac
 
+memory=$(ulimit -v)
+least=$((600 + 150 * $(nproc))) # MB, as damage/memory.py has it: with less no library loads, and none seems installed
+if [ "$memory" != unlimited ] && [ $((memory * 1024 / 1000000)) -lt $least ]; then
+    echo "error: out of memory: ulimit -v is $((memory * 1024 / 1000000)) MB: expected $least MB or more; raise it" >&2
+    exit 1
+fi
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" run
-exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm
+exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm $remake

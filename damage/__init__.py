@@ -1,8 +1,6 @@
 """Damage of masonry walls under induced seismicity: walls, joint law, histories, damage index."""
 
-from importlib import import_module
-
-from damage.provenance import VERSION as __version__
+from damage.version import VERSION as __version__
 
 _HOMES = {"InputError": "damage.errors", **dict.fromkeys(("History", "read_history"), "damage.history.reader"),
           **dict.fromkeys(("Brick", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry"),
@@ -15,6 +13,8 @@ def __getattr__(name):
     """A name of __all__, imported when it is first asked for: a command is there before its libraries are."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
     try:
         return getattr(import_module(_HOMES[name]), name)
     except ModuleNotFoundError as error:

@@ -1,6 +1,6 @@
 """`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
-from damage.start import begin, missing_library
+from damage.start import begin, is_of_output, leave, missing_library
 
 if __name__ == "__main__":
     begin()  # before what takes its time to import
@@ -13,6 +13,7 @@ from damage.errors import InputError, one_line
 from damage.files import write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
+from damage.memory import hold_buffers
 from damage.run.options import OneLineParser, add_model_options, file_path, model_of, number_from
 from damage.units import MILLIMETRE
 
@@ -29,11 +30,9 @@ def main(arguments=None):
             from damage.reference.session import run_reference
 
             return run_reference(arguments[1:])
+        hold_buffers()
         asked = _parser().parse_args(arguments)
         return asked.command(asked) or 0
-    except BrokenPipeError:  # the reader of a pipe went away, as `| head` does
-        sys.stderr.close()
-        return 0
     except KeyboardInterrupt:
         return 130
     except Exception as error:
@@ -43,13 +42,16 @@ def main(arguments=None):
 def _failed(error):
     """Say in one line what is no fault of this software; the exit status."""
     if isinstance(error, ImportError) and missing_library(error):
-        status, told = 3, missing_library(error)
+        status, told = 3, f"error: {missing_library(error)}"
     elif isinstance(error, InputError):
         status, told = 2, f"error: {error}"
+    elif isinstance(error, OSError) and is_of_output(error):
+        return 1
     elif isinstance(error, OSError):
-        status, told = 2, f"error: {one_line(error)}: expected a file or folder that can be read; mend that"
+        status, told = 2, f"error: {one_line(error)}: expected what this user may read and write; mend that"
     elif isinstance(error, MemoryError):
-        status, told = 1, f"error: not enough memory ({one_line(error)}): expected a smaller file"
+        status, told = 1, (f"error: out of memory ({one_line(error) or 'no more to be had'}): expected room for it; "
+                           "give it more, as by ulimit -v, or a smaller file")
     else:
         raise error
     print(told, file=sys.stderr)
@@ -103,11 +105,12 @@ def _tell(asked, found, describe):
     print(json.dumps(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
 
-def _save(figures, folder):
-    """Write figures, pairs (name, Figure), and tell their paths on stderr: stdout may be JSON."""
+def _save(figures, folder, made=""):
+    """Write figures, pairs (name, Figure), with what made what they show; tell their paths on stderr: stdout may be
+    JSON."""
     from damage.draw.style import save_figures
 
-    for path in save_figures(figures, folder):
+    for path in save_figures(figures, folder, made):
         print(f"picture: {path}", file=sys.stderr)
 
 
@@ -206,8 +209,10 @@ def _compare(asked):
     result = compare(first, others)
     if asked.out:
         from damage.draw.compare import compare_picture
+        from damage.history.info import origin
 
-        _save([("compare", compare_picture(first, others[0]))], asked.out)
+        _save([("compare", compare_picture(first, others[0]))], asked.out,
+              "\n".join(map(origin, (first, others[0]))))
     _tell(asked, result, describe)
 
 
@@ -280,7 +285,8 @@ def _cracks(asked):
     if asked.out:
         from damage.laboratory.crack_picture import crack_pictures
 
-        _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out)
+        _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
+              f"cracks of {asked.source or asked.dic}")
     _tell(asked, report, describe)
 
 
@@ -291,6 +297,7 @@ def _cracks(asked):
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
            help="bootstrap samples (default 500)"))
 def _fragility(asked):
+    from damage.measure.columns import made_by_words
     from damage.measure.tables import write_table
     from damage.studies.fragility import fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_pictures
@@ -300,7 +307,7 @@ def _fragility(asked):
     table = fragility_table(fits, asked.intensity)
     print(table.to_string(index=False, float_format="%.3f"))
     print(write_table(table, asked.out / f"fragility_{asked.intensity}.csv"))
-    _save(fragility_pictures(runs, fits, asked.intensity), asked.out)
+    _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
 
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),
@@ -317,4 +324,4 @@ def _study_tables(asked):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

@@ -67,7 +67,7 @@ def check_path(path):
     return path
 
 
-def check_file(path, wanted, most_mb):
+def check_file(path, wanted, most_mb=math.inf):
     """The Path of a file that can be read; InputError where it is missing, no regular file, or larger than that.
 
     wanted: what is expected of it, in words.

@@ -1,7 +1,7 @@
 """Files: where the package keeps its data, and writing whole or not at all."""
 
 import os
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from damage.errors import InputError
@@ -26,7 +26,7 @@ def whole_or_nothing(path):
         raise InputError(f"cannot write {path}: {error.strerror or error}; expected a disk with room "
                          "and a folder that can be written to; make room, or choose another place") from error
     finally:
-        if unfinished.is_file():
+        with suppress(OSError):
             unfinished.unlink()
 
 

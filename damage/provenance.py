@@ -7,7 +7,8 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-VERSION = "0.2.0.dev0"
+from damage.version import VERSION
+
 HERE = Path(__file__).parent
 MODEL = ("units.py", "wall", "motion", "run/run.py", "run/schedule.py", "run/settings.py", "run/watch.py")
 """What of the package decides the values of any run; the solver's own folder comes to it."""
@@ -50,7 +51,7 @@ def model_digest(solver_folder):
     """
     digest = hashlib.sha256()
     for path in [path for name in MODEL for path in _modules(HERE / name)] + _modules(Path(solver_folder)):
-        digest.update(f"{path.name}\0{_code(path)}\0".encode())
+        digest.update(f"{path.name}\0{code_of(path)}\0".encode())
     return digest.hexdigest()[:12]
 
 
@@ -58,7 +59,7 @@ def _modules(path):
     return sorted(path.glob("*.py")) if path.is_dir() else [path]
 
 
-def _code(path):
+def code_of(path):
     """A module's code without comments, layout and docstrings."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     for node in ast.walk(tree):

@@ -1,25 +1,72 @@
-"""How `python3 -m damage` begins and leaves: an interrupt at any time, or a library that is missing, is one line at
-most.  Nothing is imported here that takes time."""
+"""How `python3 -m damage` begins and leaves: an interrupt at any time, a library that is missing, too little memory, or
+an output that takes nothing is one line at most.  Nothing is imported here that takes time: before `begin` an interrupt
+is Python's."""
 
+import errno
 import os
-import runpy
 import signal
 import sys
-import traceback
 
-EXIT_MISSING, EXIT_INTERRUPTED = 3, 130
+from damage.memory import shortage
+
+EXIT_FAILED, EXIT_MISSING, EXIT_INTERRUPTED = 1, 3, 130
+_OF_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE)
 
 
 def main():
     """The command `masonry-damage`: as `python3 -m damage`."""
     begin()
+    import runpy
+
     runpy.run_module("damage", run_name="__main__", alter_sys=True)
 
 
-def begin():
-    """Make interrupts quiet and a missing library one line, from now on."""
+def begin(beside=0):
+    """Make interrupts quiet and a missing library one line, from now on; end where memory or an output is missing.
+
+    beside: address space that the program around this takes [bytes].
+    """
     signal.signal(signal.SIGINT, _interrupted)
     sys.excepthook = _tell
+    for number in range(3):  # of a closed stream: the next file, as a history, would get it, and what is printed
+        try:
+            os.fstat(number)
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_RDWR), number)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+    closed = "standard output is closed: expected a file, a pipe or a screen; open it" if sys.stdout is None else None
+    missing = shortage(beside) or closed
+    if missing:
+        print(f"error: {missing}", file=sys.stderr, flush=True)
+        os._exit(EXIT_FAILED)
+
+
+def is_of_output(error):
+    """Whether an OSError is one of standard output, files of the package aside: it is told, and no more is printed."""
+    if error.filename is not None or error.errno not in _OF_OUTPUT:
+        return False
+    if error.errno != errno.EPIPE:  # where the reader of a pipe went away, as `| head` does, nobody asks
+        print(f"error: what this prints cannot be written ({error.strerror}): expected room for it; make room, or "
+              "print elsewhere", file=sys.stderr)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return True
+
+
+def leave(status):
+    """End this process with a status, 1 instead of 0 where what was printed could not be written; an interrupt now
+    changes nothing any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        status = status or EXIT_FAILED
+        is_of_output(error)
+    try:
+        sys.stderr.flush()
+    except OSError:  # Python would make it status 120
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+    sys.exit(status)
 
 
 def missing_library(error):
@@ -27,7 +74,7 @@ def missing_library(error):
     library = (error.name or "").partition(".")[0]
     if library in ("", "damage"):
         return None
-    return (f"error: {sys.executable} cannot import {library}: expected Debian's package python3-{library}, or pip "
+    return (f"{sys.executable} cannot import {library}: expected Debian's package python3-{library}, or pip "
             f"install {library}; with Debian's packages use /usr/bin/python3, as ./run_all.sh does")
 
 
@@ -45,6 +92,6 @@ def _tell(kind, error, trace):
     if issubclass(kind, KeyboardInterrupt):
         os._exit(EXIT_INTERRUPTED)
     if issubclass(kind, ImportError) and missing_library(error):
-        print(missing_library(error), file=sys.stderr, flush=True)
+        print(f"error: {missing_library(error)}", file=sys.stderr, flush=True)
         os._exit(EXIT_MISSING)
-    traceback.print_exception(kind, error, trace)
+    sys.__excepthook__(kind, error, trace)

@@ -282,7 +282,7 @@ def _judged(path):
         use(path)
     except InputError as error:
         told = str(error)
-        word = "refused" if told.isprintable() and len(told) < 1000 else "unfit words"
+        word = "refused" if told.isprintable() and len(told) < 1600 else "unfit words"
     most = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) * 1024
     if most > BYTES:
         word, told = "memory", f"{most / 1e6:.0f} MB; {told}"

@@ -267,7 +267,7 @@ def test_the_command_says_where_the_mode_is_open(tmp_path, capsys):
 
 @pytest.mark.parametrize("words, complaint", [
     ([], "expected one of FILE and --dic"), (["no.csv"], "a crack file needs --wall"),
-    (["no.csv", "--wall", "walls/solid.py"], "no.csv: No such file"), (["no.h5"], "no.h5: no such file"),
+    (["no.csv", "--wall", "walls/solid.py"], "no.csv: No such file"), (["no.h5"], "no.h5: No such file"),
     (["no.h5", "--wall", "walls/solid.py"], "--wall does not belong to a history"),
     (["no.csv", "--wall", "walls/solid.py", "--at", "max"], "--at does not belong to a crack file"),
     (["--dic", "no.csv"], "a DIC field needs --wall"),

@@ -177,7 +177,7 @@ def test_overwrite_replaces_histories_alone(make, tmp_path):
 
 
 @pytest.mark.parametrize(("make", "complaint"), [
-    (lambda path: None, "no such file"),
+    (lambda path: None, "No such file or directory; expected a history"),
     (lambda path: path.write_text("hello"), "cannot be read"),
     (lambda path: path.write_bytes(b""), "cannot be read"),
     (lambda path: h5py.File(path, "w").close(), "no history of this software"),

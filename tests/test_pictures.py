@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
+from PIL import Image
 from small_history import make_history, small_layout
 
+import damage
 from damage.draw import run as pictures
 from damage.draw.run import (
     PICTURES,
@@ -357,6 +359,14 @@ class TestFiles:
             signature = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-"}[path.suffix]
             assert path.read_bytes().startswith(signature)
 
+    def test_a_picture_says_what_made_it(self, cracked, tmp_path, monkeypatch):
+        monkeypatch.setattr(pictures, "PICTURES", {"index": index_picture})
+        png, pdf = save_all(cracked, tmp_path)
+        told = Image.open(png).text
+        assert told["Software"].startswith(f"masonry-damage {damage.__version__}, commit ")
+        assert cracked.command in told["Description"] and "model unknown" in told["Description"]
+        assert b"/Creator (masonry-damage" in pdf.read_bytes() and b"/Subject" in pdf.read_bytes()
+
     def test_a_file_that_fails_leaves_the_old_one_and_nothing_half_written(self, cracked, tmp_path, monkeypatch):
         (tmp_path / "out").mkdir()
         (tmp_path / "out" / "wall_max.png").write_text("old")
@@ -378,7 +388,7 @@ class TestFiles:
 
     def test_a_file_where_the_folder_should_be_is_refused(self, cracked, tmp_path):
         (tmp_path / "taken").write_text("")
-        with pytest.raises(InputError, match="expected a folder"):
+        with pytest.raises(InputError, match="taken.*expected .*a folder that can be written to"):
             save_all(cracked, tmp_path / "taken")
 
     def test_the_host_keeps_its_style_and_gets_no_pyplot(self, cracked, tmp_path):

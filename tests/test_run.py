@@ -7,8 +7,11 @@ from small_history import small_layout
 
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
+from damage.measure.summary import summarise
 from damage.run.options import parse_run
 from damage.run.run import LOOK_STEPS, Run
+from damage.run.schedule import sample_steps
+from damage.run.session import Backend, run_session
 from damage.run.settings import HOLD_AT_MOST_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import Instant
 from damage.units import GRAVITY
@@ -20,8 +23,10 @@ SHAKEN = ["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3"]
 class Clockwork:
     """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a test says."""
 
-    def __init__(self, layout, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0):
+    def __init__(self, layout, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0,
+                 input_j=lambda step: 0.0, slip_m=lambda step: 0.0, raises_at_step=None):
         self.layout, self.time_step, self.clock = layout, DT, 0
+        self.input_j, self.slip_m, self.raises_at_step = input_j, slip_m, raises_at_step
         self.unbalanced, self.falls_at_step = unbalanced, falls_at_step
         self.kinetic_j, self.damping_j = kinetic_j, damping_j
         self.log, self.events = [], []
@@ -49,14 +54,16 @@ class Clockwork:
         end, goes_on = self.clock + n_steps, on_sample is None or self.clock > 0 or on_sample()
         while goes_on and self.clock < end:
             self.clock += 1
+            if on_sample is not None and self.clock == self.raises_at_step:
+                raise FloatingPointError("forces are no longer finite")
             goes_on = on_sample is None or self.clock % sample_steps > 0 or on_sample()
 
     def instant(self, base_acceleration):
         displacement, n = np.zeros((len(self.layout.bodies), 3)), self.layout.n_joints
         if self.falls_at_step is not None and self.clock >= self.falls_at_step:
             displacement[0, 1] = -1.0
-        return Instant(displacement, np.zeros(n), np.zeros(n), np.zeros(n, int), 0.0, np.nan,
-                       self.kinetic_j(self.clock), 0.0, 0.0, 0.0, 0.0, self.damping_j)
+        return Instant(displacement, np.zeros(n), np.full(n, self.slip_m(self.clock)), np.zeros(n, int), 0.0, np.nan,
+                       self.kinetic_j(self.clock), 0.0, self.input_j(self.clock), 0.0, 0.0, self.damping_j)
 
     def forces(self):
         weight = np.column_stack([np.zeros_like(self.layout.bodies.mass), GRAVITY * self.layout.bodies.mass,
@@ -181,3 +188,64 @@ def test_offsets_are_drawn_with_the_seed(tell):
         offsets.append(fake.log[0])
     assert np.array_equal(offsets[0], offsets[1]) and not np.array_equal(offsets[0], offsets[2])
     assert_allclose(np.std(offsets[0]), 1e-9, rtol=0.3)
+
+
+# --- runs that are not to be believed ---------------------------------------------------------------
+
+@pytest.fixture
+def session(tmp_path, capsys, monkeypatch):
+    """session(*words, **of the Clockwork): a whole run of it from its command line; (status, what it said, History)."""
+    def run(*words, **clockwork):
+        def make(layout, time_step):
+            monkeypatch.setattr(f"{__name__}.DT", time_step)
+            return Clockwork(layout, **clockwork)
+
+        out = tmp_path / "run.h5"
+        status = run_session(Backend("reference", {}, make), lambda: small_layout().wall,
+                             [*SHAKEN, *words, "--no-pictures", "--overwrite", "--out", str(out)], "test")
+        return status, capsys.readouterr().err.splitlines(), read_history(out)
+
+    return run
+
+
+@pytest.mark.parametrize("error, failed, warned", [(0.02, False, 0), (0.9, False, 1), (1.1, True, 0), (1e15, True, 0)])
+def test_a_run_whose_energies_do_not_balance_has_failed(session, error, failed, warned):
+    """100 J came in at once, and all but what the test says to be wrong went into motion."""
+    status, told, history = session(input_j=lambda step: 100.0 * (step > 0),
+                                    kinetic_j=lambda step: 100.0 * (1 + error) * (step > 0))
+    assert (status, history.status) == ((1, "failed") if failed else (0, "complete"))
+    assert [line.partition(":")[0] for line in told] == ["error"] * failed + ["warning"] * warned
+    summary = summarise(history)
+    assert_allclose(summary["energy_error_fraction"], error)
+    assert len(summary["warnings"]) == (error > 0.03)
+
+
+def test_an_error_while_the_wall_settles_is_none(session):
+    status, _, history = session(input_j=lambda step: 1.0 * (step > 0), kinetic_j=lambda step: 1.0 * (step > 0),
+                                 damping_j=None)
+    assert status == 0 and summarise(history)["energy_error_fraction"] == 0.0
+
+
+@pytest.mark.parametrize("odd", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("what", ["kinetic_j", "input_j", "slip_m"])
+def test_a_run_that_blows_up_ends_at_once_and_keeps_what_was_finite(session, what, odd):
+    status, told, history = session(**{what: lambda step: odd if step >= 1000 else 0.0})
+    assert (status, history.status) == (1, "failed")
+    assert len(told) == 1 and "the run blew up" in told[0] and "no longer finite" in told[0]
+    steps = sample_steps(history.time_step_s)
+    assert_allclose(history.series["time_s"], np.arange(999 // steps + 1) * steps * history.time_step_s)
+    finite = history.series.drop(columns=["stage", "top_force_n"])
+    assert np.isfinite(finite.to_numpy(float)).all() and np.isfinite(history.slip_m).all()
+
+
+def test_a_solver_that_raises_ends_the_run_in_one_line(session):
+    status, told, history = session(raises_at_step=1000)
+    assert (status, history.status) == (1, "failed")
+    assert len(told) == 1 and "forces are no longer finite" in told[0] and " s)" in told[0]
+
+
+@pytest.mark.parametrize("input_j, known", [(0.0, False), (1e-9, False), (1e-3, True)])
+def test_no_input_no_percentage(session, input_j, known):
+    """The wall weighs 29 kN and is 0.45 m high: 1.3e-8 J are rounding, the millijoule of a free vibration is not."""
+    _, _, history = session(input_j=lambda step: input_j * (step > 0), kinetic_j=lambda step: 2e-9 * (step > 0))
+    assert (summarise(history)["energy_error_fraction"] is not None) == known

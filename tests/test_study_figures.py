@@ -360,7 +360,7 @@ class TestCommand:
     def test_runs_without_an_end_are_left_out_and_named(self, results, tmp_path, monkeypatch):
         points = results.points.copy()
         points.loc[points["point"] == "h0.2-0.1", "status"] = "failed"
-        monkeypatch.setattr(study_figures, "save_figures", lambda pairs, folder: [pairs[0][1]])
+        monkeypatch.setattr(study_figures, "save_figures", lambda pairs, folder, made: [pairs[0][1]])
         monkeypatch.setattr(study_figures, "_ida", lambda results: ())
         made = dict(study_figures.make_figures(type(results)(points, results.runs), tmp_path))
         assert "is failed" in made["point h0.2-0.1"]

@@ -1,22 +1,26 @@
 """Every study of a folder, one after the other, then the figures and the verdict; `run_all.sh all` starts this.
 
-    all_studies.py STUDIES [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
+    all_studies.py STUDIES [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--remake]
 
 Each goes into DIR/NAME.  One that fails stops no other; one that has no run for the solver is passed over.
 Exit status: the worst of the studies' (`batch.py`), the figures' and the verdict's; 130 at once when interrupted.
 """
 
+from damage.start import EXIT_INTERRUPTED, begin, leave
+
+if __name__ == "__main__":
+    begin()  # before what takes its time to import
+
 import argparse
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
-from shared import ROOT
+from shared import ROOT, end_with_parent
 
 from damage.errors import InputError
 from damage.studies.definition import load_study
-
-INTERRUPTED = 130
 
 
 def main():
@@ -26,7 +30,8 @@ def main():
     parser.add_argument("-j", dest="jobs", default="1")
     parser.add_argument("--out", type=Path, default=ROOT / "results")
     parser.add_argument("--solver", default="yade")
-    parser.add_argument("--slurm", action="store_true")
+    for option in ("--slurm", "--remake"):
+        parser.add_argument(option, action="store_true")
     asked = parser.parse_args()
     ended = {}
     for path in sorted(asked.studies.glob("*.toml")):
@@ -36,9 +41,10 @@ def main():
             print(f"passed over: {error}", flush=True)
             continue
         words = ["-j", asked.jobs, "--out", asked.out / name, "--solver", asked.solver]
-        ended[name] = run(ROOT / "workflow/batch.py", path, *words, *(["--slurm"] if asked.slurm else []))
-        if ended[name] == INTERRUPTED:
-            return INTERRUPTED
+        flags = [f"--{name}" for name in ("slurm", "remake") if getattr(asked, name)]
+        ended[name] = run(ROOT / "workflow/batch.py", path, *words, *flags)
+        if ended[name] == EXIT_INTERRUPTED:
+            return EXIT_INTERRUPTED
     return conclude(asked.out, ended)
 
 
@@ -58,14 +64,15 @@ def conclude(out, ended):
 
 def run(*words):
     """Exit status of a Python program of this repository; an interrupt is its own to answer."""
-    with subprocess.Popen([sys.executable, *map(str, words)]) as program:
+    with subprocess.Popen([sys.executable, *map(str, words)],
+                          preexec_fn=lambda: end_with_parent(signal.SIGTERM)) as program:
         while True:
             try:
                 status = program.wait()
             except KeyboardInterrupt:
                 continue
-            return INTERRUPTED if status < 0 else status
+            return EXIT_INTERRUPTED if status < 0 else status
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

@@ -1,9 +1,14 @@
 """One study from its file to tables and pictures, by way of Snakemake; `run_all.sh` starts this.
 
-    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both] [--slurm]
+    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--remake]
 
 Exit status: 0 all done, 1 something failed, 2 bad input, 130 interrupted.
 """
+
+from damage.start import EXIT_INTERRUPTED, begin, is_of_output, leave
+
+if __name__ == "__main__":
+    begin()  # before what takes its time to import
 
 import argparse
 import fcntl
@@ -19,6 +24,7 @@ import time
 from pathlib import Path
 
 import pandas as pd
+import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
 from shared import MARK, ROOT, Log, end_with_parent
 
@@ -50,6 +56,11 @@ def main():
           f"{batch.unit}: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
     if (warning := forecast(study, folder)) is not None:
         print(f"warning: {warning}", file=sys.stderr, flush=True)
+    others = versions.of_other_versions(study, folder)
+    if others:
+        print(f"warning: {versions.describe(others, parsed.remake)}", file=sys.stderr, flush=True)
+    if parsed.remake:
+        versions.discard(others, study, folder)
     repeat_torn_records(folder / ".snakemake")
     status = batch.snakemake()
     if status != 0 and not batch.ended and batch.simulated():
@@ -64,6 +75,7 @@ def _parse():
     parser.add_argument("--out", type=Path)
     parser.add_argument("--solver", default="yade", choices=("yade", "reference", "both"))
     parser.add_argument("--slurm", action="store_true")
+    parser.add_argument("--remake", action="store_true")
     return parser.parse_args()
 
 
@@ -241,7 +253,7 @@ def report(batch, status):
     print(f"\nstudy {batch.study.name}: {done} of {len(batch.study.runs)} {batch.unit} done")
     if batch.interrupted:
         print("interrupted: the same command goes on from here", file=sys.stderr)
-        return 130
+        return EXIT_INTERRUPTED
     if batch.short:
         print(f"error: {shortage(folder)}, and the same command goes on from here", file=sys.stderr)
         return 1
@@ -291,21 +303,19 @@ def last_words(log):
 
 
 def run_program():
-    """Run `main` and see that what it prints arrives; returns the exit status."""
+    """Run `main`; returns the exit status.  What cannot be printed ends all with this process."""
     try:
-        status = main()
-        sys.stdout.flush()
-        return status
-    except BrokenPipeError:  # the reader of a pipe went away, as `| head` does: all ends with this process
-        pass
+        return main()
+    except KeyboardInterrupt:  # before Snakemake runs
+        return EXIT_INTERRUPTED
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
     except OSError as error:
-        print(f"error: cannot write {error.filename or 'what this prints'}: {error.strerror}; mend that, and the same "
-              "command goes on from here", file=sys.stderr)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not is_of_output(error):
+            print(f"error: cannot write {error.filename}: {error.strerror}; mend that, and the same command goes on "
+                  "from here", file=sys.stderr)
     return 1
 
 
 if __name__ == "__main__":
-    sys.exit(run_program())
+    leave(run_program())

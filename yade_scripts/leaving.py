@@ -16,8 +16,11 @@ def run_and_leave(function):
         status = function() or 0
     except Exception:
         traceback.print_exc()
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            status = status or 1
     scratch = Path(O.tmpFilename()).parent  # YADE removes it only when it exits by itself
     if scratch.name.startswith("yade-"):
         shutil.rmtree(scratch, ignore_errors=True)

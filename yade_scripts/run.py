@@ -1,24 +1,40 @@
 """Run one wall in YADE from the command line of `yade walls/NAME.py`."""
 
+from damage.memory import YADE
+from damage.start import begin
+
+begin(YADE)  # before what takes its time to import
+
 import sys
 from pathlib import Path
 
-import yade
-
 from damage.errors import InputError
-from damage.run.session import Backend, run_session
-from damage.wall.file import wall_of
+from damage.start import EXIT_MISSING, missing_library
 from yade_scripts.leaving import run_and_leave
-from yade_scripts.solver import YadeSolver
-from yade_scripts.view import open_view
 
 
 def main(make_wall):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE."""
-    path = Path(sys.argv[0])
+    run_and_leave(lambda: _run(make_wall, Path(sys.argv[0])))
+
+
+def _run(make_wall, path):
+    """The exit status of a run of the wall of the file at `path`; libraries are imported here, to tell of a missing
+    one."""
+    try:
+        import yade
+
+        from damage.run.session import Backend, run_session
+        from damage.wall.file import wall_of
+        from yade_scripts.solver import YadeSolver
+        from yade_scripts.view import open_view
+    except ImportError as error:
+        if not missing_library(error):
+            raise
+        print(f"error: {missing_library(error)}", file=sys.stderr)
+        return EXIT_MISSING
     backend = Backend("yade", {"yade": yade.config.version}, YadeSolver, Path(__file__).parent, _check, open_view)
-    run_and_leave(lambda: run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:],
-                                      prog=f"yade {path}"))
+    return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {path}")
 
 
 def _check(settings):

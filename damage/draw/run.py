@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 
 from damage.draw import style
 from damage.draw.wall import legend_widths_mm, line_width, wall_shape
-from damage.history.info import one_line
+from damage.history.info import origin
 from damage.history.moments import STATES, choose_sample, moving
 from damage.index import THRESHOLD
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_scale, imbalance
@@ -250,4 +250,4 @@ PICTURES = {
 
 def save_all(history, folder):
     """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
-    return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder, one_line(history))
+    return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder, origin(history))

@@ -11,7 +11,8 @@ from matplotlib import style
 from matplotlib.figure import Figure
 
 from damage.files import whole_or_nothing
-from damage.provenance import VERSION, commit
+from damage.provenance import commit
+from damage.version import VERSION
 
 COLUMN_WIDTH = 90 / 25.4  # [inch], one column of a journal
 DOTS_PER_INCH = 200

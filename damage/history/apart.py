@@ -38,9 +38,9 @@ def apart(path, read):
         told = b"".join(answer)
     killed_by = os.WTERMSIG(os.waitpid(child, 0)[1])
     if killed_by == signal.SIGALRM:
-        raise InputError(f"{path} cannot be read as a history: HDF5 found no end in {limit_s} s, it is damaged")
+        raise InputError(f"{path} cannot be read: HDF5 found no end in {limit_s} s, it is damaged")
     if killed_by:
-        raise InputError(f"{path} cannot be read as a history: HDF5 crashes on it (signal {killed_by}), it is damaged")
+        raise InputError(f"{path} cannot be read: HDF5 crashes on it (signal {killed_by}), it is damaged")
     found = pickle.loads(told)
     if isinstance(found, Exception):
         raise found
@@ -60,7 +60,7 @@ def _be_the_child(path, read, send, limit_s):
     try:
         found = read(path, lambda n_bytes: _allow(FREE_BYTES + 4 * n_bytes))  # arrays, tables, pickled, sent
     except Exception as error:
-        found = error if isinstance(error, InputError) else InputError(f"{path} cannot be read as a history ({error})")
+        found = error if isinstance(error, InputError) else InputError(f"{path} cannot be read ({error})")
     try:
         with open(send, "wb") as answer:
             pickle.dump(found, answer, protocol=5)

@@ -47,7 +47,7 @@ def made_by(history):
         ("software", "masonry-damage"), ("commit", "commit"), ("model_digest", "model"))}
 
 
-def one_line(history):
+def origin(history):
     """What made a History, for a picture's own data."""
     made = made_by(history)
     return (f"{history.path.name}: {history.command}; {history.solver} solver, masonry-damage {made['software']}, "

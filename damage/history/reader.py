@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from damage.checks import record_from
+from damage.checks import check_file, record_from
 from damage.errors import InputError
 from damage.history.apart import apart
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
@@ -112,9 +112,7 @@ def read_history(path):
     Raises InputError when the file is missing, is no history, has a newer schema, was damaged or changed since its run
     closed it, or says what cannot be.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; give the path of a history (.h5)")
+    path = check_file(path, "a history (.h5)")
     head = read_head(path)
     if head is None or not head.sealed:
         return apart(path, _open)

@@ -124,15 +124,8 @@ class HistoryWriter:
 def check_output(path, overwrite=False):
     """Raise InputError if a history cannot be written to `path`; make its folder where missing."""
     path = Path(path)
-    if path.is_dir():
-        raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
-    if path.exists() and not overwrite:
-        raise InputError(f"{path} exists already: it is kept; give --overwrite or another --out")
-    if path.exists():
-        if not (path.is_file() and (path.stat().st_size == 0 or h5py.is_hdf5(path))):
-            raise InputError(f"{path} is no history, and --overwrite replaces none but those: give another --out")
-        _lock(path, fcntl.LOCK_EX).close()
     try:
+        _check_taken(path, overwrite)
         path.parent.mkdir(parents=True, exist_ok=True)
         probe = path.parent / f".{path.name}.{os.getpid()}.probe"
         probe.touch()
@@ -144,6 +137,19 @@ def check_output(path, overwrite=False):
     if free < _LEAST_FREE:
         raise InputError(f"{path.parent} has {free / 1e6:.2g} MB free: expected {_LEAST_FREE / 1e6:g} MB or more; make "
                          "room, or choose another with --out FILE.h5")
+
+
+def _check_taken(path, overwrite):
+    """Raise InputError where something is at `path` that stays there."""
+    if path.is_dir():
+        raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
+    if not path.exists():
+        return
+    if not overwrite:
+        raise InputError(f"{path} exists already: it is kept; give --overwrite or another --out")
+    if not (path.is_file() and (path.stat().st_size == 0 or h5py.is_hdf5(path))):
+        raise InputError(f"{path} is no history, and --overwrite replaces none but those: give another --out")
+    _lock(path, fcntl.LOCK_EX).close()
 
 
 def _create_file(path, overwrite):

@@ -63,7 +63,7 @@ def read_cracks(path):
     table = CsvTable(path, REQUIRED, [name for name in COLUMNS if name not in REQUIRED])
     rows = _rows(table)
     patterns = []
-    for level in rows["level"].unique():
+    for level in table.levels(rows["level"]):
         chosen = np.flatnonzero(rows["level"] == level)
         patterns.append(CrackPattern(level, _drift(table, rows, chosen), _stretches(table, rows, chosen)))
     drawn = sum(float(pattern.length_m.sum()) for pattern in patterns)

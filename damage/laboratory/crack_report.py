@@ -39,7 +39,8 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
         report, *drawn = field_report(dic, wall, margin * MILLIMETRE, export=export, **limits)
     elif Path(source).suffix == ".h5" or h5py.is_hdf5(source):
         _only_with("a history", given, needs=(), without=("wall", "tolerance-mm", "margin-mm", "out"))
-        report, drawn = history_report(source, (at or "max,end").split(","), export=export, **limits), None
+        moments = ("max,end" if at is None else at).split(",")
+        report, drawn = history_report(source, moments, export=export, **limits), None
     else:
         _only_with("a crack file", given, without=("at", "export", "margin-mm"))
         patterns, layout = read_cracks(source), lay_out(load_wall(wall))

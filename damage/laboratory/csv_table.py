@@ -9,8 +9,8 @@ import pandas as pd
 from damage.checks import check_file
 from damage.errors import InputError
 
-MOST_MB, MOST_ROWS = 100, 10**6
-"""Size of a file, and its rows."""
+MOST_MB, MOST_ROWS, MOST_LEVELS = 100, 10**6, 1000
+"""Size of a file, its rows, its load levels."""
 
 
 class CsvTable:
@@ -35,7 +35,8 @@ class CsvTable:
         self._check_header(names, kept[0] + 1, required, optional)
         for row, k in zip(rows, kept[1:]):
             if len(row) != len(names):
-                raise InputError(f"{path} line {k + 1}: {len(row)} cells, the header has {len(names)}; give as many")
+                raise InputError(f"{path} line {k + 1}: {len(row)} cells, the header has {len(names)}: expected "
+                                 "as many")
         self.text = pd.DataFrame(rows, columns=names, dtype=object)
         self.line = np.array(kept[1:]) + 1
         if len(self.text) == 0:
@@ -71,7 +72,14 @@ class CsvTable:
         """Raise `error` of the first row with a number larger, but for its sign, than the bound of its column."""
         for name, bound in bounds.items():
             beyond = np.abs(np.nan_to_num(self.numbers(name))) > bound
-            self.refuse(beyond, f"{name} is beyond {bound:g}; look at the unit")
+            self.refuse(beyond, f"{name} is beyond {bound:g}; expected less, look at the unit")
+
+    def levels(self, level):
+        """The distinct load levels of a column (n_rows,), in the order of the file."""
+        found = list(dict.fromkeys(level))
+        if len(found) > MOST_LEVELS:
+            raise InputError(f"{self.path} has {len(found)} load levels: expected up to {MOST_LEVELS}; take some out")
+        return found
 
     def error(self, row, problem):
         """InputError about a row (index)."""

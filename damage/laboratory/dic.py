@@ -90,7 +90,7 @@ def read_field(path):
         table.refuse(np.isnan(level), "no load_level; give its number")
     level = np.nan_to_num(level, nan=1.0)
     fields = []
-    for number in dict.fromkeys(level):
+    for number in table.levels(level):
         here = level == number
         drifts = np.unique(drift[here & ~np.isnan(drift)])
         if len(drifts) > 1:

@@ -7,6 +7,7 @@ from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.run import DRIFT_LIMITS_PCT
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, PURPLE, SKY, VERMILLION, save_figures, styled
 from damage.errors import InputError
+from damage.history.info import origin
 from damage.laboratory.pushed import test_of
 from damage.measure.pushed import cycles_table, envelope, pushed_loading
 
@@ -75,8 +76,8 @@ def _draw_test(ax, test, sides):
 
 def save(histories, folder):
     """Write the picture of each specimen among the Histories as PNG and PDF into a folder; returns the paths."""
-    by_specimen = {}
+    by_specimen, histories = {}, list(histories)
     for history in histories:
         by_specimen.setdefault(test_of(history).specimen, []).append(history)
     return save_figures([(f"{specimen}_beside_test", beside_test_picture(runs))
-                         for specimen, runs in by_specimen.items()], folder)
+                         for specimen, runs in by_specimen.items()], folder, "\n".join(map(origin, histories)))

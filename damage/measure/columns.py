@@ -19,6 +19,11 @@ CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
 """What counts as slipped, and what stands before a component's name in the columns for it."""
 
 
+def made_by_words(table):
+    """What made the runs of a table, in words, as far as it says so."""
+    return "; ".join(f"{name} {', '.join(sorted(set(table[name].dropna())))}" for name in MADE_BY if name in table)
+
+
 def _model(seeds):
     return {one.name: Column("", one.metadata["help"]) for one in fields(ModelOptions) if one.metadata["seed"] == seeds}
 

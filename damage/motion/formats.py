@@ -4,6 +4,7 @@ import hashlib
 import io
 import math
 import re
+import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -197,10 +198,12 @@ def _obspy(path):
 
 def _only_trace(obspy, path, data: bytes):
     """The one trace of a miniSEED file, its contiguous parts joined."""
-    try:
-        stream = obspy.read(io.BytesIO(data), format="MSEED").merge(method=-1)
-    except Exception as error:  # obspy lets errors of several libraries through
-        raise InputError(f"{path}: obspy says {_shown(error)}; expected miniSEED, fetch the file anew") from error
+    stream = _quietly(path, "miniSEED, fetch the file anew",
+                      lambda: obspy.read(io.BytesIO(data), format="MSEED").merge(method=-1))
+    lengths = {trace.stats.mseed.record_length for trace in stream}
+    if len(lengths) == 1 and len(data) % max(lengths):
+        raise InputError(f"{path}: {len(data)} bytes; expected whole records of {max(lengths)} bytes, it is cut off:"
+                         " fetch the file anew")
     components = sorted({trace.id for trace in stream})
     if len(components) != 1:
         raise InputError(f"{path}: holds {', '.join(components)}; expected one a file, split it")
@@ -216,18 +219,33 @@ def _sensitivity(obspy, station_xml: Path, trace) -> float:
     if not station_xml.is_file():
         raise InputError(f"{station_xml}: no such file; expected the StationXML of {trace.id} there,"
                          " or another path given as response")
-    check_file(station_xml, f"the StationXML of {trace.id}", MOST_MB)
-    try:
-        inventory = obspy.read_inventory(io.BytesIO(station_xml.read_bytes()))
-        found = inventory.get_response(trace.id, trace.stats.starttime).instrument_sensitivity
-    except Exception as error:  # obspy raises a bare Exception where no channel matches
-        raise InputError(f"{station_xml}: obspy says {_shown(error)};"
-                         f" expected the StationXML of {trace.id} at {trace.stats.starttime}") from error
+    text = check_file(station_xml, f"the StationXML of {trace.id}", MOST_MB).read_bytes()
+    begin = trace.stats.starttime
+    found = _quietly(station_xml, f"the StationXML of {trace.id} at {begin}", lambda: obspy.read_inventory(
+        io.BytesIO(text)).get_response(trace.id, begin).instrument_sensitivity)
     units = str(found.input_units).upper() if found and found.value and math.isfinite(found.value) else "no sensitivity"
     if units not in ACCELERATION_UNITS:
         raise InputError(f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
                          " in counts per M/S**2, give an acceleration channel")
     return found.value
+
+
+def _quietly(path, wanted, read):
+    """What `read()` makes of a file by obspy; InputError of what it raises, prints or only warns of."""
+    told, hook = [], sys.unraisablehook
+    sys.unraisablehook = lambda problem: told.append(problem.exc_value)  # in what its C code calls
+    try:
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            found = read()
+    except Exception as error:  # obspy lets errors of several libraries through
+        raise InputError(f"{path}: obspy says {_shown(error)}; expected {wanted}") from error
+    finally:
+        sys.unraisablehook = hook
+    told += [one.message for one in warned if issubclass(one.category, UserWarning)]  # what obspy warns of
+    if told:
+        raise InputError(f"{path}: obspy says {_shown(told[0])}; expected {wanted}")
+    return found
 
 
 def _content(path) -> bytes:

@@ -20,6 +20,7 @@ A step is: `integrate`; `contact_forces`, which for every pair asks for its rela
 its forces are found, and pushes both bodies; after the last one, `read_joints`.
 """
 
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,8 +38,9 @@ def _forget_what_is_older(*modules):
     file alone, and would go on with the law as it was."""
     changed = max(Path(module.__file__).stat().st_mtime for module in modules)
     for index in Path(__file__).parent.glob(f"__pycache__/{Path(__file__).stem}.*.nbi"):
-        if index.stat().st_mtime < changed:
-            index.unlink(missing_ok=True)
+        with suppress(OSError):  # another process is at the same work, or the folder cannot be written
+            if index.stat().st_mtime < changed:
+                index.unlink()
 
 
 _forget_what_is_older(joint_law, tables)

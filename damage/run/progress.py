@@ -26,8 +26,7 @@ class Progress:
         if stage != "static":
             line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
                     f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left")
-        self.stream.write(f"\r{line}\033[K" if self.live else f"{line}\n")
-        self.stream.flush()
+        self._write(f"\r{line}\033[K" if self.live else f"{line}\n")
 
     def _left(self, now, simulated_s, total_s):
         if simulated_s < 0.01 * total_s:
@@ -38,5 +37,11 @@ class Progress:
     def close(self):
         """End the live line."""
         if self.live and self.shown_any:
-            self.stream.write("\n")
+            self._write("\n")
+
+    def _write(self, text):
+        try:
+            self.stream.write(text)
             self.stream.flush()
+        except OSError:  # no room for a log, or nobody looks any more: that ends no run
+            pass

@@ -11,12 +11,14 @@ from pathlib import Path
 from damage.errors import InputError, RunError, WriteError
 from damage.history.writer import HistoryWriter, check_output
 from damage.measure.doubts import ENERGY_FAILURE
+from damage.memory import hold_buffers
 from damage.provenance import file_origin, versions
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.report import report
 from damage.run.run import Run
 from damage.run.schedule import check_size, choose_time_step, softening_warnings
+from damage.start import is_of_output
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
@@ -46,6 +48,7 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
     """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command line; the exit status:
     0 done, 1 failed, 2 bad input, 130 interrupted."""
     try:
+        hold_buffers()
         return _run(backend, wall_file, make_wall, arguments, prog)
     except WriteError as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
@@ -54,6 +57,7 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
     except SystemExit as exit_:  # --help
         return exit_.code or EXIT_OK
     except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except Exception as error:
         return _tell(error)
@@ -62,9 +66,12 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
 def _tell(error):
     """Say what went wrong, in one line where it is no fault of this software; the exit status."""
     if isinstance(error, MemoryError):
-        error = RunError(f"not enough memory ({error}): expected room for the run; give a shorter one, fewer --cells")
+        error = RunError(f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give it "
+                         "more, as by ulimit -v, or a shorter one, fewer --cells")
+    elif isinstance(error, OSError) and is_of_output(error):
+        return EXIT_FAILED
     elif isinstance(error, OSError):
-        error = InputError(f"{error}: expected a file or folder that can be read and written; mend that")
+        error = InputError(f"{error}: expected what this user may read and write; mend that")
     if not isinstance(error, InputError | RunError):
         traceback.print_exception(error)
         return EXIT_FAILED
@@ -98,7 +105,11 @@ def _run(backend, wall_file, make_wall, arguments, prog):
                            versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
     print(f"history: {out}", flush=True)
     status = _simulate(backend, layout, settings, modes, time_step, writer, show)
-    report(out, pictures=settings.pictures and status == EXIT_OK)
+    try:
+        report(out, pictures=settings.pictures and status == EXIT_OK)
+    except MemoryError:
+        print(f"warning: {out} is kept, its summary failed for want of memory; where there is more: python3 -m damage "
+              f"index {out}", file=sys.stderr)
     return status
 
 
@@ -114,14 +125,13 @@ def _announce(layout, settings, modes, time_step):
 
 def _simulate(backend, layout, settings, modes, time_step, writer, show):
     """Run all stages; the history is closed and marked however this ends."""
-    interrupted = _InterruptFlag()
-    progress = Progress(layout.wall.name)
+    progress, interrupts = Progress(layout.wall.name), _Interrupts()
 
     def keep_going(run, time_s):
         progress.show(time_s, run)
         if show:
             show()
-        return not interrupted.asked
+        return not interrupts.asked
 
     status, collapsed = "failed", None
     try:
@@ -138,16 +148,24 @@ def _simulate(backend, layout, settings, modes, time_step, writer, show):
     finally:
         progress.close()
         writer.finish(status, collapsed)
+        interrupts.end_at_once()
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
 
 
-class _InterruptFlag:
-    """Ctrl-C and a polite kill end the run at the next look."""
+class _Interrupts:
+    """Ctrl-C, a polite kill and a terminal that closes end the run at the next look, until `end_at_once`."""
 
     def __init__(self):
         self.asked = False
-        for name in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(name, self._ask)
+        names = [signal.SIGINT, signal.SIGTERM]
+        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as nohup leaves it
+            names.append(signal.SIGHUP)
+        self._before = {name: signal.signal(name, self._ask) for name in names}
+
+    def end_at_once(self):
+        """From now on each does what it did before."""
+        for name, handler in self._before.items():
+            signal.signal(name, handler or signal.SIG_DFL)
 
     def _ask(self, *_):
         self.asked = True

@@ -140,7 +140,7 @@ def load_study(path, solver="yade", root=None):
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}; give the path of a study file (.toml)") from error
     except (ValueError, RecursionError) as error:  # of TOML or of UTF-8
-        raise InputError(f"{path} is no TOML in UTF-8 ({error}); mend the file") from error
+        raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, mend it") from error
     _check_keys(table, {"name", "title", "pictures", "runs", "grid"}, f"{path}")
     runs = [run for entry, where in _entries(table, path) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]

@@ -12,7 +12,7 @@ import pandas as pd
 
 from damage.draw.style import save_figures
 from damage.errors import InputError
-from damage.measure.columns import CRITERIA
+from damage.measure.columns import CRITERIA, made_by_words
 from damage.studies.choices_figure import choices
 from damage.studies.crack_maps import crack_maps
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
@@ -38,7 +38,12 @@ def make_figures(results, folder):
         except (Missing, InputError) as error:
             yield name, str(error)
         else:
-            yield name, save_figures([(name, figure)], folder)
+            yield name, save_figures([(name, figure)], folder, _made_by(ended.points))
+
+
+def _made_by(points):
+    """What made the runs of these points, for a picture's own data."""
+    return f"studies {', '.join(sorted({folder.name for folder in points['folder']}))}; {made_by_words(points)}"
 
 
 def _figures(results):

@@ -16,6 +16,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
+from damage.history.apart import apart
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, names
 from damage.measure.tables import summary_row, write_table
@@ -117,11 +118,14 @@ def write_hdf5(tables, path):
 
 def read_study_table(path, table="runs"):
     """DataFrame of one table, "runs" or "points", of a study's study.h5."""
-    try:
+    def read(path, believe):
         with h5py.File(path, "r") as file:
             return pd.DataFrame({name: (column.asstr()[:] if column.dtype == object else column[:])
                                  for name, column in file[table].items()})
-    except (OSError, KeyError) as error:
+
+    try:
+        return apart(path, read)
+    except (OSError, InputError) as error:
         raise InputError(f"{path} cannot be read as the tables of a study ({error}); expected study.h5 of a study, "
                          'and "runs" or "points"') from error
 

@@ -22,7 +22,7 @@ from damage.wall.parameters import ModelOptions, Wall
 GROUND = -1
 BED, HEAD, CAP = 0, 1, 2
 KINDS = ("bed", "head", "cap")
-MOST_CONTACTS = 200_000
+MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
 CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
 _TINY = 1e-6  # [m], two positions closer than this are the same
@@ -143,9 +143,9 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
-    points = len(cells.body) * (1 if options.contacts == "interior" else 2)
+    points = (len(cells.body) + n_bricks) * (1 if options.contacts == "interior" else 2)
     if points > MOST_CONTACTS:
-        raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has over {points} contact "
+        raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
                          f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
     contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks, (scatter, (seed, 1)))
     drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)

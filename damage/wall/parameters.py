@@ -12,7 +12,7 @@ from damage.checks import check_choice, check_fields, check_not_negative, check_
 from damage.errors import InputError
 from damage.units import GRAVITY
 
-LONGEST_M, LONGEST_NAME, MOST_BRICKS = 1000.0, 100, 50_000
+LONGEST_M, LONGEST_NAME, MOST_BRICKS = 1000.0, 100, 20_000
 """What a wall may have: length and height [m], characters of its name, bricks; the shipped ones have up to 666."""
 MOST_SEED = 2**32 - 1
 

@@ -1,0 +1,49 @@
+"""The least memory that a command begins with.  Nothing is imported here that takes time.
+
+With less, libraries cannot be loaded, and OpenBLAS, whose every thread asks for 128 MiB as soon as it starts, asks
+again for ever instead of giving up: neither could be told from within.
+"""
+
+import os
+
+LEAST, A_THREAD = 600_000_000, 150_000_000
+"""Of address space [bytes]: measured are 547 MB with one thread of OpenBLAS, and 136 MB for each more."""
+YADE = 650_000_000
+"""What YADE takes beside [bytes]: measured are 490 MB; with less than 250 MB more it goes on, but crawls."""
+
+
+def hold_buffers():
+    """Have the OpenBLAS of numpy and scipy take their buffers now where memory is limited: once it is used up, they
+    would ask for them for ever."""
+    if _limit() is not None:
+        import numpy as np
+        from scipy.linalg.blas import dgemm
+
+        square = np.ones((200, 200))
+        dgemm(1.0, square, square @ square)
+
+
+def least_bytes(beside=0):
+    """The least address space of this process on this machine [bytes]; beside: what the program around it takes."""
+    asked = os.environ.get("OPENBLAS_NUM_THREADS") or os.environ.get("OMP_NUM_THREADS") or ""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return beside + LEAST + A_THREAD * (min(int(asked), cores) if asked.isdigit() and int(asked) else cores)
+
+
+def shortage(beside=0):
+    """What to say where this process may have too little memory, None where it may have enough; as `least_bytes`."""
+    limit = _limit()
+    if limit is None or limit >= least_bytes(beside):
+        return None
+    return (f"out of memory: this process may have {limit / 1e6:.0f} MB (ulimit -v): expected "
+            f"{least_bytes(beside) / 1e6:.0f} MB or more; raise the limit")
+
+
+def _limit():
+    """Of this process's address space [bytes], None where there is none."""
+    try:
+        import resource
+    except ImportError:  # a system without such limits
+        return None
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return None if limit == resource.RLIM_INFINITY else limit

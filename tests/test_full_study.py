@@ -1,0 +1,246 @@
+"""Studies that a full disk, memory or a signal ends: in a line, and the same command goes on to the same tables.
+
+File systems of a few megabytes stand in for disks; they need root.
+"""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+import h5py
+import pytest
+from conftest import REPOSITORY
+
+from damage.studies.definition import load_study
+from damage.studies.tables import row_of
+
+TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
+STUDY = '''name = "s"
+pictures = "none"
+
+[[runs]]
+id = "one"
+wall = "tiny.py"
+options = { harmonic = [0.1, 0.5], cycles = 2, rest = 0.5 }
+
+[[runs]]
+id = "two"
+wall = "tiny.py"
+options = { harmonic = [0.1, 0.4], cycles = 2, rest = 0 }
+members = 2
+'''
+WITH_LEAST = ("import sys; sys.path.insert(0, 'workflow'); import batch, room\n"
+              "room.LEAST_FREE = 100_000\nsys.exit(batch.run_program())")
+"""A batch that goes on where a real one would end: another program may fill a disk between two looks."""
+ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system of a few megabytes")
+
+
+@pytest.fixture
+def workflow(monkeypatch):
+    monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "tiny.py").write_text(TINY)
+    (folder / "s.toml").write_text(STUDY)
+    return folder / "s.toml"
+
+
+@pytest.fixture(scope="module")
+def whole(study):
+    """Tables of the study where there was room."""
+    pytest.importorskip("snakemake")
+    done = run(*command(study, study.parent / "whole"))
+    assert done.returncode == 0, done.stderr
+    return content(study.parent / "whole")
+
+
+def environment():
+    return {**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1", "PYTHONPATH": str(REPOSITORY)}
+
+
+def run(*words):
+    """Run a command; returns the completed process with text."""
+    return subprocess.run(list(map(str, words)), cwd=REPOSITORY, env=environment(), capture_output=True, text=True,
+                          timeout=300)
+
+
+def command(study, out, least=None):
+    program = [sys.executable, "-c", WITH_LEAST] if least else [REPOSITORY / "run_all.sh"]
+    return [*program, study, "--solver", "reference", "-j2", "--out", out]
+
+
+def content(folder):
+    """{name: content} of the tables of a study, of those in HDF5 dataset by dataset."""
+    tables = {path.name: path.read_bytes() for path in (folder / "tables").glob("*.csv")}
+    with h5py.File(folder / "tables" / "study.h5") as file:
+        return tables | {f"{group}/{name}": column[()].tobytes() if column.dtype != object else list(column[()])
+                         for group in file for name, column in file[group].items()}
+
+
+@contextmanager
+def disk(folder, kilobytes):
+    """A file system of this size in a folder."""
+    folder.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", folder],
+                      capture_output=True).returncode:
+        pytest.skip("no file system can be mounted here")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "--lazy", folder], check=True)
+
+
+def remount(folder, options):
+    subprocess.run(["mount", "-o", f"remount,{options}", folder], check=True)
+
+
+def fill(folder, leave_kilobytes):
+    """Fill a disk but for so much."""
+    left = shutil.disk_usage(folder).free - 1000 * leave_kilobytes
+    try:
+        with open(folder / "filler", "wb", buffering=0) as file:
+            while left > 0:
+                left -= file.write(b"x" * min(left, 65536))
+    except OSError:
+        pass  # full by the others' doing
+
+
+def run_until_full(words, folder, when, leave_kilobytes):
+    """Run a batch, and fill the disk as soon as a file `when` is there."""
+    with subprocess.Popen(list(map(str, words)), cwd=REPOSITORY, env=environment(), text=True, stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE) as batch:
+        while when and batch.poll() is None and not list((folder / "out").glob(when)):
+            time.sleep(0.002)
+        if when:
+            fill(folder, leave_kilobytes)
+        out, errors = batch.communicate(timeout=300)
+    return SimpleNamespace(returncode=batch.returncode, stdout=out, stderr=errors)
+
+
+@ROOT
+@pytest.mark.parametrize(("kilobytes", "when", "leave"), [
+    pytest.param(6000, "runs/*.part.h5", 60, id="half a history fits"),
+    *(pytest.param(*values, id=name, marks=pytest.mark.long) for name, values in {
+        "nothing fits": (40, None, 0), "logs fit": (500, None, 0), "a run fits": (1300, None, 0), "nothing more at the start": (
+            6000, ".snakemake/log/*", 0), "a run without its record fits": (6000, "runs/one_reference.h5", 0),
+        "runs and a table fit": (6000, "tables/*_index.csv", 0),
+        "all but the last table fits": (6000, "tables/points.csv", 0)}.items())])
+def test_a_study_on_a_full_disk_ends_in_a_line_and_goes_on_with_room(kilobytes, when, leave, study, whole, tmp_path):
+    with disk(tmp_path / "disk", kilobytes) as folder:
+        words = command(study, folder / "out", least=100_000)
+        done = run_until_full(words, folder, when, leave)
+        assert done.returncode in (1, 2), done.stdout
+        told = done.stderr.splitlines()
+        assert "Traceback" not in done.stderr + done.stdout
+        assert any(line.startswith(("error: ", "failed: ")) and ("MB free" in line or "No space left" in line
+                                                                 or "no room left" in line) for line in told), told
+        (folder / "filler").unlink(missing_ok=True)
+        remount(folder, "size=64m")
+        again = run(*words)
+        assert again.returncode == 0, again.stderr
+        assert content(folder / "out") == whole
+        assert not list((folder / "out" / "runs").glob("*.part.h5"))
+
+
+@ROOT
+def test_a_study_does_not_start_with_too_little_room(study, tmp_path):
+    with disk(tmp_path / "disk", 15_000) as folder:
+        done = run(*command(study, folder / "out"))
+        assert done.returncode == 2 and done.stderr.count("\n") == 1
+        assert "MB free: expected 20 MB or more; make room" in done.stderr
+
+
+@ROOT
+@pytest.mark.slow
+def test_a_study_ends_politely_when_the_room_runs_short(study, tmp_path):
+    with disk(tmp_path / "disk", 40_000) as folder:
+        words = command(study, folder / "out")
+        done = run_until_full(words, folder, "runs/*.part.h5", 15_000)
+        assert done.returncode == 1, done.stderr
+        assert done.stderr.count("\n") == 1 and "MB free: expected 20 MB" in done.stderr
+        assert "the same command goes on from here" in done.stderr
+        assert not list((folder / "out" / "tables").glob("*.csv")) and not running(folder)
+
+
+@ROOT
+def test_a_folder_that_can_only_be_read_is_told_in_one_line(study, tmp_path):
+    with disk(tmp_path / "disk", 40_000) as folder:
+        remount(folder, "ro")
+        done = run(*command(study, folder / "out"))
+        assert done.returncode == 2 and done.stderr.count("\n") == 1 and "Read-only file system" in done.stderr
+
+
+def test_a_study_whose_runs_will_not_fit_is_warned_of(study, tmp_path, workflow, monkeypatch):
+    import room
+
+    (tmp_path / "runs").mkdir()
+    loaded = load_study(study, "reference", REPOSITORY)
+    assert room.forecast(loaded, tmp_path) is None  # nothing is there to judge by
+    (tmp_path / "runs" / "one_reference.h5").write_bytes(b"x" * 3_000_000)
+    (tmp_path / "runs" / "two_reference_s1.part.h5").write_bytes(b"x" * 9_000_000)
+    for free, told in ((26e6, None), (25.9e6, "up to 2 runs are left, about 6 MB if they are as large as the 1 there")):
+        monkeypatch.setattr("shutil.disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
+        warning = room.forecast(loaded, tmp_path)
+        assert warning is None if told is None else told in warning
+
+
+def test_torn_records_of_snakemake_are_done_again_and_others_left(tmp_path, workflow):
+    import batch
+
+    kept = tmp_path / ".snakemake"
+    (kept / "metadata" / "@deep").mkdir(parents=True)
+    for name, text in (("whole", '{"params": []}'), ("torn", '{"par'), ("@deep/empty", "")):
+        (kept / "metadata" / name).write_text(text)
+    batch.repeat_torn_records(kept)
+    marks = {str(path.relative_to(kept / "incomplete")) for path in (kept / "incomplete").rglob("*") if path.is_file()}
+    assert marks == {"torn", "@deep/empty"}
+
+
+def test_a_torn_row_is_made_again(tmp_path):
+    from small_history import make_history
+
+    (tmp_path / "runs").mkdir()
+    make_history(tmp_path / "runs" / "a.h5")
+    row = row_of(tmp_path, "a", "p")
+    kept = tmp_path / "tables" / "rows" / "a.json"
+    kept.write_text(kept.read_text()[:100])
+    assert row_of(tmp_path, "a", "p") == row and kept.read_text().endswith("}")
+
+
+def test_all_studies_take_with_them_what_they_run(study, tmp_path):
+    """A polite kill of the program that runs all studies ends the study under way, too."""
+    words = [sys.executable, REPOSITORY / "workflow/all_studies.py", study.parent, "-j1", "--out", tmp_path, "--solver",
+             "reference"]
+    with subprocess.Popen(list(map(str, words)), cwd=REPOSITORY, env=environment(), stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL) as program:
+        wait_until(lambda: list((tmp_path / "s" / "logs").glob("*.log")) or program.poll() is not None)
+        program.send_signal(signal.SIGTERM)
+        assert program.wait(60) == -signal.SIGTERM
+    wait_until(lambda: not running(tmp_path))
+
+
+def test_a_study_with_too_little_memory_is_told_in_one_line(study, tmp_path):
+    words = " ".join(map(str, command(study, tmp_path / "out")))
+    done = run("bash", "-c", f"ulimit -v 300000; {words}")
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "out of memory: ulimit -v is 307 MB" in done.stderr
+
+
+def wait_until(condition, at_most_s=60):
+    until = time.monotonic() + at_most_s
+    while not condition():
+        assert time.monotonic() < until, "waited in vain"
+        time.sleep(0.05)
+
+
+def running(folder):
+    """Command lines of the processes that name this folder."""
+    lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
+    return [line for line in lines if str(folder) in line]

@@ -1,0 +1,67 @@
+"""What version 0.1 wrote stays good: a history, a study's file, a study that goes on.
+
+tests/old/study_0.1.tar.gz is a study of two points in the reference solver with the folder that version 0.1 made of it,
+machine's paths and logs taken out.
+"""
+
+import json
+import os
+import subprocess
+import sys
+
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+
+import damage
+from damage.history.info import UNSEALED, check
+from damage.measure.columns import MADE_BY, names, read_table
+from damage.measure.summary import summarise
+from damage.measure.tables import index_table, summary_row
+from damage.provenance import UNKNOWN
+from damage.studies.definition import load_study
+from damage.studies.tables import read_study_table
+
+
+@pytest.fixture
+def old(tmp_path):
+    """The folder of the study, unpacked."""
+    subprocess.run(["tar", "xzf", REPOSITORY / "tests/old/study_0.1.tar.gz", "-C", tmp_path], check=True)
+    return tmp_path
+
+
+@pytest.mark.parametrize("run", ["single_reference", "drawn_reference_s1"])
+def test_a_history_says_what_it_said_then(run, old):
+    history = damage.read_history(old / f"out/runs/{run}.h5")
+    assert history.complete and check(history.path)["worth"] == UNSEALED
+    then = json.loads((old / f"out/tables/rows/{run}.json").read_text())
+    now = summary_row(history, run=run, point=then["point"])
+    for name, value in then.items():
+        assert now[name] == (pytest.approx(value, rel=1e-12) if isinstance(value, float) else value), name
+    assert {now[name] for name in names(MADE_BY)} == {UNKNOWN}
+    index = pd.read_csv(old / f"out/tables/{run}_index.csv")
+    pd.testing.assert_frame_equal(index_table(history).reset_index(drop=True), index, rtol=1e-8, check_dtype=False)
+    assert summarise(history)["max"]["DI"] > 0.1
+
+
+def test_a_studys_file_and_its_tables_are_read(old):
+    study = load_study(old / "study.toml", "reference", REPOSITORY)
+    assert [run.id for run in study.runs] == ["single_reference", "drawn_reference"]
+    runs, same = read_table(old / "out/tables/summary.csv"), read_study_table(old / "out/tables/study.h5")
+    assert list(runs["max_DI"]) == pytest.approx(list(same["max_DI"]), rel=1e-8)
+
+
+@pytest.mark.slow
+def test_a_study_goes_on_with_what_is_there_and_says_so(old):
+    before = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in (old / "out/runs").glob("*.h5")}
+    study = old / "study.toml"
+    study.write_text(study.read_text().replace("samples = 1", "samples = 2"))
+    done = subprocess.run([sys.executable, REPOSITORY / "workflow/batch.py", study, "--out", old / "out", "--solver",
+                           "reference", "-j2"], capture_output=True, text=True, cwd=old,
+                          env=os.environ | {"PYTHONPATH": str(REPOSITORY)})
+    assert done.returncode == 0, done.stderr
+    assert "warning: 2 runs were made by another version of the model (one before 0.2) and are kept" in done.stderr
+    after = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in (old / "out/runs").glob("*.h5")}
+    assert len(after) == 3 and all(after[name] == state for name, state in before.items())
+    made = pd.read_csv(old / "out/tables/summary.csv").set_index("run")["model_digest"]
+    assert (made.fillna(UNKNOWN) == UNKNOWN).sum() == 2  # empty where the row of then was kept

@@ -1,0 +1,125 @@
+"""A study whose model changed between its runs says which are of another version, and makes them again if asked."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+
+from damage.history.head import read_head
+from damage.provenance import UNKNOWN, code_of, commit, file_origin, model_digest
+
+STUDY = """
+name = "s"
+pictures = "none"
+[[grid]]
+wall = "benchmarks/small_wall.py"
+options = { harmonic = [0.06, "{g}"], rest = 0 }
+vary = { g = [0.1, 0.2, 0.3] }
+[[runs]]
+id = "drawn"
+wall = "benchmarks/small_wall.py"
+options = { harmonic = [0.06, 0.5], rest = 0, strength-cov = 0.3 }
+samples = 2
+"""
+
+
+@pytest.fixture
+def repository(tmp_path):
+    """A copy of what a study needs, to be changed."""
+    copy = tmp_path / "repository"
+    for name in ("damage", "workflow", "walls", "yade_scripts"):
+        shutil.copytree(REPOSITORY / name, copy / name)
+    (copy / "benchmarks").mkdir()
+    shutil.copy(REPOSITORY / "benchmarks" / "small_wall.py", copy / "benchmarks")
+    (copy / "study.toml").write_text(STUDY)
+    return copy
+
+
+def batch(repository, *words):
+    command = [sys.executable, repository / "workflow" / "batch.py", "study.toml", "-j2", "--out", "out", "--solver",
+               "reference", *words]
+    environment = os.environ | {"PYTHONPATH": str(repository), "PYTHONNOUSERSITE": "1"}
+    return subprocess.Popen(command, cwd=repository, env=environment, text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE)
+
+
+@pytest.mark.slow
+def test_runs_of_another_version_are_named_and_kept_or_made_again(repository):
+    runs = repository / "out" / "runs"
+
+    def there():
+        return {path.stem: path.read_bytes() for path in runs.glob("*.h5") if ".part" not in path.name}
+
+    study = repository / "study.toml"
+    study.write_text(STUDY.replace(", 0.3] }", "] }").replace("samples = 2", "samples = 1"))  # as far as it came
+    done = batch(repository)
+    assert done.communicate(timeout=300) and done.returncode == 0
+    old = there()
+    assert len(old) == 3
+    study.write_text(STUDY)
+    changed = repository / "damage" / "run" / "schedule.py"  # nothing that has to be compiled again
+    changed.write_text(changed.read_text() + "\n\nSIGN = 1.0\n")
+    done = batch(repository)
+    _, told = done.communicate(timeout=300)
+    assert done.returncode == 0, told
+    assert f"warning: {len(old)} runs were made by another version of the model (reference " in told
+    assert "are kept; --remake makes them again" in told and all(name in told for name in old)
+    kept = there()
+    assert len(kept) == 5 and all(kept[name] == content for name, content in old.items())
+    summary = pd.read_csv(repository / "out" / "tables" / "summary.csv").set_index("run")
+    assert len(set(summary["model_digest"])) == 2
+    assert set(summary.loc[list(old), "model_digest"]) == {read_head(runs / f"{next(iter(old))}.h5").model.split()[1]}
+
+    done = batch(repository, "--remake")
+    _, told = done.communicate(timeout=300)
+    assert done.returncode == 0 and "are made again" in told, told
+    new = there()
+    assert all((new[name] != content) == (name in old) for name, content in kept.items())
+    summary = pd.read_csv(repository / "out" / "tables" / "summary.csv")
+    assert len(set(summary["model_digest"])) == 1 and len(summary) == 5
+    done = batch(repository)
+    assert done.communicate(timeout=300)[1] == "" and there() == new
+
+
+def test_the_digest_is_of_what_decides_values_alone(tmp_path):
+    """Comments, docstrings and layout do not count, a number does; each solver has its own."""
+    source = '"""Words."""\n\ndef law(x):\n    """More words."""\n    return 2 * x  # twice\n'
+    (tmp_path / "a.py").write_text(source)
+    first = code_of(tmp_path / "a.py")
+    (tmp_path / "a.py").write_text('def law(x):\n    "Other words."\n\n    return (2 * x)\n')
+    assert code_of(tmp_path / "a.py") == first
+    (tmp_path / "a.py").write_text(source.replace("2 *", "3 *"))
+    assert code_of(tmp_path / "a.py") != first
+    digests = {model_digest(REPOSITORY / name) for name in ("damage/reference", "yade_scripts")}
+    assert len(digests) == 2 and all(len(digest) == 12 for digest in digests)
+
+
+def test_the_commit_is_that_of_the_package_and_says_whether_files_differ(tmp_path, monkeypatch):
+    def git(*words):
+        subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a@b", *words], cwd=tmp_path, check=True,
+                       capture_output=True)
+
+    package = tmp_path / "damage"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    monkeypatch.setattr("damage.provenance.HERE", package)
+    assert commit.__wrapped__() == UNKNOWN  # in no repository, or not its file
+    git("init", "-q")
+    assert commit.__wrapped__() == UNKNOWN
+    git("add", ".")
+    git("commit", "-qm", "one")
+    clean = commit.__wrapped__()
+    assert len(clean) == 40
+    (package / "__init__.py").write_text("x = 1\n")
+    assert commit.__wrapped__() == f"{clean} changed"
+
+
+def test_a_file_that_is_not_there_has_no_checksum(tmp_path):
+    (tmp_path / "wall.py").write_text("words")
+    assert file_origin(tmp_path / "wall.py") == {"file": "wall.py", "sha256": (
+        "dba36bffa5cab0f922d087a3aeb179f9d4e745df40b323e1b1471402848c8a3e")}
+    assert file_origin(tmp_path / "none.py") == {"file": "none.py", "sha256": UNKNOWN}
