@@ -186,8 +186,8 @@ def patterns(bench):
     for case, step, more in (("brittle", 0.643, []), ("brittle", 0.35, ["--beta", 1e-6]), ("5/50", 0.35, [])):
         label = f"{case}, {step} of the critical step" + (", β 1e-6 s" if step < 0.6 else "")
         first = bench.run(name, case, [*words, *more], step=step)
-        others = {f"scatter 0.01, members {seed} and {seed + 1}": [bench.run(
-            name, case, [*words, *more, "--scatter", 0.01, "--seed", one], step=step) for one in (seed, seed + 1)]
+        others = {f"scatter 0.1 %, members {seed} and {seed + 1}": [bench.run(
+            name, case, [*words, *more, "--scatter", 0.001, "--seed", one], step=step) for one in (seed, seed + 1)]
             for seed in (1, 3)}
         others |= {"half the step": [first, bench.run(name, case, [*words, *more], step=step / 2)],
                    "control: 0.025 g": [first, bench.run(name, case, ["--harmonic", 0.2, 0.025, *words[3:], *more],

@@ -84,7 +84,7 @@ class TestShipped:
             (f"walls/{wall}.py", str(period), str(amplitude)) for wall in ("solid", "symmetric", "asymmetric")
             for period in (0.06, 0.2, 0.33, 1.0) for amplitude in (0.01, 0.025, 0.05, 0.075, 0.1)}
         assert {(run.members, run.adaptive, run.varied) for run in runs} == {
-            (5, True, ("--scatter", "0.01", "--seed"))}
+            (5, True, ("--scatter", "0.001", "--seed"))}
 
     def test_ida_is_two_records_at_eight_scales_on_two_walls(self):
         study = load_study(REPOSITORY / "studies" / "ida.toml", "both")
@@ -189,7 +189,7 @@ class TestBatch:
             f"tiny_harmonic-0.1-{g}_cycles-2_rest-0.5_reference_s{k}" for g, k in
             ((0.01, 1), (0.4, 1), (0.4, 2), (0.4, 3), (0.5, 1), (0.5, 2), (0.5, 3))]
         assert [history.parameters["seed"] for history in histories] == [1, 1, 2, 3, 1, 2, 3]
-        assert {history.parameters["scatter"] for history in histories} == {0.01}
+        assert {history.parameters["scatter"] for history in histories} == {0.001}
 
     def test_tables_have_a_row_a_run_and_a_row_a_point(self, whole):
         tables = whole.out / "tables"

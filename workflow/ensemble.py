@@ -1,6 +1,6 @@
 """The members of an ensemble one after another, in one process: imports and compiled code are loaded once.
 
-    ensemble.py POINT --runs runs --tables tables --members N --varied='--scatter 0.01 --seed' [--adaptive]
+    ensemble.py POINT --runs runs --tables tables --members N --varied='--scatter 0.001 --seed' [--adaptive]
         --inputs DIGEST --name POINT_NAME -- walls/NAME.py [OPTIONS]
 
 Member k is the reference solver's run with the words of --varied and k behind its options, in runs/POINT_sk.h5; it

@@ -18,7 +18,7 @@ stands for many runs: `damage.studies.grid`.
 
 Every run is a point of the study.  In the reference solver a point can be an ensemble:
 
-    members = 5        # runs whose joints' strengths scatter by scatter = 0.01, seeds 1 to 5; only one where the
+    members = 5        # runs whose joints' strengths scatter by scatter = 0.001, seeds 1 to 5; only one where the
                        # first member breaks no joint; or perturb = 1e-9 [m], random offsets of the bricks
     samples = 25       # or: draws of the joints' strengths, strength-seed 1 to 25; needs strength-cov
 
@@ -43,7 +43,7 @@ RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--view", "--help",
 
 SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
-SCATTER = 0.01
+SCATTER = 0.001
 """Coefficient of variation of the strengths in an ensemble where the study says nothing else (docs/softening.md)."""
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
@@ -212,7 +212,7 @@ def _ensemble(table, where):
         kind = kinds[0] if kinds else "scatter"
         size = table.get(kind, SCATTER)
         if type(size) not in (int, float) or not size > 0:
-            raise InputError(f"{where}: {kind} = {size!r}; expected a number above zero, like 0.01 of scatter or 1e-9 m "
+            raise InputError(f"{where}: {kind} = {size!r}; expected a number above zero, like 0.001 of scatter or 1e-9 m "
                              "of perturb; mend it")
         return {"varied": (f"--{kind}", f"{size:g}", "--seed"), "members": table["members"], "adaptive": True}
     return {"varied": ("--strength-seed",), "members": table["samples"]} if "samples" in table else {}
