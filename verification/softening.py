@@ -6,6 +6,9 @@ c + p tan(phi).  Where opening and sliding mix, or loading reverses, no closed f
 laid side by side (`compared`, docs/softening.md).
 """
 
+from functools import partial
+from itertools import product
+
 import numpy as np
 
 from damage.reference import kernel
@@ -99,31 +102,25 @@ def problems():
             driven[name, fibres] = Driven(made[name], fibres)
         return driven[name, fibres]
 
+    def fracture(name, fibres, friction):
+        result = drive(name, fibres)
+        return result.dissipated - friction * _slid(result, made[name])
+
+    def peak(name, fibres, which):
+        return np.max(getattr(drive(name, fibres), which))
+
+    cases = [("tension", 0.0, JOINT.mode_i_fracture_energy, "G_I", JOINT.tensile_strength, "f_t", "normal_stress")]
+    cases += [(f"shear at {pressure:g} MPa", 0.42e6 * pressure, JOINT.mode_ii_fracture_energy, "G_II",
+               JOINT.cohesion + 0.42e6 * pressure, "c + p tan(phi)", "shear_stress") for pressure in PRESSURES_MPA]
     found = []
-    for form, fibres in FORMS.items():
-        def fracture(name, friction=0.0, fibres=fibres):
-            result = drive(name, fibres)
-            return result.dissipated - friction * _slid(result, made[name])
-
-        def peak(name, which, fibres=fibres):
-            return np.max(getattr(drive(name, fibres), which))
-
-        solvers = {"yade": NOT_IN_YADE}
-        found += [
-            Problem(f"softening, tension{form}", "energy dissipated", "J/m²", JOINT.mode_i_fracture_energy,
-                    "G_I", {"reference": 1e-2}, {"reference": lambda fracture=fracture: fracture("tension"), **solvers}),
-            Problem(f"softening, tension{form}", "peak stress", "Pa", JOINT.tensile_strength, "f_t", {"reference": 5e-3},
-                    {"reference": lambda peak=peak: peak("tension", "normal_stress"), **solvers})]
-        for pressure in PRESSURES_MPA:
-            name, friction = f"shear at {pressure:g} MPa", 0.42e6 * pressure
-            found += [
-                Problem(f"softening, {name}{form}", "energy dissipated beside friction", "J/m²",
-                        JOINT.mode_ii_fracture_energy, "G_II", {"reference": 1e-2},
-                        {"reference": lambda fracture=fracture, name=name, friction=friction: fracture(name, friction),
-                         **solvers}),
-                Problem(f"softening, {name}{form}", "peak stress", "Pa", JOINT.cohesion + friction, "c + p tan(phi)",
-                        {"reference": 5e-3},
-                        {"reference": lambda peak=peak, name=name: peak(name, "shear_stress"), **solvers})]
+    for (form, fibres), (name, friction, energy, energy_name, strength, strength_name, which) in product(
+            FORMS.items(), cases):
+        found.append(Problem(f"softening, {name}{form}", "energy dissipated beside friction", "J/m²", energy,
+                             energy_name, {"reference": 1e-2}, {"reference": partial(fracture, name, fibres, friction),
+                                                   "yade": NOT_IN_YADE}))
+        found.append(Problem(f"softening, {name}{form}", "peak stress", "Pa", strength, strength_name,
+                             {"reference": 5e-3}, {"reference": partial(peak, name, fibres, which),
+                                                   "yade": NOT_IN_YADE}))
     return found
 
 
@@ -150,7 +147,8 @@ def compared(fine=FINE, coarse=COARSE):
 
 def main():
     """Print `compared` as a table."""
-    print("| path | dissipated, smooth law [J/m²] | 8 fibres [%] | 16 fibres [%] | stresses, 8 fibres [%] | 16 fibres [%] |")
+    print("| path | dissipated, smooth law [J/m²] | 8 fibres [%] | 16 fibres [%] | stresses, 8 fibres [%] "
+          "| 16 fibres [%] |")
     print("| --- " * 6 + "|")
     for name, dissipated, more_8, gap_8, more_16, gap_16 in compared():
         print(f"| {name} | {dissipated:.2f} | {more_8:+.1f} | {more_16:+.1f} | {gap_8:.1f} | {gap_16:.1f} |")

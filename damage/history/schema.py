@@ -64,7 +64,8 @@ SERIES = {
                                     "inferred from the balance"),
 }
 FRAMES = {
-    "opening_m": Column("m", "inelastic opening: past the broken bond, or what a softened one has given way; 0 while closed or intact", "f4"),
+    "opening_m": Column("m", "inelastic opening: past the broken bond, or what a softened one has given way; 0 while "
+                             "closed or intact", "f4"),
     "slip_m": Column("m", "signed plastic slip of the closed contact, frozen while open, 0 while intact", "f4"),
     "state": Column("bits: 1 broken, 2 has been at the shear limit", "1: the bond is gone; 2: has failed in shear or "
                     "slid, ever", "u1"),

@@ -60,7 +60,7 @@ def fractions(history, flags, mirrored=False):
     x, z, length = (joints[name].to_numpy() for name in ("x_m", "z_m", "length_m"))
     if mirrored:
         x = extent[0] - x
-    across, up = (_inside(places, size) for places, size in zip((x, z), extent))
+    across, up = map(_inside, (x, z), extent)
     in_all, in_cracks = (np.einsum("ap,bp,p->ab", across, up, weight, optimize=True) for weight in
                          (length, length * flags))
     return np.divide(in_cracks, in_all, out=np.zeros_like(in_all), where=in_all > 0).ravel()

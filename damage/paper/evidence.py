@@ -56,7 +56,7 @@ def load_runs(folder):
 
 
 def comparable(runs):
-    """The runs with the parameters of SHAPE, brittle joints, the usual step, and the usual period of the wall of that name."""
+    """The runs with the parameters of SHAPE, brittle joints, the usual step, and the usual period of the wall."""
     kept = ~(runs["time_step_s"] < LEAST_STEP_S) & ~(runs["beta_s"] > BETA_S) & ~(runs[SOFTENS] > 0)
     for name, value in SHAPE.items():
         kept &= runs[name].isna() | (runs[name] == value)

@@ -127,23 +127,17 @@ def contact_forces(system, constants, step, singly):
         a, b = place[pair.a], place[pair.b]
         frame, gap = relative_motion(pair, a, b)
         if pair.broken == 0 and not singly and stays_whole(pair, gap):
-            forces = whole_pair(pair, gap)
-            if damped:
-                forces, work = damp(last[p], rate, gap, forces, change(last[p], forces))
-                lost += work
+            forces, elastic = whole_pair(pair, gap), True
         else:
             forces, elastic = springs(contacts, pair, gap, constants.material)
-            if elastic:
-                if damped:
-                    forces, work = damp(last[p], rate, gap, forces, change(last[p], forces))
-                    lost += work
-                if pair.broken:
-                    remember(contacts, pair, gap.shear)
-            else:
-                forces, steady = joint_forces(system, constants, step, p, gap)
-                if damped:
-                    forces, work = damp(last[p], rate, gap, forces, steady)
-                    lost += work
+        steady = change(last[p], forces) if damped else forces
+        if not elastic:
+            forces, steady = joint_forces(system, constants, step, p, gap)
+        elif pair.broken:
+            remember(contacts, pair, gap.shear)
+        if damped:
+            forces, work = damp(last[p], rate, gap, forces, steady)
+            lost += work
         push(a, b, frame, forces)
     system.energy[DAMPING] += lost
 

@@ -138,7 +138,8 @@ class ReferenceWall:
         told = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
         events, values = events[told], values[told]
         events[:, 1] = fibres.contact[events[:, 1]]
-        now = np.column_stack([self._of_joints(joints["sigma"]), self._of_joints(joints["tau"]), self.opening, self.slip])
+        stresses = [self._of_joints(joints[name]) for name in ("sigma", "tau")]
+        now = np.column_stack([*stresses, self.opening, self.slip])
         for kind, size in ((tables.OPENED, now[:, 2]), (tables.SLIPPED, np.abs(now[:, 3]))):
             new = np.flatnonzero((size > THRESHOLD) & ~self._passed[kind])
             self._passed[kind][new] = True

@@ -126,8 +126,8 @@ def _add_model(group, solver):
                            "local as in YADE")
     group.add_argument("--perturb", type=float, default=0.0, metavar="M",
                        help="random offsets of the bricks, for ensembles (default 0)")
-    group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, for "
-                       "ensembles: coefficient of variation (default 0)")
+    group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "
+                       "for ensembles: coefficient of variation (default 0)")
     group.add_argument("--seed", type=int, default=0, help="of the random offsets and the scatter (default 0)")
 
 

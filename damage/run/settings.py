@@ -30,7 +30,7 @@ OFFSETS_BELOW = 20
 """A bond opens by up to six times the bricks' offsets [m] in a wall of thousands of them; they stay so much below
 f_t / k_n."""
 MOST_SCATTER = 0.2
-"""Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall (--strength-cov)."""
+"""Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall."""
 SOFTENING_BETA_S = 1e-6
 """Stiffness-proportional damping that joints get which soften, where none is asked for [s] (docs/softening.md)."""
 
@@ -44,7 +44,8 @@ class RunSettings:
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
-    by it the members of an ensemble differ; out: history file, None for a name of its own below `results/`; command: what asked for it.
+    by it the members of an ensemble differ; out: history file, None for a name of its own below `results/`; command:
+    what asked for it.
     """
 
     loading: object

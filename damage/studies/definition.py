@@ -212,8 +212,8 @@ def _ensemble(table, where):
         kind = kinds[0] if kinds else "scatter"
         size = table.get(kind, SCATTER)
         if type(size) not in (int, float) or not size > 0:
-            raise InputError(f"{where}: {kind} = {size!r}; expected a number above zero, like 0.001 of scatter or 1e-9 m "
-                             "of perturb; mend it")
+            raise InputError(f"{where}: {kind} = {size!r}; expected a number above zero, like 0.001 of scatter or "
+                             "1e-9 m of perturb; mend it")
         return {"varied": (f"--{kind}", f"{size:g}", "--seed"), "members": table["members"], "adaptive": True}
     return {"varied": ("--strength-seed",), "members": table["samples"]} if "samples" in table else {}
 

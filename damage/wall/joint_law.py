@@ -139,7 +139,17 @@ def advance(opening, shear_increment, state, parameters):
         return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work, kappa, gap), INTACT
     if parameters.mode_i_energy > 0.0 and not broken:
         return soften(opening, trial, state, parameters)
+    return break_or_slide(opening, sigma, trial, state, parameters)
 
+
+@register_jitable
+def break_or_slide(opening, sigma, trial, state, parameters):
+    """What a brittle bond, or the joint without one, makes of an opening [m] and elastic stresses [Pa] that are beyond
+    its strengths; returns as `advance` does."""
+    kn, ks, material = parameters.normal_stiffness, parameters.shear_stiffness, parameters.material
+    slip, broken, at_limit, kappa, gap = state.slip, state.broken, state.at_limit, state.kappa, state.gap
+    friction_work, fracture_work = state.friction_work, state.fracture_work
+    strength, _ = strength_left(broken, parameters)
     event = INTACT
     if not broken and sigma > strength:  # (10)
         fracture_work += elastic_energy(sigma, trial, kn, ks)
