@@ -86,3 +86,17 @@ def test_what_is_not_there_is_found():
     assert LINK.findall("[a](b.md) and ![c](d/e.png)") == ["b.md", "d/e.png"]
     assert COMMAND.findall("`python3 -m damage nonsense FILE`") == ["nonsense"]
     assert is_command("index") and is_command("reference") and not is_command("nonsense")
+
+
+def test_tests_that_documents_name_are_there():
+    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`; every row of docs/faults.md has one."""
+    named = {test for document in DOCUMENTS for test in re.findall(r"`(tests/\w+\.py::[\w:]+)`", document.read_text())}
+    missing = []
+    for test in sorted(named):
+        path, *names = test.split("::")
+        source = (REPOSITORY / path).read_text()
+        missing += [test for name in names if not re.search(rf"^ *(def|class) {name}\b", source, re.MULTILINE)]
+    assert named
+    assert missing == []
+    rows = [line for line in (REPOSITORY / "docs/faults.md").read_text().splitlines() if line.startswith("| ")][2:]
+    assert [row for row in rows if "`tests/" not in row] == []

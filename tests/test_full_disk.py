@@ -57,10 +57,12 @@ def test_a_file_that_cannot_even_begin_is_no_history(tmp_path):
 
 
 @pytest.mark.yade
-def test_yade_ends_and_keeps_what_was_flushed(yade_command, tmp_path):
+@pytest.mark.parametrize("kilobytes", [130, 240, 400, *(pytest.param(size, marks=pytest.mark.long)
+                                                         for size in (180, 320))])
+def test_yade_ends_and_keeps_what_was_flushed(kilobytes, yade_command, tmp_path):
     out = tmp_path / "run.h5"
     done = yade_command("-j1", SMALL, *SHAKEN, "--out", out,
-                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000,) * 2))
+                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1000,) * 2))
     assert done.returncode == 1, done.stdout + done.stderr
     assert f"error: cannot write {out}" in done.stderr and "Traceback" not in done.stderr
     history = damage.read_history(out)

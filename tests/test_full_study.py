@@ -129,8 +129,9 @@ def run_until_full(words, folder, when, leave_kilobytes):
 @pytest.mark.parametrize(("kilobytes", "when", "leave"), [
     pytest.param(6000, "runs/*.part.h5", 60, id="half a history fits"),
     *(pytest.param(*values, id=name, marks=pytest.mark.long) for name, values in {
-        "nothing fits": (40, None, 0), "logs fit": (500, None, 0), "a run fits": (1300, None, 0), "nothing more at the start": (
-            6000, ".snakemake/log/*", 0), "a run without its record fits": (6000, "runs/one_reference.h5", 0),
+        "nothing fits": (40, None, 0), "logs fit": (500, None, 0), "a run fits": (1300, None, 0),
+        "nothing more at the start": (6000, ".snakemake/log/*", 0),
+        "a run without its record fits": (6000, "runs/one_reference.h5", 0),
         "runs and a table fit": (6000, "tables/*_index.csv", 0),
         "all but the last table fits": (6000, "tables/points.csv", 0)}.items())])
 def test_a_study_on_a_full_disk_ends_in_a_line_and_goes_on_with_room(kilobytes, when, leave, study, whole, tmp_path):

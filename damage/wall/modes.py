@@ -76,6 +76,8 @@ def natural_modes(layout, n_modes=6):
         values, vectors = eigsh(matrix, k=n_modes, sigma=0.0, v0=start)
         highest = eigsh(matrix, k=1, which="LA", return_eigenvectors=False, tol=1e-6, v0=start)[0]
     except (ArithmeticError, RuntimeError, ValueError) as error:  # ARPACK's and SuperLU's
+        if "alloc" in str(error).lower():
+            raise MemoryError(f"for the modes of {layout.n_bricks} bricks") from error
         raise _no_modes(layout, error) from error
     if not (values.min() > 0 and np.isfinite(highest)):
         raise _no_modes(layout, f"squared frequency {values.min():.3g}")
