@@ -119,7 +119,7 @@ def pushed(bench):
 def fibres(bench):
     """The same by fibres."""
     print_table(*PUSHED_HEADS[:1], "fibres", *PUSHED_HEADS[2:])
-    for name, drift in (("squat_tested", 0.1), ("comp2_4", 0.06)):
+    for name, drift in (("squat_tested", 0.1), ("comp2_4", 0.1)):
         test, words, _ = PUSHED[name]
         for number in (0, 4, 8, 16):
             history = bench.run(name, "5/50", ["--pushover", drift, *words[2:], *SLOW, "--fibres", number])

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -177,6 +178,21 @@ def test_members_of_other_inputs_are_removed_and_no_others(tmp_path, monkeypatch
             (tmp_path / name).touch()
         keep_what_fits(tmp_path, "a", inputs)
         assert {path.name for path in tmp_path.glob("*.h5")} == left
+
+
+@pytest.mark.parametrize(("spread", "members"), [(0.01, 5), (0.5, 10)])
+def test_an_ensemble_doubles_where_its_first_members_spread(tmp_path, monkeypatch, spread, members):
+    monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
+    import ensemble
+
+    history = make_history(tmp_path / "a.h5", broken=[0])
+    monkeypatch.setattr(ensemble, "member", lambda asked, name, number: (0, history))
+    monkeypatch.setattr(ensemble, "write_run_tables", lambda *_: None)
+    monkeypatch.setattr(ensemble, "write_row", lambda history, path, name: {
+        "max_DI": 0.1, "max_drift_ratio": 1e-3 * (1 + spread * path.stem.endswith("3"))})
+    asked = SimpleNamespace(runs=tmp_path, tables=tmp_path, point="p", name="p", members=5, inputs="x", adaptive=True)
+    assert ensemble.run_members(asked) == 0
+    assert (tmp_path / "p.members").read_text().split() == [f"p_s{k}" for k in range(1, members + 1)]
 
 
 @pytest.mark.slow
