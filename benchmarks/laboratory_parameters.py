@@ -18,7 +18,7 @@ sys.path.insert(0, str(REPOSITORY))
 from damage import brick_of_masonry, read_history
 from damage.measure.pushed import mode_shares
 from damage.measure.summary import summarise
-from damage.reference.session import SOLVER
+from damage.reference.session import BACKEND
 from damage.run.session import run_session
 from damage.wall.file import load_wall
 
@@ -89,7 +89,7 @@ def run(folder, table, number, wall, words):
     out = folder / f"{table}_{number}.h5"
     if not (out.exists() and read_history(out).complete):
         words = [str(word) for word in (*words, "--out", out, "--overwrite", "--no-pictures")]
-        if run_session(SOLVER, __file__, lambda: wall, words, prog="laboratory_parameters") != 0:
+        if run_session(BACKEND, __file__, lambda: wall, words, prog="laboratory_parameters") != 0:
             sys.exit(f"{table}, row {number} failed")
     return read_history(out)
 

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -56,6 +57,7 @@ class TestGrid:
         (f'[[runs]]\n{WALL}{SINE}members = true', "members = True"),
         (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9', "perturb without members"),
         (f'[[runs]]\n{WALL}{SINE}perturb = -1\nmembers = 2', "perturb = -1"),
+        (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9\nscatter = 0.1\nmembers = 2', "choose one kind"),
         (f'[[runs]]\n{WALL}{SINE}samples = 2\nmembers = 2', "choose one kind"),
         (f'[[runs]]\n{WALL}{SINE}samples = 2', "strengths do not scatter"),
         (f'[[runs]]\n{WALL}options = {{ seed = 3 }}\nmembers = 2', "--seed is set by members"),
@@ -83,7 +85,7 @@ class TestShipped:
             (f"walls/{wall}.py", str(period), str(amplitude)) for wall in ("solid", "symmetric", "asymmetric")
             for period in (0.06, 0.2, 0.33, 1.0) for amplitude in (0.01, 0.025, 0.05, 0.075, 0.1)}
         assert {(run.members, run.adaptive, run.varied) for run in runs} == {
-            (5, True, ("--perturb", "1e-09", "--seed"))}
+            (5, True, ("--scatter", "0.001", "--seed"))}
 
     def test_ida_is_two_records_at_eight_scales_on_two_walls(self):
         study = load_study(REPOSITORY / "studies" / "ida.toml", "both")
@@ -178,6 +180,21 @@ def test_members_of_other_inputs_are_removed_and_no_others(tmp_path, monkeypatch
         assert {path.name for path in tmp_path.glob("*.h5")} == left
 
 
+@pytest.mark.parametrize(("spread", "members"), [(0.01, 5), (0.5, 10)])
+def test_an_ensemble_doubles_where_its_first_members_spread(tmp_path, monkeypatch, spread, members):
+    monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
+    import ensemble
+
+    history = make_history(tmp_path / "a.h5", broken=[0])
+    monkeypatch.setattr(ensemble, "member", lambda asked, name, number: (0, history))
+    monkeypatch.setattr(ensemble, "write_run_tables", lambda *_: None)
+    monkeypatch.setattr(ensemble, "write_row", lambda history, path, name: {
+        "max_DI": 0.1, "max_drift_ratio": 1e-3 * (1 + spread * path.stem.endswith("3"))})
+    asked = SimpleNamespace(runs=tmp_path, tables=tmp_path, point="p", name="p", members=5, inputs="x", adaptive=True)
+    assert ensemble.run_members(asked) == 0
+    assert (tmp_path / "p.members").read_text().split() == [f"p_s{k}" for k in range(1, members + 1)]
+
+
 @pytest.mark.slow
 class TestBatch:
     def test_members_differ_by_seed_and_an_intact_wall_has_but_one(self, whole):
@@ -188,7 +205,7 @@ class TestBatch:
             f"tiny_harmonic-0.1-{g}_cycles-2_rest-0.5_reference_s{k}" for g, k in
             ((0.01, 1), (0.4, 1), (0.4, 2), (0.4, 3), (0.5, 1), (0.5, 2), (0.5, 3))]
         assert [history.parameters["seed"] for history in histories] == [1, 1, 2, 3, 1, 2, 3]
-        assert {history.parameters["perturb_m"] for history in histories} == {1e-9}
+        assert {history.parameters["scatter"] for history in histories} == {0.001}
 
     def test_tables_have_a_row_a_run_and_a_row_a_point(self, whole):
         tables = whole.out / "tables"

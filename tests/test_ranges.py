@@ -31,6 +31,7 @@ RUN = {
     "--pushover 0.1 --damping ?": "0 1e-300 0.5", "--cells ?": "", "--strength-cov ?": "0 1e-300 0.5",
     "--strength-seed ?": "0 1000000000", "--beta ?": "0 1e-300", "--rayleigh ? 5 20": "0 1e-300 0.5",
     "--rayleigh 0.02 ? 20": "0.5", "--rayleigh 0.02 0.1 ?": "0.5", "--perturb ?": "0 1e-300",
+    "--scatter ?": "0 1e-300", "--fibres ?": "0",
     "--seed ?": "0 1000000000", "--rest ?": "0 1e-300 0.5", "--dt ?": "",
 }
 """{words of a run, ? the value: which of ODD go}."""

@@ -10,10 +10,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from verification import elastic, falling, rocking, sliding
+from verification import elastic, falling, rocking, sliding, softening
 from verification.problem import SOLVERS
 
-FAMILIES = (falling, sliding, rocking, elastic)
+FAMILIES = (falling, sliding, rocking, elastic, softening)
 
 
 def all_problems():

@@ -1,12 +1,13 @@
 """The members of an ensemble one after another, in one process: imports and compiled code are loaded once.
 
-    ensemble.py POINT --runs runs --tables tables --members N --varied='--perturb 1e-9 --seed' [--adaptive]
+    ensemble.py POINT --runs runs --tables tables --members N --varied='--scatter 0.001 --seed' [--adaptive]
         --inputs DIGEST --name POINT_NAME -- walls/NAME.py [OPTIONS]
 
 Member k is the reference solver's run with the words of --varied and k behind its options, in runs/POINT_sk.h5; it
 grows in runs/POINT_sk.part.h5 and gets its name when it is whole.  A member that is there is not done again, unless
 runs/.inputs/POINT tells of other inputs than DIGEST.  With --adaptive the first is the only one where it breaks no
-joint: the wall was linear, and offsets of a nanometre change nothing.  Last comes runs/POINT.members, their names;
+joint: the wall was linear, and strengths change nothing; and there are as many again where the first N spread widely
+(`damage.studies.members`).  Last comes runs/POINT.members, their names;
 before it their rows for the summary, the first one's tables and the others' cycles and shocks.
 
 Exit status: 0 all members whole, 130 interrupted, otherwise that of the last member that failed.
@@ -25,6 +26,7 @@ from damage.history.reader import read_history
 from damage.measure.tables import RUN_TABLES, write_run_tables
 from damage.reference.session import run_reference
 from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.studies.members import tails_are_heavy
 from damage.studies.tables import write_row
 
 
@@ -41,8 +43,9 @@ def main():
 def run_members(asked):
     """Bring all members and their tables up to date; returns the exit status."""
     keep_what_fits(asked.runs, asked.point, asked.inputs)
-    status, names = EXIT_OK, []
-    for number in range(1, asked.members + 1):
+    status, names, rows, number, last = EXIT_OK, [], [], 0, asked.members
+    while number < last:
+        number += 1
         name = f"{asked.point}_s{number}"
         ended, history = member(asked, name, number)
         if ended == EXIT_INTERRUPTED:
@@ -51,10 +54,12 @@ def run_members(asked):
             status = ended
             continue
         write_run_tables(history, asked.tables / name, RUN_TABLES if number == 1 else ("cycles", "shocks"))
-        write_row(history, asked.tables / "rows" / f"{name}.json", asked.name)
+        rows.append(write_row(history, asked.tables / "rows" / f"{name}.json", asked.name))
         names.append(name)
-        if asked.adaptive and not (history.broken.any() or history.at_limit.any()):
+        if asked.adaptive and number == 1 and not (history.broken.any() or history.at_limit.any()):
             break
+        if asked.adaptive and number == asked.members and tails_are_heavy(rows):
+            last = 2 * asked.members
     if status == EXIT_OK:
         write_text(asked.runs / f"{asked.point}.members", "\n".join(names) + "\n")
     return status

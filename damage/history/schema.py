@@ -59,20 +59,21 @@ SERIES = {
     "input_energy_j": Column("J", "work of the base's inertia forces in the frame that moves with the base, or of the "
                                   "pushed top"),
     "friction_energy_j": Column("J", "dissipated by sliding"),
-    "fracture_energy_j": Column("J", "lost when bonds break"),
+    "fracture_energy_j": Column("J", "lost as bonds soften and break"),
     "damping_energy_j": Column("J", "taken by damping; in YADE's settling stages, and while it pushes the top, "
                                     "inferred from the balance"),
 }
 FRAMES = {
-    "opening_m": Column("m", "opening past the broken bond, 0 while closed or intact", "f4"),
+    "opening_m": Column("m", "inelastic opening: past the broken bond, or what a softened one has given way; 0 while "
+                             "closed or intact", "f4"),
     "slip_m": Column("m", "signed plastic slip of the closed contact, frozen while open, 0 while intact", "f4"),
-    "state": Column("bits: 1 broken, 2 has been at the shear limit", "1: the bond is broken; 2: has failed in shear or "
+    "state": Column("bits: 1 broken, 2 has been at the shear limit", "1: the bond is gone; 2: has failed in shear or "
                     "slid, ever", "u1"),
 }
 EVENT_COLUMNS = {
     "time_s": Column("s", "negative in the static stage"),
     "joint": Column("index of joints", "row of `joints`", "i4"),
-    "kind": Column("code", "tension, shear (the bond breaks); opened, slipped (first passing of 0.1 mm)", "u1"),
+    "kind": Column("code", "tension, shear (the bond is gone); opened, slipped (first passing of 0.1 mm)", "u1"),
     "normal_stress_pa": Column("Pa", "trial stress at a break"),
     "shear_stress_pa": Column("Pa", "trial stress at a break"),
     "opening_m": Column("m", "at a first passing"), "slip_m": Column("m", "at a first passing"),

@@ -47,6 +47,8 @@ PARAMETERS = {
     **_model(seeds=False),
     "alpha_1_s, beta_s": Column("1/s, s", "damping proportional to mass, and to stiffness"),
     "perturb_m": Column("m", "size of the bricks' random offsets"),
+    "scatter": Column("1", "coefficient of variation of the strengths, by which the members of an ensemble differ"),
+    "mode_i_fracture_energy_j_m2, mode_ii_fracture_energy_j_m2": Column("J/m2", "of the joints, 0 where brittle"),
     "time_step_s": Column("s", "of the solver"),
     "eigen_period_s": Column("s", "first period of the intact wall, by its eigenvalues"),
     "slip": Column("", "criterion of slip in the columns that name none"),
@@ -58,7 +60,7 @@ RUN = {
     "status": Column("", "complete, interrupted, failed, unfinished"),
     "collapsed_at_s": Column("s", "when a brick had dropped by half its height"),
     **_model(seeds=True),
-    "seed": Column("1", "of the bricks' random offsets"),
+    "seed": Column("1", "of the bricks' random offsets and of `scatter`"),
 }
 """What tells one run from another of its point, and how it ended."""
 MADE_BY = {
@@ -99,8 +101,8 @@ MEASURES = {
     },
     "Energy": {
         "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),
-        "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost when bonds break, up to the "
-                                                       "run's end"),
+        "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost as bonds soften and break, up "
+                                                       "to the run's end"),
         "dissipated_energy_j": Column("J", "their sum"),
         "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
         "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out"),

@@ -13,6 +13,7 @@ import pandas as pd
 from damage.errors import InputError
 from damage.history.moments import BREAKS, STATES, state_codes
 from damage.index import THRESHOLD
+from damage.measure.patterns import compare_patterns, describe_patterns
 from damage.measure.summary import summarise
 from damage.measure.vibration import NOISE, upward_crossings
 
@@ -39,7 +40,7 @@ TOLERANCES = {
     "DI_open": Tolerance(absolute=0.006, relative=0.3),
     "DI_slip_shear_limit": Tolerance(absolute=0.015, relative=0.2),
 }
-"""Of correct solvers with the same contact points; the perturbed runs of one code spread as much."""
+"""Of correct solvers with the same contact points; runs of one code that differ by rounding spread as much."""
 DRIFT_TOLERANCE = 0.005  # normalised RMS of the drift before the first failure
 
 
@@ -47,8 +48,8 @@ def compare(first, others):
     """Compare a History with others of the same wall; a plain dictionary.
 
     figures: {name: first, median, range of the others, allowed, agrees}; drift: RMS before the first
-    failure, lag, instant of divergence; joints: Cohen's kappa and first-break times; each of the last
-    two with the first of the others.  agrees: all of it.
+    failure, lag, instant of divergence; joints: Cohen's kappa and first-break times; patterns: fractions skill
+    scores; each of the last three with the first of the others.  agrees: figures and drift.
     """
     for history in (first, *others):
         if len(history.series) == 0:
@@ -60,7 +61,8 @@ def compare(first, others):
     drift = compare_drift(first, others[0])
     judged = [row["agrees"] for row in numbers.values()] + [drift["agrees"]]
     return {"first": str(first.path), "others": [str(other.path) for other in others], "figures": numbers,
-            "drift": drift, "joints": compare_joints(first, others[0]), "agrees": all(judged)}
+            "drift": drift, "joints": compare_joints(first, others[0]), "patterns": compare_patterns(first, others[0]),
+            "agrees": all(judged)}
 
 
 # --- numbers of the whole run -------------------------------------------------------------------
@@ -213,5 +215,6 @@ def describe(result):
         lines.append(f"joints between bricks: {joints['broke_in_either']} broke in either run, "
                      f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "
                      f"kappa {joints['kappa']:.3f}")
+    lines += describe_patterns(result["patterns"])
     lines.append("verdict: " + ("within the tolerances" if result["agrees"] else "NOT within the tolerances"))
     return "\n".join(lines)

@@ -35,7 +35,10 @@ def summary_row(history, run="", point=""):
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
     row |= _motion_columns(history) | asdict(history.model) | {name: history.parameters.get(name) for name in (
-        "alpha_1_s", "beta_s", "perturb_m", "seed", "time_step_s", "eigen_period_s")}
+        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "time_step_s", "eigen_period_s")}
+    joint = history.masonry_wall.joint
+    row |= {f"{name}_j_m2": getattr(joint, name) or 0.0
+            for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
     row |= made_by(history)
     for key, value in numbers.items():
         if key in ("max", "residual", "max_shear_limit", "residual_shear_limit"):

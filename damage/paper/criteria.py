@@ -12,7 +12,7 @@ Rules for all claims:
 - A wall that fell differs from the paper's, which stood; its index up to the fall proves nothing.
 - A claim about several motions differs as soon as one of them contradicts it.  It holds when none does and the
   motions that try it hardest (`needs`) are there; otherwise it cannot be judged.
-- Of a point that was run several times, with bricks perturbed by 1e-9 m, the median counts.
+- Of a point that was run several times, with strengths that scatter or bricks offset by 1e-9 m, the median counts.
 """
 
 from dataclasses import dataclass

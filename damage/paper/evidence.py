@@ -19,7 +19,9 @@ LEAST_STEP_S = 2e-5
 BETA_S = 1e-6
 """Largest stiffness-proportional damping of a run that still counts where there is none without [s]; it damps the
 first mode by 1.6e-5."""
-MEASURES = (*SHAPE, "collapsed_at_s", "lintel", "beta_s", "time_step_s", "rest_s", "motion_period_s", "cycles",
+SOFTENS = "mode_i_fracture_energy_j_m2"
+"""Column that is above zero where the joints are not the paper's, which are brittle."""
+MEASURES = (*SHAPE, SOFTENS, "collapsed_at_s", "lintel", "beta_s", "time_step_s", "rest_s", "motion_period_s", "cycles",
             "amplitude_g", "record", "scale", "eigen_period_s", "input_energy_j", "damping_energy_j",
             "energy_error_fraction")
 """Columns that are looked up in every run; empty where an older table lacks one."""
@@ -54,8 +56,8 @@ def load_runs(folder):
 
 
 def comparable(runs):
-    """The runs with the parameters of SHAPE, the usual step, and the usual period of the wall of that name."""
-    kept = ~(runs["time_step_s"] < LEAST_STEP_S) & ~(runs["beta_s"] > BETA_S)
+    """The runs with the parameters of SHAPE, brittle joints, the usual step, and the usual period of the wall."""
+    kept = ~(runs["time_step_s"] < LEAST_STEP_S) & ~(runs["beta_s"] > BETA_S) & ~(runs[SOFTENS] > 0)
     for name, value in SHAPE.items():
         kept &= runs[name].isna() | (runs[name] == value)
     runs = runs[kept]

@@ -11,7 +11,8 @@ is exact, and the geometry is worked out once a pair, not once a contact.
 
 The joint law is homogeneous in the area: given stiffnesses and strengths times area, it returns forces
 and energies.  Between two of its decisions a contact is a linear spring, which changes no state; so
-only pairs with a spring beyond what is left of its strength are shown to the law.  And a pair that is
+only pairs with a spring beyond what is left of its strength are shown to the law.  While open, a bond that
+softens is a spring by its secant.  And a pair that is
 whole and whose outermost opening leaves all its springs within their strength is one spring and a
 couple.  Where that ends `joint_law.stays_elastic` says, for contacts and for pairs.
 
@@ -99,6 +100,8 @@ def run_steps(system, constants, base, gravity, first_step, n_steps):
     its last value holds beyond its end.  Call `contact_forces` once before the first run: out of numba's
     cache, runs then use its own machine code instead of a slower copy that is part of this function.
     """
+    if constants.beta > 0.0:
+        remember_all(system)
     for step in range(first_step, first_step + n_steps):
         ax = base[step, 0] if step < len(base) else 0.0
         az = base[step, 1] if step < len(base) else 0.0
@@ -116,23 +119,27 @@ def contact_forces(system, constants, step, singly):
     Each pair goes the shortest way that is right: as one spring, by its springs, or by the joint law.
     singly: none as one spring, so that forces are the sums of what `read_joints` then reads, to the last bit.
     """
-    pairs, contacts, place = system.pairs, system.contacts, system.place
-    damped = constants.beta > 0.0
-    singly |= damped
+    pairs, contacts, place, last = system.pairs, system.contacts, system.place, system.last
+    damped, rate, lost = constants.beta > 0.0, constants.beta / constants.dt, 0.0
     clear_forces(place)
     for p in range(len(pairs)):
         pair = pairs[p]
         a, b = place[pair.a], place[pair.b]
         frame, gap = relative_motion(pair, a, b)
         if pair.broken == 0 and not singly and stays_whole(pair, gap):
-            forces = whole_pair(pair, gap)
+            forces, elastic = whole_pair(pair, gap), True
         else:
             forces, elastic = springs(contacts, pair, gap, constants.material)
-            if damped or not elastic:
-                forces = joint_forces(system, constants, step, pair, gap)
-            elif pair.broken:
-                remember(contacts, pair, gap.shear)
+        steady = change(last[p], forces) if damped else forces
+        if not elastic:
+            forces, steady = joint_forces(system, constants, step, p, gap)
+        elif pair.broken:
+            remember(contacts, pair, gap.shear)
+        if damped:
+            forces, work = damp(last[p], rate, gap, forces, steady)
+            lost += work
         push(a, b, frame, forces)
+    system.energy[DAMPING] += lost
 
 
 @_compile
@@ -150,6 +157,22 @@ def read_joints(system):
             if stays_open(contacts[i], opening):
                 sigma = tau = 0.0
             keep_stresses(joints[i], opening, gap.shear, sigma, tau)
+
+
+@_compile
+def remember_all(system):
+    """What damping proportional to stiffness compares the next step with, of the present places, into `last`."""
+    pairs, contacts, place = system.pairs, system.contacts, system.place
+    for p in range(len(pairs)):
+        pair = pairs[p]
+        normal = along = couple = 0.0
+        _, gap = relative_motion(pair, place[pair.a], place[pair.b])
+        for i in range(pair.start, pair.stop):
+            trial = stresses(contacts[i], gap)
+            normal += trial.sigma
+            along += trial.tau
+            couple += trial.sigma * contacts[i].offset
+        keep_last(system.last[p], gap, Forces(normal, along, couple))
 
 
 @_compile
@@ -236,7 +259,17 @@ def keep_stresses(joint, opening, shear, sigma, tau):
 def spring(contact, gap):
     """A contact as a spring from where the law has left it (Trial) [m, N, N]."""
     opening = gap.middle + contact.offset * gap.turn
-    return Trial(opening, contact.kn * opening, contact.tau0 + contact.ks * (gap.shear - contact.shear0))
+    stiffness = contact.kt if opening > 0.0 else contact.kn
+    return Trial(opening, stiffness * opening, contact.tau0 + contact.ks * (gap.shear - contact.shear0))
+
+
+@_compile
+def stresses(contact, gap):
+    """A contact as what the law has left of it, a spring or nothing (Trial) [m, N, N]."""
+    trial = spring(contact, gap)
+    if stays_open(contact, trial.opening):
+        return Trial(trial.opening, 0.0, 0.0)
+    return trial
 
 
 @_compile
@@ -247,35 +280,38 @@ def stays_open(contact, opening):
 
 @_compile
 def remember(contacts, pair, shear):
-    """Keep the shear force [N] of broken contacts that stick at a shear displacement [m]: sliding works against
-    the last one."""
+    """Keep the shear force [N] of contacts that have slid and stick at a shear displacement [m]: sliding works
+    against the last one."""
     for i in range(pair.start, pair.stop):
         contact = contacts[i]
-        if contact.tensile_force == 0.0:
+        if contact.tensile_force == 0.0 or contact.soft:
             contact.tau0, contact.shear0 = contact.tau0 + contact.ks * (shear - contact.shear0), shear
 
 
 @_compile
-def joint_forces(system, constants, step, pair, gap):
-    """Forces of a pair's contacts by the joint law [N, N m]."""
-    normal = along = couple = 0.0
+def joint_forces(system, constants, step, p, gap):
+    """Forces of a pair's contacts by the joint law [N, N m]; and how those of the contacts that neither broke nor
+    softened in this step have changed since the last one, if damping needs it."""
+    pair, last = system.pairs[p], system.last[p]
+    before = Gap(last.middle, last.shear, last.turn)
+    normal = along = couple = d_normal = d_along = d_couple = 0.0
     for i in range(pair.start, pair.stop):
         contact, joint = system.contacts[i], system.joints[i]
-        trial = spring(contact, gap)
+        trial, kappa = spring(contact, gap), joint.kappa
+        old = stresses(contact, before) if constants.beta > 0.0 else trial
         new, event = judge(contact, joint, trial.opening, gap.shear, constants.material)
-        if new.broken:
+        if new.broken or new.kappa > 0.0:
             log_joint(system, constants, step, i, trial, new, event)
             pair.broken = 1
         sigma, tau = new.normal_stress, new.shear_stress
-        if constants.beta > 0.0:
-            if event == INTACT:
-                sigma, tau = damp(system.energy, joint, constants.beta / constants.dt, trial.opening, gap.shear,
-                                  sigma, tau)
-            keep_stresses(joint, trial.opening, gap.shear, new.normal_stress, new.shear_stress)
+        if event == INTACT and new.kappa == kappa:
+            d_normal += sigma - old.sigma
+            d_along += tau - old.tau
+            d_couple += (sigma - old.sigma) * contact.offset
         normal += sigma
         along += tau
         couple += sigma * contact.offset
-    return Forces(normal, along, couple)
+    return Forces(normal, along, couple), Forces(d_normal, d_along, d_couple)
 
 
 @_compile
@@ -283,24 +319,42 @@ def judge(contact, joint, opening, shear, material):
     """Show a contact at this opening and shear displacement [m] to the joint law, and keep what it leaves of it.
 
     Returns what `joint_law.advance` does, in forces [N] and works [J]."""
-    law = LawParameters(contact.kn, contact.ks, contact.tensile_force, contact.cohesive_force, material)
-    old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0)
+    law = LawParameters(contact.kn, contact.ks, joint.tensile_force, joint.cohesive_force, material, joint.mode_i,
+                        joint.mode_ii)
+    old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0, joint.kappa, joint.gap)
     new, event = joint_law.advance(opening, shear - contact.shear0, old, law)
-    if new.broken:
-        contact.tensile_force, contact.cohesive_force = joint_law.strength_left(new.broken, law)
+    if new.broken or new.kappa > 0.0:
+        contact.tensile_force, contact.cohesive_force = joint_law.strength_left(new.broken, law, new.kappa)
         contact.shear0, contact.tau0 = shear, new.shear_stress
+        contact.soft, contact.kt = not new.broken, contact.kn
+        if not new.broken:
+            contact.kt = joint_law.tension_stiffness(contact.tensile_force, new.gap, contact.kn)
     return new, event
 
 
 @_compile
-def damp(energy, joint, rate, opening, shear, sigma, tau):
-    """Add damping proportional to stiffness to the forces of a contact [N]; its work is lost.
+def change(last, forces):
+    """How the forces of a pair [N, N m] have changed since the last step."""
+    return Forces(forces.normal - last.normal, forces.along - last.along, forces.couple - last.couple)
 
-    rate: beta over the time step [-]; the stresses and displacements of the last step are those in `joint`."""
-    rate_sigma = rate * (sigma - joint.sigma * joint.area)
-    rate_tau = rate * (tau - joint.tau * joint.area)
-    energy[DAMPING] += rate_sigma * (opening - joint.opening) + rate_tau * (shear - joint.shear)
-    return sigma + rate_sigma, tau + rate_tau
+
+@_compile
+def damp(last, rate, gap, forces, steady):
+    """The forces of a pair [N, N m] with damping proportional to stiffness, and its work [J], which is lost.
+
+    rate: beta over the time step [-]; steady: what is damped, the change of its elastic forces since the last step."""
+    work = (steady.normal * (gap.middle - last.middle) + steady.along * (gap.shear - last.shear)
+            + steady.couple * (gap.turn - last.turn))
+    keep_last(last, gap, forces)
+    return Forces(forces.normal + rate * steady.normal, forces.along + rate * steady.along,
+                  forces.couple + rate * steady.couple), rate * work
+
+
+@_compile
+def keep_last(last, gap, forces):
+    """Write how far the bodies of a pair have moved apart [m] and its forces [N, N m] for the next step."""
+    last.middle, last.shear, last.turn = gap.middle, gap.shear, gap.turn
+    last.normal, last.along, last.couple = forces.normal, forces.along, forces.couple
 
 
 @_compile
@@ -392,21 +446,25 @@ def rotation(angle):
 
 @_compile
 def log_joint(system, constants, step, i, trial, new, event):
-    """Keep the flags and the slip [m] of a broken contact; log its work [J], its break and first passings."""
+    """Keep the flags and the slip [m] of a contact without a whole bond; log its work [J], its break and first
+    passings."""
     contact, joint = system.contacts[i], system.joints[i]
-    joint.slip, joint.broken, joint.at_limit = new.slip, True, new.at_limit
+    joint.slip, joint.broken, joint.at_limit = new.slip, new.broken, new.at_limit
+    joint.kappa, joint.gap = new.kappa, new.gap
     system.energy[FRICTION] += new.friction_work
     system.energy[FRACTURE] += new.fracture_work
     passed = int(joint.passed)
-    opens = trial.opening > constants.threshold and not passed & 1
+    opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, contact.kn)
+    opens = opening > constants.threshold and not passed & 1
     slips = abs(new.slip) > constants.threshold and not passed & 2
     if event != INTACT or opens or slips:
         joint.passed = passed + opens + 2 * slips
-        values = trial.sigma / joint.area, trial.tau / joint.area, max(trial.opening, 0.0), new.slip
+        values = trial.sigma / joint.area, trial.tau / joint.area, opening, new.slip
         for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):
             if happens:
                 log_event(system, step, i, kind, values)
-    contact.idle = np.inf if int(joint.passed) & 1 else constants.threshold
+    if new.broken:
+        contact.idle = np.inf if int(joint.passed) & 1 else constants.threshold
 
 
 @_compile

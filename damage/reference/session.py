@@ -11,7 +11,7 @@ from damage.run.session import EXIT_INPUT, Backend, run_session
 from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
-BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, Path(__file__).parent)
+BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, Path(__file__).parent, softens=True)
 
 
 def run_reference(arguments):

@@ -51,7 +51,7 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def forces(self):
         joints = self.system.joints
-        return self.force[:-1], np.hypot(joints["sigma"], joints["tau"]) * self.layout.contacts.area
+        return self.force[:-1], np.hypot(joints["sigma"], joints["tau"]) * joints["area"]
 
     def base_reaction(self):
         return self.base_force()[1]

@@ -45,6 +45,8 @@ CONTACT = _row(
     ("shear0", REAL, "m", "shear displacement of the last step once broken, zero before"),
     ("tau0", REAL, "N", "shear force of the last step once broken, zero before"),
     ("idle", REAL, "m", "opening up to which an open contact needs no law, below zero until it is broken"),
+    ("kt", REAL, "N/m", "normal stiffness while open times area: kn, or the secant of a bond that softens"),
+    ("soft", INDEX, "-", "1 once its bond has softened, until it is broken"),
 )
 JOINT = _row(  # beside its contact; the first four are those of a run's last step (`read_joints`)
     ("opening", REAL, "m", "normal displacement, also negative"),
@@ -56,6 +58,20 @@ JOINT = _row(  # beside its contact; the first four are those of a run's last st
     ("broken", FLAG, "-", "the bond is gone"),
     ("at_limit", FLAG, "-", "has failed in shear or slid, ever"),
     ("passed", BITS, "-", "first passings of the threshold: 1 opened, 2 slipped"),
+    ("tensile_force", REAL, "N", "tensile strength of the whole bond times area"),
+    ("cohesive_force", REAL, "N", "cohesion of the whole bond times area"),
+    ("mode_i", REAL, "J", "mode I fracture energy times area, zero for a brittle bond"),
+    ("mode_ii", REAL, "J", "mode II fracture energy times area"),
+    ("kappa", REAL, "-", "how far its bond has softened"),
+    ("gap", REAL, "m", "largest inelastic opening of a bond that softens"),
+)
+LAST = _row(  # of a pair: what damping proportional to stiffness compares the present with
+    ("middle", REAL, "m", "opening of the middle in the last step"),
+    ("shear", REAL, "m", "shear displacement in the last step"),
+    ("turn", REAL, "-", "sine of the rotation of b against a in the last step"),
+    ("normal", REAL, "N", "normal force in the last step, without damping"),
+    ("along", REAL, "N", "shear force in the last step"),
+    ("couple", REAL, "N m", "couple in the last step"),
 )
 PLACE = _row(  # of a body
     ("x", REAL, "m", "displacement since the wall was built"),
@@ -81,7 +97,8 @@ MOTION = _row(  # of a body; velocities are those half a step ago
 
 class System(NamedTuple):
     """Tables of one wall, a row each: pairs (PAIR), contacts (CONTACT) in the order of their pairs,
-    joints (JOINT) beside contacts, place (PLACE) and motion (MOTION) of the bodies and the ground.
+    joints (JOINT) beside contacts, last (LAST) beside pairs, place (PLACE) and motion (MOTION) of the bodies and
+    the ground.
 
     energy: (4,); events: (capacity, 3) step, joint, kind; values: (capacity, 4) normal and shear
     stress [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the mass-proportional damping that
@@ -91,6 +108,7 @@ class System(NamedTuple):
     pairs: np.ndarray
     contacts: np.ndarray
     joints: np.ndarray
+    last: np.ndarray
     place: np.ndarray
     motion: np.ndarray
     energy: np.ndarray

@@ -31,6 +31,7 @@ class ReferenceWall:
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
         self._held = None
+        self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
 
     # --- state, as arrays in the layout's order -------------------------------------------------
@@ -58,25 +59,36 @@ class ReferenceWall:
 
     @property
     def opening(self):
-        """Opening past the broken bond (n_joints,) [m]."""
-        joints = self.system.joints[:self.layout.n_joints]
-        return np.where(joints["broken"], np.maximum(joints["opening"], 0.0), 0.0)
+        """Inelastic opening (n_joints,) [m]: past the broken bond, or what a softened one has given way."""
+        joints = self.system.joints
+        opening = np.where(joints["broken"], np.maximum(joints["opening"], 0.0), 0.0)
+        soft = np.flatnonzero((joints["kappa"] > 0) & ~joints["broken"] & (joints["opening"] > 0))
+        if len(soft):
+            of_the_bond = joints["sigma"][soft] * joints["area"][soft] / self.system.contacts["kn"][soft]
+            opening[soft] = np.maximum(joints["opening"][soft] - of_the_bond, 0.0)
+        return self._of_joints(opening)
 
     @property
     def slip(self):
         """Plastic slip of the closed contacts (n_joints,) [m]."""
-        return self.system.joints["slip"][:self.layout.n_joints]
+        return self._of_joints(self.system.joints["slip"])
 
     @property
     def state(self):
         """Bits BROKEN and AT_LIMIT (n_joints,)."""
-        joints = self.system.joints[:self.layout.n_joints]
-        return (BROKEN * joints["broken"] + AT_LIMIT * joints["at_limit"]).astype("u1")
+        joints = self.system.joints
+        state = (BROKEN * joints["broken"] + AT_LIMIT * joints["at_limit"]).astype("u1")
+        return (state if self.layout.fibres is None else state[self.layout.fibres.last])[:self.layout.n_joints]
 
     @property
     def energy(self):
         """Input, friction, fracture and damping energy [J] since `reset_energy`."""
         return self.system.energy
+
+    def _of_joints(self, values):
+        """Values of the kernel's contacts as those of the joints (n_joints,): fibres by their shares."""
+        fibres = self.layout.fibres
+        return (values if fibres is None else fibres.mean(values))[:self.layout.n_joints]
 
     # --- what moves it --------------------------------------------------------------------------
 
@@ -91,8 +103,9 @@ class ReferenceWall:
 
     def refresh(self):
         """Forces and stresses, to be called where places or contacts were changed by hand."""
-        constants = self._constants()
-        _sum_springs(self.system.pairs, self.system.contacts, constants.material)
+        constants, contacts = self._constants(), self.system.contacts
+        contacts["kt"] = np.where(contacts["soft"], contacts["kt"], contacts["kn"])
+        _sum_springs(self.system.pairs, contacts, constants.material)
         kernel.contact_forces(self.system, constants, self.step - self.first_step, True)
         kernel.read_joints(self.system)
 
@@ -114,8 +127,26 @@ class ReferenceWall:
         if count > _CAPACITY:
             raise OverflowError(f"{count} events between two samples, {_CAPACITY} fit; sample more often")
         self.system.n_events[0] = 0
-        events = self.system.events[:count].copy()
-        return events[:, 0], events[:, 1], events[:, 2], self.system.values[:count].copy()
+        events, values = self.system.events[:count].copy(), self.system.values[:count].copy()
+        if self.layout.fibres is not None:
+            events, values = self._events_of_fibres(events, values)
+        return events[:, 0], events[:, 1], events[:, 2], values
+
+    def _events_of_fibres(self, events, values):
+        """A contact breaks with the last of its fibres; what it opens and slips is known now, at the sample."""
+        fibres, joints = self.layout.fibres, self.system.joints
+        told = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
+        events, values = events[told], values[told]
+        events[:, 1] = fibres.contact[events[:, 1]]
+        stresses = [self._of_joints(joints[name]) for name in ("sigma", "tau")]
+        now = np.column_stack([*stresses, self.opening, self.slip])
+        for kind, size in ((tables.OPENED, now[:, 2]), (tables.SLIPPED, np.abs(now[:, 3]))):
+            new = np.flatnonzero((size > THRESHOLD) & ~self._passed[kind])
+            self._passed[kind][new] = True
+            step = np.full(len(new), self.step - self.first_step)
+            events = np.vstack([events, np.column_stack([step, new, np.full(len(new), kind)])])
+            values = np.vstack([values, now[new]])
+        return events, values
 
     def hold(self, bodies, rotation):
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
@@ -150,9 +181,17 @@ class ReferenceWall:
 
     def elastic_energy(self):
         """Of all contacts [J]."""
-        contacts, joints = self.layout.contacts, self.system.joints
-        return float(np.sum(contacts.area * elastic_energy(
-            joints["sigma"], joints["tau"], contacts.normal_stiffness, contacts.shear_stiffness)))
+        springs, joints, contacts, fibres = self.system.contacts, self.system.joints, self.layout.contacts, \
+            self.layout.fibres
+        row, area = slice(None) if fibres is None else fibres.contact, joints["area"]
+        stored = area * elastic_energy(joints["sigma"], joints["tau"], contacts.normal_stiffness[row],
+                                       contacts.shear_stiffness[row])
+        secant = np.flatnonzero(springs["kt"] != springs["kn"])
+        if len(secant):
+            opening, force = joints["opening"][secant], joints["sigma"][secant] * area[secant]
+            lost = force * (opening - force / springs["kn"][secant]) / 2
+            stored[secant] += np.where(opening > 0, lost, 0.0)
+        return float(np.sum(stored))
 
 
 def _columns(table, *names):
@@ -169,39 +208,45 @@ def _table(dtype, n, **fields):
 
 
 def _make_system(layout):
-    """The kernel's tables for a wall at rest."""
-    contacts, bodies = layout.contacts, layout.bodies
-    n, m = len(contacts), len(bodies)
-    pairs, middle = _make_pairs(layout)
-    area = contacts.area
+    """The kernel's tables for a wall at rest; its contacts are the layout's, or their fibres."""
+    contacts, bodies, joint = layout.contacts, layout.bodies, layout.wall.joint
+    fibres = layout.fibres
+    row, share = (np.arange(len(contacts)), 1.0) if fibres is None else (fibres.contact, fibres.share)
+    strengths = fibres or contacts
+    n, m = len(row), len(bodies)
+    pairs, middle = _make_pairs(layout, row)
+    area = contacts.area[row] * share
     # Offsets turn with the joint's axes: along +x in bed joints, along -z in head joints.
-    offset = np.where(contacts.kind == HEAD, middle[1] - contacts.z, contacts.x - middle[0])
+    offset = np.where(contacts.kind[row] == HEAD, middle[1] - contacts.z[row], contacts.x[row] - middle[0])
+    kn, ks = contacts.normal_stiffness[row] * area, contacts.shear_stiffness[row] * area
+    limits = {"tensile_force": strengths.tensile_strength * area, "cohesive_force": strengths.cohesion * area}
+    mode_i, mode_ii = (0.0, 0.0) if fibres or not joint.softens else (
+        joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
     return tables.System(
         pairs=pairs,
-        contacts=_table(tables.CONTACT, n, offset=offset, kn=contacts.normal_stiffness * area,
-                        ks=contacts.shear_stiffness * area, tensile_force=contacts.tensile_strength * area,
-                        cohesive_force=contacts.cohesion * area, idle=np.full(n, -1.0)),
-        joints=_table(tables.JOINT, n, area=area), place=np.zeros(m + 1, tables.PLACE),
+        contacts=_table(tables.CONTACT, n, offset=offset, kn=kn, ks=ks, idle=np.full(n, -1.0), **limits),
+        joints=_table(tables.JOINT, n, area=area, mode_i=mode_i * area, mode_ii=mode_ii * area, **limits),
+        last=np.zeros(len(pairs), tables.LAST), place=np.zeros(m + 1, tables.PLACE),
         motion=_table(tables.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, inverse_mass_x=1 / bodies.mass,
                       inverse_mass_z=1 / bodies.mass, inverse_inertia=1 / bodies.inertia),
         energy=np.zeros(4), events=np.zeros((_CAPACITY, 3), np.int64), values=np.zeros((_CAPACITY, 4)),
         n_events=np.zeros(1, np.int64), relaxation=np.zeros(2))
 
 
-def _make_pairs(layout):
+def _make_pairs(layout, row):
     """Table of the pairs of bodies, whose contacts the layout gives one after the other; and the middle
-    (x, z) of its pair for every contact."""
+    (x, z) of its pair for every contact of the kernel, which is of the layout's contact in `row`."""
     contacts, bodies = layout.contacts, layout.bodies
-    first = np.where(contacts.first == GROUND, len(bodies), contacts.first)
-    changes = np.any([np.diff(first) != 0, np.diff(contacts.second) != 0], axis=0)
+    first, second = np.where(contacts.first == GROUND, len(bodies), contacts.first)[row], contacts.second[row]
+    changes = np.any([np.diff(first) != 0, np.diff(second) != 0], axis=0)
     start = np.append(0, np.flatnonzero(changes) + 1)
-    stop = np.append(start[1:], len(contacts))
-    middle = [(np.minimum.reduceat(place, start) + np.maximum.reduceat(place, start)) / 2
+    stop = np.append(start[1:], len(row))
+    middle = [(np.minimum.reduceat(place[row], start) + np.maximum.reduceat(place[row], start)) / 2
               for place in (contacts.x, contacts.z)]
     x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
-    a, b = first[start], contacts.second[start]
+    a, b = first[start], second[start]
     pairs = _table(tables.PAIR, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
-                   bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.kind[start] == HEAD)
+                   bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.kind[row][start] == HEAD)
     return pairs, [np.repeat(values, stop - start) for values in middle]
 
 

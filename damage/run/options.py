@@ -12,7 +12,7 @@ from damage.errors import InputError
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
-from damage.run.settings import RELAXATIONS, RunSettings, rayleigh_factors
+from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, RunSettings, rayleigh_factors
 from damage.wall.parameters import ModelOptions
 
 
@@ -55,7 +55,7 @@ def parse_run(arguments, prog, solver):
     return RunSettings(
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
-        perturb_m=parsed.perturb, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
+        perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, view=getattr(parsed, "view", False), command=" ".join([prog, *arguments]),
         model=model_of(parsed))
 
@@ -116,8 +116,8 @@ def model_of(parsed):
 
 def _add_model(group, solver):
     add_model_options(group, [one.name for one in fields(ModelOptions) if solver in one.metadata["solvers"]])
-    group.add_argument("--beta", type=float, default=0.0, metavar="S",
-                       help="stiffness-proportional damping (default 0)")
+    group.add_argument("--beta", type=float, metavar="S", help="stiffness-proportional damping (default 0, and "
+                       f"{SOFTENING_BETA_S:g} where joints soften)")
     if solver == "reference":
         group.add_argument("--rayleigh", nargs=3, type=float, metavar=("RATIO", "F1_HZ", "F2_HZ"),
                            help="mass- and stiffness-proportional damping with this ratio at two frequencies")
@@ -126,7 +126,9 @@ def _add_model(group, solver):
                            "local as in YADE")
     group.add_argument("--perturb", type=float, default=0.0, metavar="M",
                        help="random offsets of the bricks, for ensembles (default 0)")
-    group.add_argument("--seed", type=int, default=0, help="of the random offsets (default 0)")
+    group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "
+                       "for ensembles: coefficient of variation (default 0)")
+    group.add_argument("--seed", type=int, default=0, help="of the random offsets and the scatter (default 0)")
 
 
 def _add_run(group, solver):
@@ -164,7 +166,7 @@ def _loading(parsed):
 
 
 def _damping(parsed):
-    """(alpha [1/s], beta [s]) of --beta or --rayleigh."""
+    """(alpha [1/s], beta [s]) of --beta or --rayleigh, beta None where neither is given."""
     if getattr(parsed, "rayleigh", None) is None:
         return 0.0, parsed.beta
     if parsed.beta:

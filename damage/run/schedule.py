@@ -9,10 +9,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SETTLE_S
+from damage.run.settings import (
+    LOCAL_DAMPING,
+    LONGEST_S,
+    MOST_STATES,
+    MOST_STEPS,
+    SAMPLE_S,
+    SETTLE_S,
+    SOFTENING_BETA_S,
+)
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
+
+SOFTENING_STEP_FACTOR = 0.35
+"""The same where joints soften (docs/softening.md)."""
 
 JOINT_STEPS = 10
 """A sample lasts a multiple of so many steps: a solver may look at its broken joints less often than in every step."""
@@ -29,20 +40,33 @@ class Stage:
     end_step: int
 
 
-def choose_time_step(settings, critical_s):
-    """The run's time step [s]; InputError above the stable one.
+def choose_time_step(settings, critical_s, softens=False):
+    """The run's time step [s]; InputError above the stable one.  softens: whether the wall's joints do.
 
     Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
     xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
     """
-    xi = settings.beta_s / critical_s + settings.alpha_1_s * critical_s / 4
+    xi = (settings.beta_s or 0.0) / critical_s + settings.alpha_1_s * critical_s / 4
     limit = critical_s * min(np.sqrt(1 + xi**2) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
     if settings.time_step_s is None:
-        return settings.loading.preferred_step_s(min(STEP_FACTOR * critical_s, 0.85 * limit))
+        factor = SOFTENING_STEP_FACTOR if softens else STEP_FACTOR
+        return settings.loading.preferred_step_s(min(factor * critical_s, 0.85 * limit))
     if settings.time_step_s > limit:
         raise InputError(f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
                          f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one")
     return settings.time_step_s
+
+
+def softening_warnings(settings, time_step, critical_s):
+    """What of a run's step and damping is outside of what softening joints were shown to need: a list of lines."""
+    told = []
+    if time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
+        told.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
+                    f"{SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out")
+    if settings.beta_s < SOFTENING_BETA_S and not settings.loading.drives_top:
+        told.append(f"--beta {settings.beta_s:g} s: expected at least {SOFTENING_BETA_S:g} where joints soften, or "
+                    "cracks follow rounding and step; leave --beta out")
+    return told
 
 
 def sample_steps(time_step):

@@ -17,7 +17,7 @@ from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.report import report
 from damage.run.run import Run
-from damage.run.schedule import check_size, choose_time_step
+from damage.run.schedule import check_size, choose_time_step, softening_warnings
 from damage.start import is_of_output
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
@@ -31,7 +31,8 @@ class Backend:
 
     versions: {software: version} beside this software's own; code: the folder of the solver's modules;
     make(layout, time_step): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
-    open_view: opens a live view and returns a function that refreshes it; None where there is none.
+    open_view: opens a live view and returns a function that refreshes it; None where there is none;
+    softens: whether it knows joints with fracture energies.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Backend:
     code: Path
     check: Callable = lambda settings: None
     open_view: Callable | None = None
+    softens: bool = False
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
@@ -79,14 +81,21 @@ def _tell(error):
 
 def _run(backend, wall_file, make_wall, arguments, prog):
     settings = parse_run(arguments, prog=prog, solver=backend.name)
-    backend.check(settings)
     wall = make_wall()
+    settings = settings.for_joint(wall.joint)
+    backend.check(settings)
+    if wall.joint.softens and not backend.softens:
+        raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
+                         "not know; leave them out, or use the reference solver: python3 -m damage reference")
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
-    layout = lay_out(wall, settings.model)
+    layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    settings.check_offsets(layout.contacts)
     modes = natural_modes(layout)
-    time_step = choose_time_step(settings, modes.critical_time_step_s)
+    time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
     check_size(settings, layout, time_step)
+    for warning in softening_warnings(settings, time_step, modes.critical_time_step_s) if wall.joint.softens else ():
+        print(f"warning: {warning}", file=sys.stderr)
     show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),

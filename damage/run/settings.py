@@ -1,8 +1,10 @@
 """One run as a frozen record: what drives the wall, how it is modelled; and the settled numbers of every run."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from damage.checks import check_range, check_whole
 from damage.errors import InputError
@@ -24,6 +26,13 @@ LOCAL_DAMPING = 0.7
 ADAPTIVE_DAMPING = 1.0
 """Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to rest fastest."""
 RELAXATIONS = ("adaptive", "local")
+OFFSETS_BELOW = 20
+"""A bond opens by up to six times the bricks' offsets [m] in a wall of thousands of them; they stay so much below
+f_t / k_n."""
+MOST_SCATTER = 0.2
+"""Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall."""
+SOFTENING_BETA_S = 1e-6
+"""Stiffness-proportional damping that joints get which soften, where none is asked for [s] (docs/softening.md)."""
 
 
 @dataclass(frozen=True)
@@ -32,9 +41,11 @@ class RunSettings:
 
     sequence: factors of the motion, a shock each; rest_s: free vibration after each shock [s], which ends
     with a settling stage; time_step_s: None for the solver's own;
-    alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics; relaxation: how static
-    solutions are found, one of RELAXATIONS; perturb_m: size of random offsets of the bricks [m]
-    drawn with `seed`; out: history file, None for a name of its own below `results/`; command: what asked for it.
+    alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
+    joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
+    offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
+    by it the members of an ensemble differ; out: history file, None for a name of its own below `results/`; command:
+    what asked for it.
     """
 
     loading: object
@@ -43,9 +54,10 @@ class RunSettings:
     rest_s: float = 2.0
     time_step_s: float | None = None
     alpha_1_s: float = 0.0
-    beta_s: float = 0.0
+    beta_s: float | None = 0.0
     relaxation: str = "local"
     perturb_m: float = 0.0
+    scatter: float = 0.0
     seed: int = 0
     out: Path | None = None
     overwrite: bool = False
@@ -59,8 +71,10 @@ class RunSettings:
         for factor in self.sequence:
             check_range("a factor of --sequence", factor, -MOST_SCALE, MOST_SCALE)
         check_range("--rest [s]", self.rest_s, 0, LONGEST_S)
-        check_range("--beta [s]", self.beta_s, 0, 1)
+        if self.beta_s is not None:
+            check_range("--beta [s]", self.beta_s, 0, 1)
         check_range("--perturb [m]", self.perturb_m, 0, THRESHOLD)  # more is a visible crack by itself
+        check_range("--scatter", self.scatter, 0, MOST_SCATTER)
         check_whole("--seed", self.seed, 0, MOST_SEED)
         if self.time_step_s is not None:
             check_range("--dt [s]", self.time_step_s, 1e-9, 1)
@@ -75,6 +89,20 @@ class RunSettings:
             raise InputError(f"a base motion of up to {peak_g:.3g} g: expected up to {HIGHEST_G:g} g; give a smaller "
                              "--scale or --sequence, or look at the record's unit")
 
+    def check_offsets(self, contacts):
+        """InputError where the bricks' offsets come near what breaks a joint of a damage.wall.layout.Contacts."""
+        reach = float(np.min((contacts.tensile_strength / contacts.normal_stiffness), initial=np.inf))
+        if 0 < reach < OFFSETS_BELOW * self.perturb_m:
+            raise InputError(f"--perturb {self.perturb_m:g} m: expected at most {reach / OFFSETS_BELOW:.2g} m, a "
+                             f"{OFFSETS_BELOW}th of the {reach:.2g} m at which the first bond of this wall breaks; "
+                             "give less, or --scatter")
+
+    def for_joint(self, joint):
+        """These settings with the damping that a damage.wall.parameters.Joint needs, where none was asked for."""
+        if self.beta_s is not None:
+            return self
+        return replace(self, beta_s=SOFTENING_BETA_S if joint.softens else 0.0)
+
     @property
     def duration_s(self):
         """From time zero to the end of the last settling stage [s]."""
@@ -84,7 +112,8 @@ class RunSettings:
         """All parameters as a plain dictionary, for files."""
         return {"loading": self.loading.as_dict(), "sequence": [float(factor) for factor in self.sequence],
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
-                "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m, "seed": self.seed,
+                "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m,
+                "scatter": self.scatter, "seed": self.seed,
                 "command": self.command}
 
 

@@ -18,11 +18,11 @@ stands for many runs: `damage.studies.grid`.
 
 Every run is a point of the study.  In the reference solver a point can be an ensemble:
 
-    members = 5        # runs that differ by random offsets of the bricks, of size perturb = 1e-9 [m],
-                       # seeds 1 to 5; only one where the first member breaks no joint
+    members = 5        # runs whose joints' strengths scatter by scatter = 0.001, seeds 1 to 5; only one where the
+                       # first member breaks no joint; or perturb = 1e-9 [m], random offsets of the bricks
     samples = 25       # or: draws of the joints' strengths, strength-seed 1 to 25; needs strength-cov
 
-YADE runs a point once, unperturbed.  `solvers = ["reference"]` keeps a point from other solvers.
+YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a point from other solvers.
 `docs/batches.md` describes all keys.
 """
 
@@ -43,11 +43,11 @@ RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--view", "--help",
 
 SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
-PERTURB_M = 1e-9
-"""Offsets of the bricks in an ensemble where the study says nothing else [m]: far below what a joint opens."""
+SCATTER = 0.001
+"""Coefficient of variation of the strengths in an ensemble where the study says nothing else (docs/softening.md)."""
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
-_ENTRY_KEYS = {"id", "wall", "options", "solvers", "members", "perturb", "samples"}
+_ENTRY_KEYS = {"id", "wall", "options", "solvers", "members", "perturb", "scatter", "samples"}
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 _LONGEST_ID = 120  # characters; file names end at 255 and tables add theirs
@@ -200,16 +200,21 @@ def _ensemble(table, where):
     """What makes a StudyRun an ensemble, as its `members` or `samples` ask for; empty without."""
     if "members" in table and "samples" in table:
         raise InputError(f"{where}: members and samples given together; choose one kind of ensemble")
-    if "perturb" in table and "members" not in table:
-        raise InputError(f"{where}: perturb without members; expected both; add members = 5")
+    kinds = [kind for kind in ("scatter", "perturb") if kind in table]
+    if kinds and "members" not in table:
+        raise InputError(f"{where}: {kinds[0]} without members; expected both; add members = 5")
+    if len(kinds) == 2:
+        raise InputError(f"{where}: scatter and perturb given together; choose one kind of ensemble")
     for name in ("members", "samples"):
         if name in table:
             check_whole(f"{where}: {name}", table[name], 1, MOST_MEMBERS)
-    perturb = table.get("perturb", PERTURB_M)
-    if type(perturb) not in (int, float) or not perturb > 0:
-        raise InputError(f"{where}: perturb = {perturb!r}; expected a length above zero [m], like 1e-9; mend it")
     if "members" in table:
-        return {"varied": ("--perturb", f"{perturb:g}", "--seed"), "members": table["members"], "adaptive": True}
+        kind = kinds[0] if kinds else "scatter"
+        size = table.get(kind, SCATTER)
+        if type(size) not in (int, float) or not size > 0:
+            raise InputError(f"{where}: {kind} = {size!r}; expected a number above zero, like 0.001 of scatter or "
+                             "1e-9 m of perturb; mend it")
+        return {"varied": (f"--{kind}", f"{size:g}", "--seed"), "members": table["members"], "adaptive": True}
     return {"varied": ("--strength-seed",), "members": table["samples"]} if "samples" in table else {}
 
 
@@ -270,7 +275,7 @@ def _find(path, where, folder, root):
 def _try_options(run, where, root):
     """Have the run's own parser look at the options, those of the first member included."""
     words = [str(root / word) if option in PATH_OPTIONS else word for option, word in zip(["", *run.words], run.words)]
-    taken = [word for word in run.varied if word in run.words]
+    taken = [word for word in run.varied if word.startswith("--") and word in run.words]
     if taken:
         raise InputError(f"{where}: {taken[0]} is set by members or samples; take it out")
     try:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
+from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.parameters import ModelOptions, Wall
 
 GROUND = -1
@@ -92,6 +93,7 @@ class Layout:
     n_joints: the first n_joints contacts are joints, the rest is the caps' glue.
     drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
     piers: (left, right) [m] of each pier.
+    fibres: of the contacts where `options` ask for them, else None.
     """
 
     wall: Wall
@@ -104,6 +106,7 @@ class Layout:
     drift_bodies: np.ndarray
     drift_height: float
     piers: tuple[tuple[float, float], ...]
+    fibres: Fibres | None = None
 
     @property
     def total_joint_length(self):
@@ -127,9 +130,11 @@ class Layout:
         return float(self.bodies.mass.sum())
 
 
-def lay_out(wall, options=None):
+def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     """Lay a wall out: bricks in running bond, caps, cells and contact points.
 
+    scatter: coefficient of variation [-] of a second factor on each joint's strengths, beside that of the options; by
+    its seed the members of an ensemble differ.
     Raises InputError where the openings' edges leave cells too narrow to compute with, or there are too many.
     """
     options = options or ModelOptions()
@@ -142,12 +147,13 @@ def lay_out(wall, options=None):
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
                          f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
-    contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks)
+    contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks, (scatter, (seed, 1)))
     drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)
     return Layout(
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
-        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers)
+        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
+        fibres=split_into_fibres(wall.joint, contacts, options.fibres) if options.fibres else None)
 
 
 # --- bricks -------------------------------------------------------------------------------------
@@ -284,7 +290,7 @@ def _make_cells(bodies, breaks):
 
 # --- contact points -----------------------------------------------------------------------------
 
-def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
+def _make_contacts(wall, options, bodies, n_bricks, cells, breaks, scatter):
     """All contact points: joints first, then the caps' glue."""
     pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
     pairs.sort(key=lambda pair: pair[0] == CAP)
@@ -293,7 +299,8 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
         np.array(column) for column in zip(*rows))
     normal, shear = _effective_stiffness(wall, bodies, kind, first, second)
     elastic = (kind == CAP) | _in_lintel(wall, options, kind, x, z)
-    factors = _strength_factors(options, kind, first, second)
+    factors = _strength_factors(first, second, options.strength_cov, options.strength_seed)
+    factors = factors * _strength_factors(first, second, *scatter)
     strengths = [np.where(elastic, np.inf, strength * factors)
                  for strength in (wall.joint.tensile_strength, wall.joint.cohesion)]
     return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
@@ -363,14 +370,14 @@ def _effective_stiffness(wall, bodies, kind, first, second):
     return normal, shear
 
 
-def _strength_factors(options, kind, first, second):
+def _strength_factors(first, second, variation, seed):
     """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same for
-    every placing of its contact points: (n_contacts,)."""
-    if options.strength_cov == 0:
-        return np.ones(len(kind))
+    every placing of its contact points: (n_contacts,).  variation: their coefficient of variation [-]."""
+    if variation == 0:
+        return np.ones(len(first))
     joints, number = np.unique(np.column_stack([first, second]), axis=0, return_inverse=True)
-    spread = np.sqrt(np.log1p(options.strength_cov**2))
-    normal = np.random.default_rng(options.strength_seed).standard_normal(len(joints))
+    spread = np.sqrt(np.log1p(variation**2))
+    normal = np.random.default_rng(seed).standard_normal(len(joints))
     return np.exp(spread * normal - spread**2 / 2)[number]
 
 

@@ -44,6 +44,9 @@ class Joint:
 
     normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa];
     friction_angle [rad], the same before and after the bond breaks; dilation is zero.
+    mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the bond is gone;
+        None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and 102 to 353
+        (Korswagen, dissertation, TU Delft, 2022); `softening_energies` gives a rule.
     """
 
     normal_stiffness: float = 12e11
@@ -51,6 +54,8 @@ class Joint:
     friction_angle: float = math.radians(32.0)
     tensile_strength: float = 0.21e6
     cohesion: float = 0.24e6
+    mode_i_fracture_energy: float | None = None
+    mode_ii_fracture_energy: float | None = None
 
     def __post_init__(self):
         check_fields(self, **dict.fromkeys(("normal_stiffness", "shear_stiffness"), (1.0, 1e20)),
@@ -59,6 +64,39 @@ class Joint:
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
                              "pi/2; give radians, for example math.radians(32)")
+        _check_fracture_energies(self)
+
+    @property
+    def softens(self):
+        """Whether its bond has fracture energies."""
+        return bool(self.mode_i_fracture_energy)
+
+
+def _check_fracture_energies(joint):
+    """Refuse one fracture energy without the other, and strengths that a softening bond cannot have."""
+    names = ("mode_i_fracture_energy", "mode_ii_fracture_energy")
+    given = [getattr(joint, name) or 0.0 for name in names]
+    for name, value in zip(names, given):
+        check_range(f"Joint.{name} [J/m2]", value, 0, 1e9)
+    if (given[0] > 0) != (given[1] > 0):
+        raise InputError(f"Joint with fracture energies {given[0]:g} and {given[1]:g} J/m2 in modes I and II: expected "
+                         "both above zero, or neither for a brittle bond; give the other, about ten times in mode II")
+    apex = joint.tensile_strength * math.tan(joint.friction_angle)
+    if given[0] > 0 and not (joint.tensile_strength > 0 and 0 < joint.cohesion >= apex):
+        raise InputError(f"Joint with fracture energies, tensile strength {joint.tensile_strength:g} and cohesion "
+                         f"{joint.cohesion:g} Pa: expected both above zero, and no tension beyond cohesion / "
+                         "tan(friction angle), where shear strength ends; give other strengths, or no energies")
+
+
+def softening_energies(tensile_strength):
+    """{name: J/m2} of a Joint's fracture energies by a rule in use, from its tensile strength [Pa] alone:
+    G_I = 0.025 (2 f_t)^0.7 N/mm with f_t in MPa (CEB-FIP Model Code 1990, 2.1.4, f_c / 10 as 2 f_t), G_II = 10 G_I.
+
+    >>> {name: round(value, 1) for name, value in softening_energies(0.18375e6).items()}
+    {'mode_i_fracture_energy': 12.4, 'mode_ii_fracture_energy': 124.1}
+    """
+    energy = 25.0 * (2e-6 * tensile_strength) ** 0.7
+    return {"mode_i_fracture_energy": energy, "mode_ii_fracture_energy": 10 * energy}
 
 
 def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
@@ -220,6 +258,7 @@ class ModelOptions:
         (ends) of each overlap; head joints have one at mid-height, or one at each end.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
+    fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law.
     """
 
     lintel: str = _option("elastic", "joints over an opening stay elastic, or break like any other",
@@ -232,6 +271,8 @@ class ModelOptions:
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
+    fibres: int = _option(0, "joints that soften are so many brittle fibres, 0: one smooth law", metavar="N",
+                          solvers=("reference",), tag="fibres-{fibres}")
 
     def __post_init__(self):
         for one in fields(self):
@@ -240,6 +281,7 @@ class ModelOptions:
         check_whole("cells", self.cells, 1, 16)
         check_range("strength_cov", self.strength_cov, 0, 2)
         check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
+        check_whole("fibres", self.fibres, 0, 64)
 
     def tags(self):
         """What tells this model from the default in a file's name, a list of words."""

@@ -1,0 +1,230 @@
+"""The tables of docs/softening.md: tested walls pushed over, step and damping, ensembles, crack patterns.
+
+    python3 benchmarks/softening.py [--out DIR] [TABLE ...]
+
+TABLE: pushed, fibres, steps, damping, scatter, patterns; all by default.  Everything runs in the reference solver;
+histories that are already in DIR are not run again.  About 40 minutes on one core.
+"""
+
+import argparse
+import contextlib
+import io
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+from damage import read_history
+from damage.laboratory.pushed import read_test
+from damage.measure.compare import compare_joints
+from damage.measure.patterns import compare_patterns
+from damage.measure.pushed import drift_at_first_crack
+from damage.measure.summary import summarise
+from damage.reference.session import BACKEND
+from damage.run.session import run_session
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import brick_of_masonry, softening_energies
+
+CASES = ("brittle", "5/50", "rule", "11/209")
+"""Fracture energies G_I/G_II [J/m2]: none, calibrated on the two walls that shear, by the rule, standard clay."""
+PUSHED = {"squat_tested": ("COMP1_3", ["--pushover", 0.3], None),
+          "comp2_4": ("COMP2_4", ["--pushover", 0.2, "--boundary", "fixed"], None),
+          "comp2_4, E 4.85 GPa": ("COMP2_4", ["--pushover", 0.2, "--boundary", "fixed"], 4850e6),
+          "comp2_1": ("COMP2_1", ["--pushover", 0.2, "--boundary", "fixed"], None)}
+SLOW = ["--speed", 2e-3]
+MILD, HARD = ("symmetric", ["--harmonic", 0.2, 0.05, "--rest", 0.5]), ("solid", ["--harmonic", 0.1, 0.3, "--rest", 0.5])
+SHIPPED = (0.35, 1e-6)
+MEMBERS = 10
+
+
+class Bench:
+    """Runs of walls, kept in a folder."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def run(self, name, case, words, modulus=None, step=None):
+        """The History of a wall of `walls/` with the fracture energies of a case; step: share of the critical one."""
+        wall = softened(load_wall(REPOSITORY / "walls" / f"{name}.py"), case)
+        if modulus:
+            sizes = {size: getattr(wall.brick, size) for size in ("length", "height", "thickness")}
+            wall = replace(wall, brick=brick_of_masonry(modulus, wall.joint, **sizes))
+        if step:
+            words = [*words, "--dt", repr(step * natural_modes(lay_out(wall)).critical_time_step_s)]
+        told = "_".join([name, case, f"{modulus or 0:g}", *(str(word).strip("-") for word in words)])
+        out = self.folder / f"{told.replace('/', '-')}.h5"
+        if not (out.exists() and read_history(out).complete):
+            quiet = io.StringIO()
+            with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
+                status = run_session(BACKEND, REPOSITORY / "walls" / f"{name}.py", lambda: wall, [
+                    *map(str, words), "--out", str(out), "--overwrite", "--no-pictures"], prog="softening")
+            if status != 0:
+                sys.exit(f"{told} failed\n{quiet.getvalue()[-2000:]}")
+        return read_history(out)
+
+
+def softened(wall, case):
+    """The wall with the fracture energies of a case."""
+    if case == "brittle":
+        return wall
+    energies = softening_energies(wall.joint.tensile_strength) if case == "rule" else dict(zip(
+        ("mode_i_fracture_energy", "mode_ii_fracture_energy"), map(float, case.split("/"))))
+    return replace(wall, joint=replace(wall.joint, **energies))
+
+
+def tested(specimen):
+    """Peak forces of a specimen to both sides, as text [kN]."""
+    return " / ".join(f"{force / 1e3:.1f}" for force in read_test(specimen).peak_force_n)
+
+
+def print_table(*heads):
+    print("\n| " + " | ".join(heads) + " |\n" + "| --- " * len(heads) + "|", flush=True)
+
+
+def print_row(*cells):
+    print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
+def pushed_row(label, case, history, measured=None):
+    summary, force = summarise(history), history.series["base_shear_n"].abs().to_numpy()
+    crack, drift = drift_at_first_crack(history), history.series["drift_ratio"].abs().to_numpy()
+    peak, fallen = int(np.argmax(force)), np.nan
+    below = np.flatnonzero((np.arange(len(force)) > peak) & (force < 0.8 * force[peak]))
+    if len(below):
+        fallen = 100 * drift[below[0]]
+    print_row(label, case, f"{summary['peak_force_n'] / 1e3:.1f}", f"{100 * summary['drift_at_peak_force']:.3f}",
+              f"{fallen:.3f}" if np.isfinite(fallen) else "-", f"{force[-1] / 1e3:.1f}",
+              f"{100 * crack:.4f}" if crack else "-", f"{100 * summary['energy_error_fraction']:.4f}", measured or "")
+
+
+PUSHED_HEADS = ("wall", "G_I/G_II [J/m²]", "peak [kN]", "at drift [%]", "80 % of it left at [%]", "at the end [kN]",
+                "first crack at [%]", "energy error [%]", "tests, peak [kN]")
+
+
+def pushed(bench):
+    """Tested walls with tested cohesion and friction, pushed over."""
+    print_table(*PUSHED_HEADS)
+    for label, (test, words, modulus) in PUSHED.items():
+        for case in CASES:
+            history = bench.run(label.split(",")[0], case, [*words, *SLOW], modulus)
+            pushed_row(label, case, history, tested(test))
+
+
+def fibres(bench):
+    """The same by fibres."""
+    print_table(*PUSHED_HEADS[:1], "fibres", *PUSHED_HEADS[2:])
+    for name, drift in (("squat_tested", 0.1), ("comp2_4", 0.1)):
+        test, words, _ = PUSHED[name]
+        for number in (0, 4, 8, 16):
+            history = bench.run(name, "5/50", ["--pushover", drift, *words[2:], *SLOW, "--fibres", number])
+            pushed_row(name, number or "smooth law", history, tested(test))
+
+
+def numbers(history):
+    """DI, drift [%], length of joints that travel more than 0.1 mm [m], energy error [%], as text."""
+    summary, length = summarise(history), history.joints["length_m"].to_numpy()
+    travel = np.abs(np.diff(history.slip_m, axis=0)).sum(axis=0)
+    return (f"{summary['max']['DI']:.4f}", f"{100 * summary['max_drift_ratio']:.4f}",
+            f"{length[travel > 1e-4].sum():.1f}", f"{100 * summary['energy_error_fraction']:.3f}")
+
+
+def steps(bench):
+    """Step and stiffness-proportional damping, 5/50."""
+    print_table("wall and motion", "step over the critical", "β [s]", "max DI", "max drift [%]",
+                "slid to and fro by over 0.1 mm [m]", "energy error [%]")
+    for name, words in (MILD, HARD):
+        for step in (0.643, 0.35, 0.175):
+            for beta in (0.0, 1e-6):
+                history = bench.run(name, "5/50", [*words, "--beta", beta], step=step)
+                print_row(f"{name} {' '.join(map(str, words[1:3]))}", step, f"{beta:g}", *numbers(history))
+
+
+def damping(bench):
+    """No damping, the shipped one, and Rayleigh's of 1 and 2 %."""
+    print_table("wall and motion", "joints", "damping", "max DI", "max drift [%]",
+                "slid to and fro by over 0.1 mm [m]", "energy error [%]", "FSS of broken joints with the shipped")
+    for (name, words), (first, second) in ((MILD, (5, 20)), (HARD, (16, 64))):
+        for case in ("brittle", "5/50"):
+            usual = bench.run(name, case, [*words, "--beta", 1e-6], step=SHIPPED[0])
+            runs = {"none": bench.run(name, case, [*words, "--beta", 0], step=SHIPPED[0]), "β 1e-6 s": usual}
+            runs |= {f"{ratio:.0%} at {first} and {second} Hz": bench.run(
+                name, case, [*words, "--rayleigh", ratio, first, second]) for ratio in (0.01, 0.02)}
+            for label, history in runs.items():
+                print_row(f"{name} {' '.join(map(str, words[1:3]))}", case, label, *numbers(history),
+                          _score(compare_patterns(history, usual)["broken"]["fss"]))
+
+
+def scatter(bench):
+    """Ensembles by offsets and by scattered strengths."""
+    print_table("wall and motion", "joints", "members differ by", "max drift [%]: median (range)",
+                "max DI: median (range)", "largest energy error [%]")
+    for (name, words), number in ((HARD, MEMBERS), (MILD, MEMBERS // 2)):
+        for case in ("brittle", "5/50"):
+            for label, option, size, seed in (
+                    ("offsets of 1e-9 m", "--perturb", 1e-9, "--seed"),
+                    *((f"strengths, {100 * size:g} %", "--strength-cov", size, "--strength-seed")
+                      for size in (1e-4, 1e-3, 1e-2, 5e-2))):
+                members = [summarise(bench.run(name, case, [*words, option, size, seed, one]))
+                           for one in range(1, number + 1)]
+                print_row(f"{name} {' '.join(map(str, words[1:3]))}", case, label,
+                          _range([100 * one["max_drift_ratio"] for one in members]),
+                          _range([one["max"]["DI"] for one in members]),
+                          f"{100 * max(one['energy_error_fraction'] for one in members):.3f}")
+
+
+def patterns(bench):
+    """Crack patterns of pairs that should agree, and of controls that should not."""
+    print_table("joints", "pair", "kappa", "FSS, broken (shuffled, mirrored)", "FSS, over 0.1 mm (shuffled, mirrored)",
+                "max DI")
+    name, words = MILD
+    for case, step, more in (("brittle", 0.643, []), ("brittle", 0.35, ["--beta", 1e-6]), ("5/50", 0.35, [])):
+        label = f"{case}, {step} of the critical step" + (", β 1e-6 s" if step < 0.6 else "")
+        first = bench.run(name, case, [*words, *more], step=step)
+        others = {f"scatter 0.1 %, members {seed} and {seed + 1}": [bench.run(
+            name, case, [*words, *more, "--scatter", 0.001, "--seed", one], step=step) for one in (seed, seed + 1)]
+            for seed in (1, 3)}
+        others |= {"half the step": [first, bench.run(name, case, [*words, *more], step=step / 2)],
+                   "control: 0.025 g": [first, bench.run(name, case, ["--harmonic", 0.2, 0.025, *words[3:], *more],
+                                                         step=step)],
+                   "control: 0.33 s, 0.1 g": [first, bench.run(name, case, ["--harmonic", 0.33, 0.1, *words[3:], *more],
+                                                               step=step)]}
+        for pair, (here, there) in others.items():
+            scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
+            print_row(label, pair, "-" if kappa is None else f"{kappa:.2f}", *(
+                f"{_score(score['fss'])} ({_score(score['shuffled'])}, {_score(score['mirrored'])})"
+                for score in (scores["broken"], scores["visible"])),
+                " / ".join(f"{history.index()['DI'].max():.4f}" for history in (here, there)))
+
+
+def _score(value):
+    return "-" if value is None else f"{value:.2f}"
+
+
+def _range(values):
+    return f"{np.median(values):.4f} ({min(values):.4f} to {max(values):.4f})"
+
+
+TABLES = {table.__name__: table for table in (pushed, fibres, steps, damping, scatter, patterns)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tables", nargs="*", default=list(TABLES), metavar="TABLE", help=", ".join(TABLES))
+    parser.add_argument("--out", type=Path, default=Path("results/softening"))
+    parsed = parser.parse_args()
+    unknown = [name for name in parsed.tables if name not in TABLES]
+    if unknown:
+        sys.exit(f"error: no table {unknown[0]}; expected one of {', '.join(TABLES)}")
+    parsed.out.mkdir(parents=True, exist_ok=True)
+    for name in parsed.tables:
+        TABLES[name](Bench(parsed.out))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,23 @@
+"""How many members an ensemble needs: five, or ten where five say that the tails are heavy."""
+
+import numpy as np
+
+HEAVY = 0.1
+"""Range of the first members' values over their median from which as many again are run: the median of five is then
+uncertain by some percent, and a sixth member lies outside of their range in one case out of three."""
+LEAST = 5
+"""Fewer members tell nothing of tails."""
+JUDGED = ("max_DI", "max_drift_ratio")
+
+
+def tails_are_heavy(rows):
+    """Whether the rows of an ensemble's members (of `damage.measure.tables.summary_row`) spread so much.
+
+    >>> drifts = [1.00e-3, 1.01e-3, 1.02e-3, 1.03e-3, 1.05e-3]
+    >>> tails_are_heavy([{"max_DI": 0.1, "max_drift_ratio": drift} for drift in drifts])
+    False
+    >>> tails_are_heavy([{"max_DI": 0.1, "max_drift_ratio": drift} for drift in [0.9e-3, *drifts[1:]]])
+    True
+    """
+    return len(rows) >= LEAST and any(np.ptp(values) > HEAVY * abs(np.median(values)) for values in (
+        [row[name] for row in rows] for name in JUDGED))

@@ -1,0 +1,101 @@
+"""A softening bond as parallel brittle ones: fibres, each a share of a contact point's area that breaks for itself.
+
+With the brittle law in each fibre, in any solver, their sum softens: unloading goes to the origin, for those that
+hold are springs; friction adds up from those that slide.  It needs no softening law and is the check of it.
+
+Fibre i of m holds share a_i and breaks at the opening w_i and at the slip s_i of a contact without normal stress.
+The first breaks at f_t / k_n and c / k_s, so that the peaks are those of the whole bond; just before each break the
+bond is on the exponential envelope of `joint_law`, (S1) and (S2), of fracture energies G' that are chosen such that
+
+    1/2 k_n sum a_i w_i^2 = G_I,    1/2 k_s sum a_i s_i^2 = G_II
+
+and fall to G_I, G_II as m grows.  Shares are such that the envelope's stress falls by f_t / m from break to break.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import lambertw
+
+from damage.errors import InputError
+
+
+@dataclass(frozen=True)
+class Fibres:
+    """Arrays (n_fibres,), contact after contact and weakest first: contact: row of it; share of its area [-];
+    tensile_strength, cohesion of the fibre [Pa]; last: whether it is the last of its contact to break."""
+
+    contact: np.ndarray
+    share: np.ndarray
+    tensile_strength: np.ndarray
+    cohesion: np.ndarray
+    last: np.ndarray
+
+    def mean(self, values):
+        """Of values (n_fibres,), by shares in each contact: (n_contacts,)."""
+        return np.add.reduceat(self.share * values, self._first())
+
+    def total(self, values):
+        """Sum of values (n_fibres,) in each contact: (n_contacts,)."""
+        return np.add.reduceat(values, self._first())
+
+    def _first(self):
+        return np.flatnonzero(np.append(True, self.last[:-1]))
+
+
+def split_into_fibres(joint, contacts, number):
+    """The Fibres of a damage.wall.layout.Contacts of a Joint that softens; a contact that is elastic stays one.
+
+    number: of fibres in each contact.  Raises InputError for brittle joints, and for fracture energies so low that
+    the envelope snaps back, which no fibre can follow.
+    """
+    if not joint.softens:
+        raise InputError(f"--fibres {number}: the joints are brittle; give Joint(mode_i_fracture_energy=..., "
+                         "mode_ii_fracture_energy=...), or leave it out")
+    soft = ~contacts.elastic
+    strengths = contacts.tensile_strength[soft], contacts.cohesion[soft]
+    stiffnesses = contacts.normal_stiffness[soft], contacts.shear_stiffness[soft]
+    energies = joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy
+    ductility = [energy * stiffness / strength**2
+                 for energy, stiffness, strength in zip(energies, stiffnesses, strengths)]
+    least = [np.max(strength**2 / stiffness) for strength, stiffness in zip(strengths, stiffnesses)]
+    if energies[0] <= least[0] or energies[1] <= least[1]:
+        raise InputError(f"--fibres {number}: expected fracture energies above strength^2 / stiffness of every joint, "
+                         f"{least[0]:.3g} and {least[1]:.3g} J/m2 in modes I and II, came {energies[0]:g} and "
+                         f"{energies[1]:g}; give higher ones, or leave --fibres out")
+    held = _held(np.sqrt(ductility[0] * ductility[1]), number)
+    share = held - np.append(held[:, 1:], np.zeros((len(held), 1)), axis=1)
+    per_contact = np.where(soft, number, 1)
+    contact = np.repeat(np.arange(len(soft)), per_contact)
+    shares, last = np.ones(len(contact)), np.ones(len(contact), bool)
+    fibre_strengths = [values[contact] for values in (contacts.tensile_strength, contacts.cohesion)]
+    of_soft = soft[contact]
+    shares[of_soft] = share.ravel()
+    last[:-1] = contact[1:] != contact[:-1]
+    for values, strength, ratio in zip(fibre_strengths, strengths, ductility):
+        values[of_soft] = (strength[:, None] * _growth(ratio, held, share)).ravel()
+    return Fibres(contact, shares, *fibre_strengths, last)
+
+
+def _held(ductility, number):
+    """Share of the area that holds before each break, (n, number), for G k / f^2 (n,)."""
+    stress = 1 - np.arange(number) / number
+    return stress / (stress - ductility[:, None] * np.log(stress))
+
+
+def _growth(ductility, held, share):
+    """Strengths of the fibres over the first one's (n, number), for G k / f^2 (n,): by bisection for G'."""
+    low, high = np.log(ductility), np.log(ductility) + 5.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        growth = _on_the_envelope(np.exp(middle), held)
+        too_little = np.sum(share * growth**2, axis=1) < 2 * ductility
+        low, high = np.where(too_little, middle, low), np.where(too_little, high, middle)
+    return growth
+
+
+def _on_the_envelope(ductility, held):
+    """Openings over f / k at which the envelope's secant is `held` of the stiffness: held (exp(-kappa) + G k / f^2
+    kappa) = exp(-kappa), by Lambert's function for kappa."""
+    kappa = lambertw((1 - held) / (held * ductility[:, None])).real
+    return np.exp(-kappa) / held

@@ -1,0 +1,158 @@
+"""One joint that softens, along ten paths: what it dissipates, its peaks, and the smooth law beside its fibres.
+
+Two bricks; the upper one is moved, without turning, and what the joint between does on it is read.  A joint pulled
+apart dissipates G_I, one that slides out G_II beside what friction takes, at any pressure; the peaks are f_t and
+c + p tan(phi).  Where opening and sliding mix, or loading reverses, no closed form holds: there the two forms are
+laid side by side (`compared`, docs/softening.md).
+"""
+
+from functools import partial
+from itertools import product
+
+import numpy as np
+
+from damage.reference import kernel
+from damage.reference.tables import FRACTURE, FRICTION
+from damage.reference.wall import ReferenceWall
+from damage.wall.layout import BED, GROUND, lay_out
+from damage.wall.parameters import Joint, ModelOptions, Wall
+from verification.problem import Problem
+
+JOINT = Joint(tensile_strength=0.21 / 0.24 * 0.21e6, cohesion=0.21e6, friction_angle=float(np.arctan(0.42)),
+              mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
+"""COMP1_3's joints (walls/squat_tested.py) with fracture energies."""
+PRESSURES_MPA = (0.0, 0.1, 0.3, 1.0)
+FORMS = {"": 0, ", 8 fibres": 8, ", 16 fibres": 16}
+"""Name -> fibres."""
+NOT_IN_YADE = "its joints are brittle"
+FINE, COARSE = 1500, 6000
+"""Steps to the first corner, the strength and a half, and from each to the next."""
+
+
+def pair(fibres=0):
+    """The layout of two half bricks, one on the other."""
+    return lay_out(Wall("pair", 0.1125, 0.15, precompression=0.0, joint=JOINT), ModelOptions(cells=1, fibres=fibres))
+
+
+def between(layout):
+    """Row of the joint between the two bricks."""
+    contacts = layout.contacts
+    return int(np.flatnonzero((contacts.kind == BED) & (contacts.first != GROUND))[0])
+
+
+def paths(fine=FINE, coarse=COARSE):
+    """{name: (n, 2) opening and shear displacement [m]}, with so many steps to the first corner and to each other."""
+    layout, joint = pair(), JOINT
+
+    def path(*corners):
+        parts = [np.linspace(a, b, coarse if number else fine, endpoint=False)
+                 for number, (a, b) in enumerate(zip(corners[:-1], corners[1:]))]
+        return np.vstack([*parts, corners[-1]])
+
+    kn, ks = (values[between(layout)] for values in (layout.contacts.normal_stiffness, layout.contacts.shear_stiffness))
+    apart, out = 4e-4, 3e-3
+    held = -0.3e6 / kn
+    found = {"tension": path((0, 0), (1.5 * joint.tensile_strength / kn, 0), (apart, 0))}
+    for pressure in PRESSURES_MPA:
+        opening, peak = -1e6 * pressure / kn, (joint.cohesion + 1e6 * pressure * 0.42) / ks
+        found[f"shear at {pressure:g} MPa"] = path((opening, 0), (opening, 1.5 * peak), (opening, out))
+    found["opening and sliding alike"] = path((0, 0), (1e-5, 1e-5), (apart, apart))
+    found["slid by 0.15 mm, then opened"] = path((held, 0), (held, 1e-5), (held, 1.5e-4), (apart, 1.5e-4))
+    found["opened by 0.02 mm, closed, then slid"] = path((0, 0), (1e-5, 0), (2e-5, 0), (held, 0), (held, out))
+    found["opened and closed, further each time"] = path(
+        (0, 0), *((corner, 0) for amplitude in (1e-5, 2e-5, 4e-5, 8e-5, apart) for corner in (amplitude, held)))
+    found["slid to and fro, further each time"] = path(
+        (held, 0), *((held, sign * amplitude) for amplitude in (2e-5, 5e-5, 1e-4, 2e-4, 4e-4) for sign in (1, -1)))
+    return found
+
+
+class Driven:
+    """The joint along a path; arrays (n,): normal_stress, shear_stress [Pa] (tension, and with the displacement,
+    positive), work done on it; numbers: friction, fracture, dissipated and stored at the end [J/m2]."""
+
+    def __init__(self, path, fibres=0):
+        layout = pair(fibres)
+        area = layout.contacts.area[between(layout)]
+        wall = ReferenceWall(layout, 1e-5)
+        upper, constants, forces = wall.system.place[1], wall._constants(), []
+        for opening, shear in path:
+            upper["z"], upper["x"] = opening, shear
+            kernel.contact_forces(wall.system, constants, 0, True)
+            forces.append((-upper["fz"], -upper["fx"]))
+        kernel.read_joints(wall.system)
+        self.normal_stress, self.shear_stress = np.array(forces).T / area
+        moved, mean = np.diff(path, axis=0), (np.array(forces)[1:] + np.array(forces)[:-1]) / 2 / area
+        self.work = np.concatenate([[0.0], np.cumsum(np.sum(moved * mean, axis=1))])
+        self.friction, self.fracture = wall.energy[FRICTION] / area, wall.energy[FRACTURE] / area
+        self.stored = wall.elastic_energy() / area
+        self.at_start = 0.5 * self.normal_stress[0] * path[0, 0]
+
+    @property
+    def dissipated(self):
+        """By the work done and what is stored, not by the law's own account [J/m2]."""
+        return self.work[-1] + self.at_start - self.stored
+
+
+def problems():
+    """Fracture energies and peaks of both forms."""
+    made, driven = paths(), {}
+
+    def drive(name, fibres):
+        if (name, fibres) not in driven:
+            driven[name, fibres] = Driven(made[name], fibres)
+        return driven[name, fibres]
+
+    def fracture(name, fibres, friction):
+        result = drive(name, fibres)
+        return result.dissipated - friction * _slid(result, made[name])
+
+    def peak(name, fibres, which):
+        return np.max(getattr(drive(name, fibres), which))
+
+    cases = [("tension", 0.0, JOINT.mode_i_fracture_energy, "G_I", JOINT.tensile_strength, "f_t", "normal_stress")]
+    cases += [(f"shear at {pressure:g} MPa", 0.42e6 * pressure, JOINT.mode_ii_fracture_energy, "G_II",
+               JOINT.cohesion + 0.42e6 * pressure, "c + p tan(phi)", "shear_stress") for pressure in PRESSURES_MPA]
+    found = []
+    for (form, fibres), (name, friction, energy, energy_name, strength, strength_name, which) in product(
+            FORMS.items(), cases):
+        found.append(Problem(f"softening, {name}{form}", "energy dissipated beside friction", "J/m²", energy,
+                             energy_name, {"reference": 1e-2}, {"reference": partial(fracture, name, fibres, friction),
+                                                   "yade": NOT_IN_YADE}))
+        found.append(Problem(f"softening, {name}{form}", "peak stress", "Pa", strength, strength_name,
+                             {"reference": 5e-3}, {"reference": partial(peak, name, fibres, which),
+                                                   "yade": NOT_IN_YADE}))
+    return found
+
+
+def _slid(driven, path):
+    """Inelastic slip at the end of a path to one side [m]."""
+    layout = pair()
+    return path[-1, 1] - driven.shear_stress[-1] / layout.contacts.shear_stiffness[between(layout)]
+
+
+def compared(fine=FINE, coarse=COARSE):
+    """Both forms along every path: rows of (path, dissipated by the smooth law [J/m2], and for 8 and 16 fibres what
+    they dissipate more [%], and the root mean square of the stresses' difference over the largest stress [%])."""
+    rows = []
+    for name, path in paths(fine, coarse).items():
+        smooth, *others = (Driven(path, fibres) for fibres in FORMS.values())
+        row = [name, smooth.dissipated]
+        for other in others:
+            gaps = np.hypot(other.normal_stress - smooth.normal_stress, other.shear_stress - smooth.shear_stress)
+            largest = np.max(np.hypot(np.maximum(smooth.normal_stress, 0), smooth.shear_stress))
+            row += [100 * (other.dissipated / smooth.dissipated - 1), 100 * np.sqrt(np.mean(gaps**2)) / largest]
+        rows.append(row)
+    return rows
+
+
+def main():
+    """Print `compared` as a table."""
+    print("| path | dissipated, smooth law [J/m²] | 8 fibres [%] | 16 fibres [%] | stresses, 8 fibres [%] "
+          "| 16 fibres [%] |")
+    print("| --- " * 6 + "|")
+    for name, dissipated, more_8, gap_8, more_16, gap_16 in compared():
+        print(f"| {name} | {dissipated:.2f} | {more_8:+.1f} | {more_16:+.1f} | {gap_8:.1f} | {gap_16:.1f} |")
+
+
+if __name__ == "__main__":
+    main()
