@@ -32,7 +32,7 @@ class YadeSolver(Solver):
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
         self._sample_steps = self._on_sample = self._raised = None
-        self._breaks_seen, self._events, self._known = 0, [], (0, None)
+        self._events, self._known = [], (0, None)
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
         builtins.masonry_solver = self  # where the engine's command can find it
@@ -88,12 +88,10 @@ class YadeSolver(Solver):
 
     def look(self):
         """What the engine does at the end of every step."""
-        law = self.model.law
         self.clock += 1
         self._set_field()
         try:
-            if law.nbTensCracks + law.nbShearCracks != self._breaks_seen:
-                self._log_breaks()
+            self._log_breaks(self.scene.newly_broken())
             if self._on_sample:
                 self._observe()
         except Exception as error:  # YADE would print all of it, and raise another
@@ -117,10 +115,10 @@ class YadeSolver(Solver):
         if self.clock % self._sample_steps == 0 and not self._on_sample():
             self._on_sample = None
 
-    def _log_breaks(self):
-        law, tracker = self.model.law, self.tracker
-        self._breaks_seen = law.nbTensCracks + law.nbShearCracks
-        new = np.flatnonzero(~self.scene.still_bonded() & ~tracker.broken)
+    def _log_breaks(self, new):
+        if len(new) == 0:
+            return
+        tracker = self.tracker
         _, shear = self.kinematics.displacements(self.scene.motion(), new)
         for joint, slip in zip(new, shear):
             opening = self.scene.opening_of(joint)
@@ -128,7 +126,7 @@ class YadeSolver(Solver):
             tau = tracker.shear_stiffness[joint] * slip
             kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
             tracker.breaks(joint, kind, sigma, tau)
-            self.model.bonds[joint].phys.tanFrictionAngle = tracker.friction
+            self.scene.loosen(joint)
             self._events.append((self.clock, int(joint), kind, sigma, tau))
 
     def _follow_joints(self):
