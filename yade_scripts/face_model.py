@@ -5,12 +5,14 @@ Its law is YADE's JCFpm (Scholtès & Donzé 2012, doi:10.1016/j.ijrmms.2012.03.0
 stiffness, strength and area of the joint.  While it holds, what slides is the joint's elasticity, micrometres on the
 75 mm between the members: so far the line between them is the face's normal.
 
-When a bond breaks, a tip and a face take its place: a sphere of 1 mm that touches the contact point from inside one
+When a bond breaks, a tip and a face take its place: a sphere of 0.5 mm that touches the contact point from inside one
 brick, and the box of the other, by YADE's law of friction (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on
 both bricks in one and the same point.  The normal is the face's own, turns with its brick, and stays when the joint
 slides; the tip goes round a corner where it leaves the face.  Neighbouring contact points take turns in which brick
 has the face.
 """
+
+from collections import Counter
 
 import numpy as np
 import yade
@@ -21,7 +23,7 @@ from damage.wall.layout import GROUND, HEAD
 from yade_scripts.model import YadeWall, brick_color, joint_law, set_bond, set_clump
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 
-_TIP = 1e-3  # [m], radius: a tip that is pressed in deeper than this would not know its face
+TIP = 5e-4  # [m], radius: a tip that is pressed in deeper than this, by 33 MPa, would not know its face
 _POINT = 1e-3  # [m], radius of bond members, which plays no part
 _CORNER = 5e-3  # [m], radius of the spheres in the corners, by which loose bricks meet
 _INSET = 1e-3  # [m], their distance from the faces: bricks that are held by joints do not touch by them
@@ -117,9 +119,12 @@ class _Parts:
         """Two points on the joint's normal, as far before it as behind; bonds share points where they fall together."""
         contacts, cells = self.layout.contacts, self.layout.cells
         width = cells.right - cells.left
-        known = {}
+        known, alike = {}, Counter()
         for index in range(len(contacts)):
             x, z = contacts.x[index], contacts.z[index]
+            # At corners two overlaps may end in one place; YADE keeps one bond between two members.
+            twin = contacts.first[index], contacts.second[index], round(x, 7), round(z, 7)
+            alike[twin] += 1
             if contacts.kind[index] == HEAD:
                 dx, dz = min(width[contacts.first_cell[index]], width[contacts.second_cell[index]]) / 2, 0.0
             else:
@@ -127,7 +132,7 @@ class _Parts:
             for side, body in enumerate((contacts.first[index], contacts.second[index])):
                 sign = 2 * side - 1
                 place = (x + sign * dx, z + sign * dz)
-                key = body, round(place[0], 7), round(place[1], 7)
+                key = body, round(place[0], 7), round(place[1], 7), alike[twin]
                 if key not in known:
                     known[key] = len(self._wanted[body][0])
                     self._wanted[body][0].append((place, []))
@@ -144,7 +149,7 @@ class _Parts:
             face_is_first = margins[0] > margins[1] if by_turns is None else by_turns or first == GROUND
             face, owner = (first, second) if face_is_first else (second, first)
             kind = "box" if max(margins) > _MARGIN else ("head" if contacts.kind[index] == HEAD else "bed")
-            inwards = _TIP if face_is_first else -_TIP
+            inwards = TIP if face_is_first else -TIP
             x, z = contacts.x[index], contacts.z[index]
             place = (x + inwards, z) if contacts.kind[index] == HEAD else (x, z + inwards)
             self._wanted[owner][1].append((place, index))
@@ -168,7 +173,7 @@ class _Parts:
         """Bodies of bond points and tips that the body shall have, and what of it each is."""
         points, tips = self._wanted[body]
         return ([self._ball(place, _POINT, self._point) for place, _ in points],
-                [self._ball(place, _TIP, self._tip) for place, _ in tips])
+                [self._ball(place, TIP, self._tip) for place, _ in tips])
 
     def _box(self, centre, extents, color=(0.5, 0.5, 0.5), seen=True):
         box = utils.box(centre, extents, material=self._solid if seen else self._tip, color=color, wire=not seen)

@@ -78,7 +78,8 @@ class SceneReader:
 
     def resultants(self):
         """Forces and moment of the contacts on every body: (n_bodies, 3) [N, N, N m]."""
-        return np.array([self._resultant(members, state.pos[0], state.pos[2]) for members, state in zip(self.members, self.states)])
+        return np.array([self._resultant(members, state.pos[0], state.pos[2])
+                         for members, state in zip(self.members, self.states)])
 
     def contact_forces(self):
         """Size of the force in every contact (n_contacts,) [N]."""
