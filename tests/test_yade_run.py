@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -130,6 +131,36 @@ def count_samples(path):
         return len(damage.read_history(path).series)
     except InputError:
         return 0
+
+
+def listening(pid):
+    """Addresses (hexadecimal, with port) on which a process listens."""
+    sockets = {os.readlink(link) for link in Path(f"/proc/{pid}/fd").iterdir() if link.is_symlink()}
+    found = []
+    for table in ("tcp", "tcp6"):
+        path = Path(f"/proc/{pid}/net/{table}")
+        for line in path.read_text().splitlines()[1:] if path.exists() else []:
+            words = line.split()
+            if words[3] == "0A" and f"socket:[{words[9]}]" in sockets:
+                found.append(words[1])
+    return found
+
+
+def test_nobody_can_reach_a_run_over_the_network(small_wall, tmp_path):
+    """YADE opens two ports at its start; while a run goes on none is open."""
+    out = tmp_path / "small.h5"
+    with subprocess.Popen(["yade", "-n", small_wall, "--harmonic", "0.1", "0.1", "--rest", "60", "--out", out,
+                           "--no-pictures"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
+        try:
+            before, deadline = set(), time.monotonic() + 300
+            while time.monotonic() < deadline and count_samples(out) == 0:
+                before.update(listening(child.pid))
+                time.sleep(0.05)
+            now = listening(child.pid)
+        finally:
+            child.kill()
+    assert len(before) >= 2  # it did open them, and the test sees open ones
+    assert now == []
 
 
 def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command):
