@@ -143,11 +143,11 @@ def fall_back(tilt):
     layout = rocking.layout_of()
     case = Case(layout, 0.5)
     state = case.scene.states[0]
-    upright = state.ori
     x, z, sag = rocking.tilted(layout, tilt)
     state.pos += Vector3(0, 0, 1e-3)
     case.run(3)
     case.rest()
+    upright = state.ori  # now that the tips are on
     round_tip = TIP * (1 - math.cos(tilt))  # what the tip, which is round, reaches lower than the corner
     state.pos = Vector3(case.scene.start[0, 0] + x, 0, case.scene.start[0, 1] + z - sag + round_tip)
     state.ori = Quaternion(Vector3(0, 1, 0), tilt) * upright

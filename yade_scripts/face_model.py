@@ -13,6 +13,7 @@ has the face.
 """
 
 from collections import Counter
+from dataclasses import dataclass
 
 import numpy as np
 import yade
@@ -42,22 +43,59 @@ class FaceWall(YadeWall):
         signs = np.array([1.0 if bond.id2 == second else -1.0
                           for bond, (_, second) in zip(bonds, parts.ends)])
         super().__init__(layout, parts.clumps, parts.members, bonds, signs, parts.ground, newton, law)
-        self.tips, self.corners = parts.tips, parts.corners
+        self.tips, self.faces = parts.tips, parts.faces
+        self.turning = [O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))]
         self.friction = friction_left(True, material_of(layout.wall.joint))
+        self._material = parts.tip
 
     def loosen(self, joint):
         """A tip on a face, with the shear force that the broken bond had left."""
-        bond, (tip, face, body, tip_is_second) = self.bonds[joint], self.tips[joint]
-        sign = 1.0 if tip_is_second else -1.0
+        bond, tip = self.bonds[joint], self.tips[joint]
+        sign = 1.0 if tip.is_second else -1.0
         shear = self.signs[joint] * sign * bond.phys.shearForce
         stiffness = bond.phys.kn, bond.phys.ks
         O.interactions.erase(bond.id1, bond.id2)
-        contact = utils.createInteraction(face, tip)
+        point, = self._attach(tip.body, [_ball((tip.x, tip.z), TIP, self._material)])
+        contact = utils.createInteraction(self.faces[tip.face], point)
         contact.phys.kn, contact.phys.ks = stiffness
         contact.phys.tangensOfFrictionAngle = self.friction
         contact.phys.shearForce = shear
         self.bonds[joint], self.signs[joint], self.bonded[joint] = contact, sign, False
-        self.members[body].append(tip)
+
+    def _attach(self, body, parts):
+        """Make parts, at their places in the wall as it was built, members of a brick wherever it is; their ids."""
+        bodies, brick = self.layout.bodies, self.turning[body]
+        start = Vector3(bodies.x[body], 0, bodies.z[body])
+        for part in parts:
+            part.state.pos = brick.pos + brick.ori * (part.state.pos - start)
+            part.state.ori = brick.ori
+        ids = [O.bodies.append(part) for part in parts]
+        state = O.bodies[self.clumps[body]].state
+        velocities = Vector3(state.vel), Vector3(state.angVel)
+        O.bodies.addToClump(ids, self.clumps[body])
+        # YADE has stopped the clump and reckoned mass and axes anew; axes play no part where all inertias are one.
+        state.vel, state.angVel = velocities
+        state.mass, state.inertia = bodies.mass[body], Vector3(1, 1, 1) * bodies.inertia[body]
+        self.members[body] += ids
+        return ids
+
+
+@dataclass(frozen=True)
+class _Tip:
+    """Centre x, z [m] of a contact point's tip as the wall was built; body that has it, whether that is the layout's
+    second; face: (body, kind) of the other side."""
+
+    x: float
+    z: float
+    body: int
+    is_second: bool
+    face: tuple
+
+
+def _ball(place, radius, material):
+    ball = utils.sphere((place[0], 0, place[1]), radius, material=material, color=(0.3, 0.3, 0.3))
+    ball.bounded = False
+    return ball
 
 
 def build_faces(layout):
@@ -84,42 +122,36 @@ class _Parts:
     """Adds the bodies to YADE's scene.
 
     clumps, members, ground: as in YadeWall; ends: ids of the members that each bond joins (n_contacts, 2);
-    tips: (tip's id, face's id, body of the tip, whether that is the layout's second) of each contact point, None
-    where it stays elastic; corners: [ids of the spheres in the corners] of each body.
+    tips: a _Tip for each contact point that may break; faces: {(body, kind): id} of the boxes; tip: material.
     """
 
     def __init__(self, layout):
-        self.layout, contacts = layout, layout.contacts
-        n = len(contacts)
+        self.layout = layout
         self._add_materials()
-        self.ends, self.tips = [[None, None] for _ in range(n)], [None] * n
-        self.clumps, self.members, self.corners = [], [], []
-        self._wanted = [([], []) for _ in range(len(layout.bodies) + 1)]  # of a body, the ground last: points, tips
-        self._plan_bonds()
-        self._plan_tips()
-        self.faces = {}
+        self.ends = [[None, None] for _ in range(len(layout.contacts))]
+        self.tips = _tips(layout)
+        self.clumps, self.members, self.faces = [], [], {}
+        self._points = self._plan_points()
         for body in range(len(layout.bodies)):
             self._add_brick(body)
         self._add_ground()
-        for index in range(n):
-            if self.tips[index]:
-                tip, (body, kind), owner, second = self.tips[index]
-                self.tips[index] = tip, self.faces[body, kind], owner, second
 
     def _add_materials(self):
         brick, joint = self.layout.wall.brick, self.layout.wall.joint
         # YADE gives such a contact of radius R and modulus E the stiffness E R.
         common = {"young": _COLLISION / _CORNER, "poisson": _COLLISION_SHEAR, "frictionAngle": joint.friction_angle}
-        self._solid = O.materials[O.materials.append(yade.FrictMat(density=brick.density, label="brick", **common))]
-        self._tip = O.materials[O.materials.append(yade.FrictMat(density=0.0, label="tip", **common))]
-        self._point = O.materials[O.materials.append(yade.JCFpmMat(
-            density=0.0, young=1e9, poisson=0.3, frictionAngle=joint.friction_angle, label="bond"))]
+        materials = (yade.FrictMat(density=brick.density, label="brick", **common),
+                     yade.FrictMat(density=0.0, label="tip", **common),
+                     yade.JCFpmMat(density=0.0, young=1e9, poisson=0.3, frictionAngle=joint.friction_angle,
+                                   label="bond"))
+        self._solid, self.tip, self._bond = (O.materials[O.materials.append(one)] for one in materials)
 
-    def _plan_bonds(self):
-        """Two points on the joint's normal, as far before it as behind; bonds share points where they fall together."""
+    def _plan_points(self):
+        """Of every body, the ground last, {(x, z, number): [(contact, side), ...]}: two points to a bond on the
+        joint's normal, as far before it as behind; bonds share points where they fall together."""
         contacts, cells = self.layout.contacts, self.layout.cells
         width = cells.right - cells.left
-        known, alike = {}, Counter()
+        wanted, alike = [{} for _ in range(len(self.layout.bodies) + 1)], Counter()
         for index in range(len(contacts)):
             x, z = contacts.x[index], contacts.z[index]
             # At corners two overlaps may end in one place; YADE keeps one bond between two members.
@@ -131,101 +163,81 @@ class _Parts:
                 dx, dz = 0.0, self.layout.wall.brick.height / 2
             for side, body in enumerate((contacts.first[index], contacts.second[index])):
                 sign = 2 * side - 1
-                place = (x + sign * dx, z + sign * dz)
-                key = body, round(place[0], 7), round(place[1], 7), alike[twin]
-                if key not in known:
-                    known[key] = len(self._wanted[body][0])
-                    self._wanted[body][0].append((place, []))
-                self._wanted[body][0][known[key]][1].append((index, side))
+                key = round(x + sign * dx, 7), round(z + sign * dz, 7), alike[twin]
+                wanted[body].setdefault(key, []).append((index, side))
+        return wanted
 
-    def _plan_tips(self):
-        contacts = self.layout.contacts
-        for index in range(self.layout.n_joints):
-            if np.isinf(contacts.tensile_strength[index]) and np.isinf(contacts.cohesion[index]):
-                continue
-            first, second = int(contacts.first[index]), int(contacts.second[index])
-            margins = self._margin(first, index), self._margin(second, index)
-            by_turns = index % 2 == 0 if abs(margins[0] - margins[1]) < 1e-6 or min(margins) > _MARGIN else None
-            face_is_first = margins[0] > margins[1] if by_turns is None else by_turns or first == GROUND
-            face, owner = (first, second) if face_is_first else (second, first)
-            kind = "box" if max(margins) > _MARGIN else ("head" if contacts.kind[index] == HEAD else "bed")
-            inwards = TIP if face_is_first else -TIP
-            x, z = contacts.x[index], contacts.z[index]
-            place = (x + inwards, z) if contacts.kind[index] == HEAD else (x, z + inwards)
-            self._wanted[owner][1].append((place, index))
-            self.tips[index] = None, (face, kind), owner, face_is_first
+    def _add_points(self, body):
+        """Bodies of a brick's bond members."""
+        return [_ball(place[:2], _POINT, self._bond) for place in self._points[body]]
 
-    def _margin(self, body, index):
-        """Distance of a contact point from the nearer end of the body's face [m]."""
-        contacts, bodies = self.layout.contacts, self.layout.bodies
-        if body == GROUND:
-            return _GROUND
-        if contacts.kind[index] == HEAD:
-            return bodies.height[body] / 2 - abs(contacts.z[index] - bodies.z[body])
-        return bodies.length[body] / 2 - abs(contacts.x[index] - bodies.x[body])
-
-    def _ball(self, place, radius, material):
-        ball = utils.sphere((place[0], 0, place[1]), radius, material=material, color=(0.3, 0.3, 0.3))
-        ball.bounded = False
-        return ball
-
-    def _points(self, body):
-        """Bodies of bond points and tips that the body shall have, and what of it each is."""
-        points, tips = self._wanted[body]
-        return ([self._ball(place, _POINT, self._point) for place, _ in points],
-                [self._ball(place, TIP, self._tip) for place, _ in tips])
+    def _note(self, body, ids):
+        """Give the ids of a body's bond members to the contact points that they belong to."""
+        for identity, users in zip(ids, self._points[body].values()):
+            for index, side in users:
+                self.ends[index][side] = identity
 
     def _box(self, centre, extents, color=(0.5, 0.5, 0.5), seen=True):
-        box = utils.box(centre, extents, material=self._solid if seen else self._tip, color=color, wire=not seen)
+        box = utils.box(centre, extents, material=self._solid if seen else self.tip, color=color, wire=not seen)
         box.bounded = seen
         box.mask = _SEEN | _FACE
         return box
 
     def _add_brick(self, body):
         bodies, thickness = self.layout.bodies, self.layout.wall.brick.thickness
-        x, z = float(bodies.x[body]), float(bodies.z[body])
+        centre = float(bodies.x[body]), 0.0, float(bodies.z[body])
         half = float(bodies.length[body]) / 2, thickness / 2, float(bodies.height[body]) / 2
-        points, tips = self._points(body)
-        box = self._box((x, 0, z), half, brick_color(self.layout, body))
-        inset = _INSET + _CORNER
-        corners = [self._ball((x + right * (half[0] - inset), z + up * (half[2] - inset)), _CORNER, self._tip)
-                   for right in (-1, 1) for up in (-1, 1)]
-        for corner in corners:
-            corner.bounded = True
-        kinds = ["box", *sorted({kind for _, (owner, kind), *_ in filter(None, self.tips)
-                                 if owner == body and kind != "box"})]
-        wide = [self._box((x, 0, z), (half[0] + _REACH * (kind == "bed"), half[1], half[2] + _REACH * (kind == "head")),
-                          seen=False) for kind in kinds[1:]]
-        looks = [brick_shape((x, 0, z), half, self._tip, brick_color(self.layout, body))] if HAS_POLYHEDRA else []
-        if looks:
-            box.shape.wire = True
-        clump, ids = O.bodies.appendClumped([box, *wide, *points, *tips, *corners, *looks])
-        n_faces, n_points = len(kinds), len(points)
-        self.faces.update({(body, kind): ids[k] for k, kind in enumerate(kinds)})
-        self._note(body, ids[n_faces:n_faces + n_points], ids[n_faces + n_points:])
+        color = brick_color(self.layout, body)
+        kinds = ["box", *sorted({tip.face[1] for tip in self.tips.values() if tip.face[0] == body} - {"box"})]
+        reach = {"box": (0, 0, 0), "bed": (_REACH, 0, 0), "head": (0, 0, _REACH)}
+        boxes = [self._box(centre, np.add(half, reach[kind]), color, seen=kind == "box") for kind in kinds]
+        points = self._add_points(body)
+        looks = [brick_shape(centre, half, self.tip, color)] if HAS_POLYHEDRA else []
+        clump, ids = O.bodies.appendClumped([*boxes, *points, *looks])
+        self.faces.update({(body, kind): identity for kind, identity in zip(kinds, ids)})
+        self._note(body, ids[len(boxes):])
         self.clumps.append(clump)
-        self.members.append(list(ids[:n_faces + n_points]))
-        first = n_faces + n_points + len(tips)
-        self.corners.append(list(ids[first:first + len(corners)]))
-        set_clump(O.bodies[clump].state, self.layout.bodies.mass[body], self.layout.bodies.inertia[body])
-
-    def _note(self, body, points, tips):
-        """Give the ids of a body's points and tips to the contact points that they belong to."""
-        wanted_points, wanted_tips = self._wanted[body]
-        for identity, (_, users) in zip(points, wanted_points):
-            for index, side in users:
-                self.ends[index][side] = identity
-        for identity, (_, index) in zip(tips, wanted_tips):
-            self.tips[index] = (identity, *self.tips[index][1:])
+        self.members.append(list(ids[:len(boxes) + len(points)]))
+        set_clump(O.bodies[clump].state, bodies.mass[body], bodies.inertia[body])
 
     def _add_ground(self):
         wall, height = self.layout.wall, self.layout.wall.brick.height
-        points, _ = self._points(GROUND)
         box = self._box((wall.length / 2, 0, -height / 2),
                         (wall.length / 2 + _GROUND, wall.brick.thickness / 2, height / 2), (0.4, 0.4, 0.4))
         self.ground = []
-        for fixed in [box, *points]:
+        for fixed in [box, *self._add_points(GROUND)]:
             fixed.state.blockedDOFs = "xyzXYZ"
             self.ground.append(O.bodies.append(fixed))
         self.faces[GROUND, "box"] = self.ground[0]
-        self._note(GROUND, self.ground[1:], [])
+        self._note(GROUND, self.ground[1:])
+
+
+def _tips(layout):
+    """{contact point: _Tip} of all that may break."""
+    contacts = layout.contacts
+    found = {}
+    for index in range(layout.n_joints):
+        if np.isinf(contacts.tensile_strength[index]) and np.isinf(contacts.cohesion[index]):
+            continue
+        bodies = int(contacts.first[index]), int(contacts.second[index])
+        margins = [_margin(layout, body, index) for body in bodies]
+        if min(margins) > _MARGIN or abs(margins[0] - margins[1]) < 1e-6:
+            side = index % 2 if bodies[0] != GROUND else 1
+        else:
+            side = int(margins[0] > margins[1])  # the tip is where the face is nearer to its end
+        head = contacts.kind[index] == HEAD
+        kind = "box" if max(margins) > _MARGIN else "head" if head else "bed"
+        inwards = TIP if side else -TIP
+        found[index] = _Tip(float(contacts.x[index]) + inwards * head, float(contacts.z[index]) + inwards * (not head),
+                            bodies[side], bool(side), (bodies[1 - side], kind))
+    return found
+
+
+def _margin(layout, body, index):
+    """Distance of a contact point from the nearer end of the body's face [m]."""
+    contacts, bodies = layout.contacts, layout.bodies
+    if body == GROUND:
+        return _GROUND
+    if contacts.kind[index] == HEAD:
+        return bodies.height[body] / 2 - abs(contacts.z[index] - bodies.z[body])
+    return bodies.length[body] / 2 - abs(contacts.x[index] - bodies.x[body])

@@ -30,8 +30,10 @@ class YadeWall:
     newton: object
     law: object
     bonded: np.ndarray = field(init=False)  # (n_contacts,): whether the interaction is still the first one
+    turning: list = field(init=False)  # states that show how the bodies have turned
 
     def __post_init__(self):
+        self.turning = [O.bodies[clump].state for clump in self.clumps]
         self.bonded = np.ones(len(self.bonds), dtype=bool)
 
     def loosen(self, joint):

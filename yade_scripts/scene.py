@@ -27,15 +27,16 @@ class SceneReader:
         self.mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
         self.follows = np.ones_like(self.mass)  # 0 where a velocity is prescribed, whatever the force
         self.start = np.column_stack([bodies.x, bodies.z])
-        self.first_orientation = np.array([tuple(state.ori) for state in self.states])
+        self.turning = model.turning
+        self.first_orientation = np.array([tuple(state.ori) for state in self.turning])
         # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
         self.handed = np.where(contacts.kind == HEAD, -1.0, 1.0)
 
     def newly_broken(self):
-        """Joints whose bond broke since the last call: (m,) of int; cheap while none does."""
+        """Joints whose bond broke since the last call: (m,) of int, or () while none does."""
         breaks = self.model.law.nbTensCracks + self.model.law.nbShearCracks
         if breaks == self._breaks_seen:
-            return np.zeros(0, dtype=int)
+            return ()
         self._breaks_seen = breaks
         broken = [joint for joint in self.holding if not self.physics[joint].isCohesive]
         gone = set(broken)
@@ -55,7 +56,7 @@ class SceneReader:
         """
         select = range(len(self.states)) if select is None else select
         raw = np.array([(p[0], p[2], q[0], q[1], q[2], q[3]) for p, q in
-                        ((self.states[i].pos, self.states[i].ori) for i in select)]).reshape(-1, 6)
+                        ((self.states[i].pos, self.turning[i].ori) for i in select)]).reshape(-1, 6)
         x, y, z, w = raw[:, 2:].T
         x0, y0, z0, w0 = self.first_orientation[select].T
         # Quaternion now times the inverse of the first one: YADE's clumps start on permuted axes.

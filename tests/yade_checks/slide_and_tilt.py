@@ -77,9 +77,10 @@ def tilt():
     scene = Scene(Wall("block", 0.2, 0.8, brick=block, joint=dry, precompression=0.0))
     contacts, state = scene.layout.contacts, scene.reader.states[0]
     outermost = int(np.argmax(contacts.x))
-    upright, arm = state.ori, np.array([0.1 - contacts.x[outermost], 0.4])  # from the contact point to the centre
+    arm = np.array([0.1 - contacts.x[outermost], 0.4])  # from the contact point to the centre
     scene.move([0], 0.0, 1e-4, 3)  # breaks all bonds
     scene.move([0], 0.0, -1e-4, 3)
+    upright = state.ori  # now that the tips are on
     rows = []
     for angle in (0.006, 0.025, 0.062):
         cos, sin = math.cos(angle), math.sin(angle)
