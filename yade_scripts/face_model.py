@@ -26,8 +26,8 @@ from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 
 TIP = 5e-4  # [m], radius: a tip that is pressed in deeper than this, by 33 MPa, would not know its face
 _POINT = 1e-3  # [m], radius of bond members, which plays no part
-_CORNER = 5e-3  # [m], radius of the spheres in the corners, by which loose bricks meet
-_INSET = 1e-3  # [m], their distance from the faces: bricks that are held by joints do not touch by them
+_CORNER = 1e-3  # [m], radius of the spheres in the corners, by which loose bricks meet
+_INSET = 5e-4  # [m], their distance from the faces: bricks that are held by joints do not touch by them
 _MARGIN = 1e-2  # [m], a contact point closer to the end of a face than this has its tip on that brick
 _REACH = 3e-2  # [m], how far a face goes on where the contact point lies at the ends of both
 _COLLISION = 2e8  # [N/m], normal stiffness of loose bricks' contacts
@@ -47,6 +47,7 @@ class FaceWall(YadeWall):
         self.turning = [O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))]
         self.friction = friction_left(True, material_of(layout.wall.joint))
         self._material = parts.tip
+        self.corners = set()  # ids of the spheres in the bricks' corners
 
     def loosen(self, joint):
         """A tip on a face, with the shear force that the broken bond had left."""
@@ -61,6 +62,35 @@ class FaceWall(YadeWall):
         contact.phys.tangensOfFrictionAngle = self.friction
         contact.phys.shearForce = shear
         self.bonds[joint], self.signs[joint], self.bonded[joint] = contact, sign, False
+
+    def arm(self):
+        """Spheres in the corners of all bricks and caps, which meet faces and each other."""
+        if self.corners:
+            return
+        bodies, inset = self.layout.bodies, _INSET + _CORNER
+        for body in range(len(bodies)):
+            half = bodies.length[body] / 2 - inset, bodies.height[body] / 2 - inset
+            balls = [_ball((bodies.x[body] + right * half[0], bodies.z[body] + up * half[1]), _CORNER, self._material)
+                     for right in (-1, 1) for up in (-1, 1)]
+            for ball in balls:
+                ball.bounded, ball.mask = True, _SEEN
+            self.corners.update(self._attach(body, balls))
+
+    def tidy(self):
+        for contact in self.collisions():
+            if contact.geom.penetrationDepth < 0:
+                O.interactions.erase(contact.id1, contact.id2)
+        for joint in np.flatnonzero(~self.bonded):
+            contact = self.bonds[joint]
+            # A face that goes on beyond its brick must not be met by one that comes back another way.
+            if self.tips[joint].face[1] != "box" and contact.isReal and contact.geom.penetrationDepth < -_REACH / 10:
+                O.interactions.erase(contact.id1, contact.id2)
+
+    def collisions(self):
+        """Contacts of loose bricks, in the making or over, too: YADE's interactions."""
+        if not self.corners:
+            return []
+        return [i for i in O.interactions if i.isReal and (i.id1 in self.corners or i.id2 in self.corners)]
 
     def _attach(self, body, parts):
         """Make parts, at their places in the wall as it was built, members of a brick wherever it is; their ids."""

@@ -40,6 +40,16 @@ class YadeWall:
         """Make of a bond that broke the dry joint that it leaves."""
         self.bonds[joint].phys.tanFrictionAngle = friction_left(True, material_of(self.layout.wall.joint))
 
+    def arm(self):
+        """From now on any two bricks that meet collide, and any brick with the ground."""
+
+    def collisions(self):
+        """YADE's interactions between bricks beside those of their joints, where the model tells them apart."""
+        return []
+
+    def tidy(self):
+        """Forget what need not be looked at any more: collisions that are over, joints out of reach."""
+
 
 def build(layout, dt):
     """Build the model of the layout's `joints` in YADE's scene; returns a YadeWall."""

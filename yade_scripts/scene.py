@@ -128,7 +128,9 @@ class SceneReader:
         acting[:len(broken)] |= ~broken
         acting[len(broken):] = True
         shear = np.array([p.shearForce.norm() for p in self.physics])
-        return 0.5 * float(np.sum(np.where(acting, self.normal_stiffness * opening**2, 0.0))
+        colliding = sum(p.normalForce.squaredNorm() / p.kn + p.shearForce.squaredNorm() / p.ks
+                        for p in (contact.phys for contact in self.model.collisions()))
+        return 0.5 * colliding + 0.5 * float(np.sum(np.where(acting, self.normal_stiffness * opening**2, 0.0))
                            + np.sum(shear**2 / self.shear_stiffness))
 
     def base_shear(self):

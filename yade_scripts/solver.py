@@ -20,6 +20,12 @@ from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 
 
+TIDY_STEPS = 500
+"""Steps between two looks for contacts that can be forgotten."""
+LOOSE = 0.4e-3
+"""Opening or slip of a joint [m] from which on bricks may meet otherwise, less than the 0.5 mm between their corners and faces."""
+
+
 class YadeSolver(Solver):
     """A wall in YADE that a Run can move; `Solver` says what each verb does."""
 
@@ -32,7 +38,7 @@ class YadeSolver(Solver):
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
         self._sample_steps = self._on_sample = self._raised = None
-        self._events, self._known = [], (0, None)
+        self._events, self._known, self._armed = [], (0, None), False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
         builtins.masonry_solver = self  # where the engine's command can find it
@@ -92,6 +98,8 @@ class YadeSolver(Solver):
         self._set_field()
         try:
             self._log_breaks(self.scene.newly_broken())
+            if self._armed and self.clock % TIDY_STEPS == 0:
+                self.model.tidy()
             if self._on_sample:
                 self._observe()
         except Exception as error:  # YADE would print all of it, and raise another
@@ -135,6 +143,9 @@ class YadeSolver(Solver):
             return
         _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken)
         opening = np.array([self.scene.opening_of(i) for i in broken])
+        if not self._armed and max(opening.max(), np.abs(self.tracker.slip).max()) > LOOSE:
+            self._armed = True
+            self.model.arm()
         tau = self.scene.shear_stresses(broken)
         for joint, kind in self.tracker.sample(broken, opening, shear, tau):
             self._events.append((self.clock, joint, kind, 0.0, 0.0, self.tracker.opening[joint],

@@ -30,7 +30,8 @@ class RunSettings:
     with a settling stage; time_step_s: None for the solver's own;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics; relaxation: how static
     solutions are found, one of RELAXATIONS; perturb_m: size of random offsets of the bricks [m]
-    drawn with `seed`; out: history file, None for a name of its own below `results/`; command: what asked for it.
+    drawn with `seed`; past_collapse_s: how long bodies are followed after the first brick fell [s];
+    out: history file, None for a name of its own below `results/`; command: what asked for it.
     """
 
     loading: object
@@ -43,6 +44,7 @@ class RunSettings:
     relaxation: str = "local"
     perturb_m: float = 0.0
     seed: int = 0
+    past_collapse_s: float = 0.0
     out: Path | None = None
     overwrite: bool = False
     pictures: bool = True
@@ -52,7 +54,8 @@ class RunSettings:
     def __post_init__(self):
         if not self.sequence or not all(map(math.isfinite, self.sequence)):
             raise InputError(f"--sequence {self.sequence}: expected factors of the motion, like 1,0.5,0.4")
-        for option, value in (("--rest", self.rest_s), ("--beta", self.beta_s), ("--perturb", self.perturb_m)):
+        for option, value in (("--rest", self.rest_s), ("--beta", self.beta_s), ("--perturb", self.perturb_m),
+                              ("--past-collapse", self.past_collapse_s)):
             check_not_negative(option, value)
         if self.time_step_s is not None:
             check_positive("--dt [s]", self.time_step_s)
@@ -67,7 +70,7 @@ class RunSettings:
         return {"loading": self.loading.as_dict(), "sequence": [float(factor) for factor in self.sequence],
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
                 "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m, "seed": self.seed,
-                "command": self.command}
+                "past_collapse_s": self.past_collapse_s, "command": self.command}
 
 
 def rayleigh_factors(ratio, first_hz, second_hz):
