@@ -20,6 +20,8 @@ from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 
 
+FOLLOW_STEPS = JOINT_STEPS // 2
+"""Steps between two looks at the broken joints: every look costs, and what slides to and fro between two is not seen."""
 TIDY_STEPS = 500
 """Steps between two looks for contacts that can be forgotten."""
 LOOSE = 0.4e-3
@@ -117,7 +119,7 @@ class YadeSolver(Solver):
 
     def _observe(self):
         """Follow the broken joints and the energy that comes in; hand out a sample where one is due."""
-        if self.clock % JOINT_STEPS == 0:
+        if self.clock % FOLLOW_STEPS == 0:
             self._follow_joints()
             self._integrate_input(self._base_now())
         if self.clock % self._sample_steps == 0 and not self._on_sample():

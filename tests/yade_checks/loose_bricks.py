@@ -1,11 +1,11 @@
 """Inside YADE: bricks without any bond that fall on each other and on the ground.
 
-    yade -n loose_bricks.py SCENE RESULTS.npz
+    yade -n loose_bricks.py RESULTS.npz
 
-SCENE: "corner", a brick dropped on its corner on two others; "edges", one that comes down edge against edge; "step",
-one that slides off a step; "stack", six bricks of which the upper ones are pushed over.  RESULTS holds, at 200 instants:
-`energy` (n,), kinetic, elastic and of gravity, above the start's [J]; `released` (n,), that gravity has given so far [J];
-`overlap` (n,), the deepest of two bricks or of a brick in the ground [m]; `place` (n, n_bricks, 3) [m, m, rad].
+Four scenes: "corner", a brick dropped on its corner on two others; "edges", one that comes down edge against edge; "step",
+one that slides off a step; "stack", six bricks of which the upper ones are pushed over.  RESULTS holds for each, as SCENE_NAME, at 200 instants:
+energy (n,): kinetic, elastic and of gravity, above the start's [J]; released (n,): what gravity has given so far [J];
+overlap (n,): the deepest of two bricks or of a brick in the ground [m]; place (n, n_bricks, 3) [m, m, rad].
 """
 
 import math
@@ -131,8 +131,10 @@ def follow(scene, seconds):
 
 
 def main():
-    scene, seconds = {"corner": corner, "edges": edges, "step": step, "stack": stack}[sys.argv[1]]()
-    np.savez(sys.argv[2], **follow(scene, seconds))
+    found = {}
+    for make in (corner, edges, step, stack):
+        found |= {f"{make.__name__}_{name}": values for name, values in follow(*make()).items()}
+    np.savez(sys.argv[1], **found)
 
 
 run_and_leave(main)
