@@ -10,7 +10,7 @@ import yade
 from yade import O, log, utils
 
 from damage.wall.layout import GROUND, HEAD
-from yade_scripts.model import YadeWall, brick_color, joint_law, set_bond, set_clump
+from yade_scripts.yade_wall import YadeWall, brick_color, joint_law, set_bond, set_clump
 
 _BOX_FACTOR = 0.97  # a slightly smaller box keeps touching cells out of the narrow phase
 

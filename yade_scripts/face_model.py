@@ -21,7 +21,7 @@ from yade import O, Vector3, utils
 
 from damage.wall.joint_law import friction_left, material_of
 from damage.wall.layout import GROUND, HEAD
-from yade_scripts.model import YadeWall, brick_color, joint_law, set_bond, set_clump
+from yade_scripts.yade_wall import YadeWall, brick_color, joint_law, set_bond, set_clump
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 
 TIP = 5e-4  # [m], radius: a tip that is pressed in deeper than this, by 33 MPa, would not know its face
