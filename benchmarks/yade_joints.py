@@ -1,8 +1,8 @@
-"""Inside YADE: microseconds a step of the intact symmetric wall by engine, joints by face beside joints between centres.
+"""Inside YADE: microseconds a step of the intact symmetric wall, joints by face beside joints between centres.
 
     yade -n -j1 benchmarks/yade_joints.py [--rounds 4]
 
-The two models take turns; the least of all rounds counts.  Where YADE has no polyhedra there is one model alone.
+By engine and in all; the two models take turns, the least of all rounds counts.  Where YADE has no polyhedra there is one model alone.
 """
 
 import argparse

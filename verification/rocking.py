@@ -17,12 +17,13 @@ import numpy as np
 from scipy.integrate import quad
 
 from damage.units import GRAVITY
-from damage.wall.parameters import Joint
-from verification.block import SLENDER, STICKY, foot, one_block, settle, solver_of
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Joint, ModelOptions, Wall
+from verification.block import SLENDER, STICKY, foot, settle, solver_of
 from verification.problem import Problem, ask_yade
 
 SHARES = (0.2, 0.5, 0.8)
-RAMP_S, LIFTED = 0.05, 1e-6  # [s], [rad]; the joint's own compression turns a block that stands by 3e-8
+RAMP_S, LIFTED = 0.05, 1e-7  # [s], [rad]; the joint's own compression turns a block that stands by 3e-8
 
 
 def problems():
@@ -36,11 +37,14 @@ def problems():
     return [
         Problem("rocking, onset", "base acceleration that overturns, of g", "1", half_width / half_height,
                 "Housner (1963)", {"reference": 1e-3, "yade": 1e-3},
-                {"reference": onset, "yade": lambda: ask_yade("onset", 1)}),
+                {"reference": onset, "yade": lambda: ask_yade("onset", 1, 1)}),
+        Problem("toppling stack", "base acceleration that overturns four blocks, of g", "1", half_width / half_height,
+                "a rigid body, since any upper part of it stands more", {"reference": 2e-3, "yade": 2e-3},
+                {"reference": lambda: onset(courses=4), "yade": lambda: ask_yade("onset", 1, 4)}),
         Problem("rocking, onset, interior", "base acceleration that overturns, of g", "1",
                 foot(layout_of("interior")) / half_height, "Housner (1963), b to the outermost contact point",
                 {"reference": 1e-3, "yade": 1e-3},
-                {"reference": lambda: onset("interior"), "yade": lambda: ask_yade("onset", 0)}),
+                {"reference": lambda: onset("interior"), "yade": lambda: ask_yade("onset", 0, 1)}),
         *(Problem(f"rocking from {share:g} alpha", "quarter period", "s", quarter_period(share, slenderness, rate),
                   f"Housner (1963), not linearised (linearised {housner(share, rate):.5f} s)",
                   {"reference": 1e-3, "yade": 3e-3},
@@ -69,20 +73,22 @@ def quarter_period(share, slenderness, rate):
     return quad(integrand, 0, math.sqrt(start), epsabs=1e-12)[0] / rate
 
 
-def layout_of(contacts="corners", stiffness=1e13):
-    """A block on a stiff, dry joint that holds by friction."""
-    brick = type(SLENDER)(length=SLENDER.length, height=SLENDER.height, thickness=SLENDER.thickness,
+def layout_of(contacts="corners", stiffness=1e13, courses=1):
+    """A block on a stiff, dry joint that holds by friction, in one piece or cut into courses of one block each."""
+    # A wall of half a brick's length has no head joint in any course.
+    brick = type(SLENDER)(length=SLENDER.length * (1 if courses == 1 else 2), height=SLENDER.height / courses, thickness=SLENDER.thickness,
                           young_modulus=1e16, shear_modulus=1e16)
     joint = Joint(normal_stiffness=stiffness, shear_stiffness=stiffness, tensile_strength=0.0, cohesion=0.0,
                   friction_angle=STICKY.friction_angle)
-    return one_block(brick, joint, contacts=contacts, cells=1)
+    return lay_out(Wall("block", SLENDER.length, SLENDER.height, brick=brick, joint=joint, precompression=0.0),
+                   ModelOptions(contacts=contacts, cells=1))
 
 
-def onset(contacts="corners", stand=None):
+def onset(contacts="corners", courses=1, stand=None):
     """Largest steady base acceleration [g] that the block stands, by bisection; stand: as `stands`."""
     low, high = 0.5, 2.0  # of b/H
-    layout, stand = layout_of(contacts), stand or stands
-    expected = foot(layout) / float(layout.bodies.z[0])
+    layout, stand = layout_of(contacts, courses=courses), stand or stands
+    expected = foot(layout) / float(layout.bodies.z.mean())
     while high - low > 1e-3:
         middle = (low + high) / 2
         low, high = (middle, high) if stand(layout, middle * expected) else (low, middle)

@@ -106,12 +106,12 @@ def _resting(angle):
     return case
 
 
-def incline(angle):
+def incline(angle, seconds):
     case = _resting(sliding.FLAT)
-    steps, start = round(sliding.SLIDE_S / O.dt), case.place()[0]
+    steps, start = round(seconds / O.dt), case.place()[0]
     case.field(*sliding.downhill(angle))
     case.run(steps)
-    return (case.place()[0] - start) * (sliding.SLIDE_S / (steps * O.dt)) ** 2
+    return (case.place()[0] - start) * (seconds / (steps * O.dt)) ** 2
 
 
 def shaken():
@@ -134,8 +134,8 @@ def stack():
     return natural_period(20 * O.dt * np.arange(len(track)), np.array(track))
 
 
-def onset(contacts):
-    return rocking.onset(("interior", "corners")[int(contacts)], stands)
+def onset(contacts, courses):
+    return rocking.onset(("interior", "corners")[int(contacts)], int(courses), stands)
 
 
 def fall_back(tilt):

@@ -14,6 +14,7 @@ has the face.
 
 from collections import Counter
 from dataclasses import dataclass
+from itertools import starmap
 
 import numpy as np
 import yade
@@ -21,8 +22,8 @@ from yade import O, Vector3, utils
 
 from damage.wall.joint_law import friction_left, material_of
 from damage.wall.layout import GROUND, HEAD
-from yade_scripts.yade_wall import YadeWall, brick_color, joint_law, set_bond, set_clump
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
+from yade_scripts.yade_wall import YadeWall, brick_color, joint_law, set_bond, set_clump
 
 TIP = 5e-4  # [m], radius: a tip that is pressed in deeper than this, by 33 MPa, would not know its face
 _POINT = 1e-3  # [m], radius of bond members, which plays no part
@@ -141,7 +142,7 @@ def build_faces(layout):
                                 [law, friction])
     O.engines = [yade.ForceResetter(), collider, loop, newton]
     parts = _Parts(layout)
-    bonds = [utils.createInteraction(*ends) for ends in parts.ends]
+    bonds = list(starmap(utils.createInteraction, parts.ends))
     for index, bond in enumerate(bonds):
         set_bond(bond.phys, layout, index)
     bonding.cohesiveTresholdIteration = 0

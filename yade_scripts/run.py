@@ -26,8 +26,8 @@ def _check(settings):
                          "out, or use the reference solver: python3 -m damage reference")
     model = settings.model
     if model.joints == "centres" and not HAS_POLYHEDRA:
-        raise InputError(f"--joints centres: needs polyhedra, which YADE {yade.config.version} was built without; expected "
-                         "--joints face here, or YADE of Debian 12")
+        raise InputError(f"--joints centres: needs polyhedra, which YADE {yade.config.version} was built without; "
+                         "expected --joints face here, or YADE of Debian 12")
     if model.joints == "centres" and model.contacts != "interior":
         raise InputError(f"--joints centres with --contacts {model.contacts}: cells have their contact points inside; "
                          "expected --contacts interior, or --joints face")

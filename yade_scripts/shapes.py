@@ -3,7 +3,7 @@
 import yade
 from yade import log, utils
 
-HAS_POLYHEDRA = hasattr(yade, "Polyhedra") or "CGAL" in yade.config.features and hasattr(utils, "polyhedron")
+HAS_POLYHEDRA = hasattr(yade, "Polyhedra") or ("CGAL" in yade.config.features and hasattr(utils, "polyhedron"))
 
 BRICK_SHAPE = "polyhedra" if HAS_POLYHEDRA else "boxes"
 """Said in the log and in a history's versions."""

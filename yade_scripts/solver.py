@@ -19,13 +19,12 @@ from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 
-
 FOLLOW_STEPS = JOINT_STEPS // 2
-"""Steps between two looks at the broken joints: every look costs, and what slides to and fro between two is not seen."""
+"""Steps between two looks at the broken joints; what slides to and fro between two is not seen."""
 TIDY_STEPS = 500
 """Steps between two looks for contacts that can be forgotten."""
 LOOSE = 0.4e-3
-"""Opening or slip of a joint [m] from which on bricks may meet otherwise, less than the 0.5 mm between their corners and faces."""
+"""Opening or slip of a joint [m] from which on bricks may meet otherwise: corners and faces are 0.5 mm apart."""
 
 
 class YadeSolver(Solver):

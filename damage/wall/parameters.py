@@ -220,7 +220,7 @@ class ModelOptions:
                             tag="{contacts}")
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
-    joints: str = _option("face", "YADE: joints keep their face's normal, or lean with the centres of cells as before 0.2",
+    joints: str = _option("face", "joints keep their face's normal, or lean with the centres of cells as before 0.2",
                           choices=("face", "centres"), solvers=("yade",), tag="joints-{joints}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
 

@@ -2,8 +2,9 @@
 
     yade -n loose_bricks.py RESULTS.npz
 
-Four scenes: "corner", a brick dropped on its corner on two others; "edges", one that comes down edge against edge; "step",
-one that slides off a step; "stack", six bricks of which the upper ones are pushed over.  RESULTS holds for each, as SCENE_NAME, at 200 instants:
+Four scenes: "corner", bricks dropped on their corners; "edges", that come down edge against edge; "step", one that
+slides off a step; "stack", six bricks of which the upper ones are pushed over.  RESULTS holds for each, as SCENE_NAME,
+at 200 instants:
 energy (n,): kinetic, elastic and of gravity, above the start's [J]; released (n,): what gravity has given so far [J];
 overlap (n,): the deepest of two bricks or of a brick in the ground [m]; place (n, n_bricks, 3) [m, m, rad].
 """
