@@ -2,7 +2,8 @@
 
     yade -n -j1 benchmarks/yade_joints.py [--rounds 4]
 
-By engine and in all; the two models take turns, the least of all rounds counts.  Where YADE has no polyhedra there is one model alone.
+By engine and in all; the two models take turns, the least of all rounds counts.  Where YADE has no polyhedra there is
+one model alone.
 """
 
 import argparse

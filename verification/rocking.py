@@ -12,6 +12,7 @@ left out: Housner's block loses energy there, one on an elastic joint does not.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy.integrate import quad
@@ -76,8 +77,8 @@ def quarter_period(share, slenderness, rate):
 def layout_of(contacts="corners", stiffness=1e13, courses=1):
     """A block on a stiff, dry joint that holds by friction, in one piece or cut into courses of one block each."""
     # A wall of half a brick's length has no head joint in any course.
-    brick = type(SLENDER)(length=SLENDER.length * (1 if courses == 1 else 2), height=SLENDER.height / courses, thickness=SLENDER.thickness,
-                          young_modulus=1e16, shear_modulus=1e16)
+    length = SLENDER.length * (1 if courses == 1 else 2)
+    brick = replace(SLENDER, length=length, height=SLENDER.height / courses, young_modulus=1e16, shear_modulus=1e16)
     joint = Joint(normal_stiffness=stiffness, shear_stiffness=stiffness, tensile_strength=0.0, cohesion=0.0,
                   friction_angle=STICKY.friction_angle)
     return lay_out(Wall("block", SLENDER.length, SLENDER.height, brick=brick, joint=joint, precompression=0.0),
