@@ -39,6 +39,9 @@ mkdir -p "$folder/work"
 for file in resolv.conf hosts; do
     cp "/etc/$file" "$folder/etc/$file"
 done
+# pip trusts there what it trusts here, a company's proxy for one.
+certificates=/etc/ssl/certs/ca-certificates.crt
+[ ! -e "$certificates" ] || cp --dereference "$certificates" "$folder/etc/here.crt"
 # shellcheck disable=SC2016  # the inner shell expands
 exec unshare --mount --propagation private bash -c '
     set -e
@@ -47,6 +50,6 @@ exec unshare --mount --propagation private bash -c '
     mount -t proc proc "$folder/proc"
     mount --rbind /dev "$folder/dev"
     exec chroot "$folder" env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
-        LANG=C.UTF-8 TERM="${TERM:-dumb}" ${http_proxy:+http_proxy="$http_proxy"} \
+        LANG=C.UTF-8 TERM="${TERM:-dumb}" PIP_CERT=/etc/here.crt ${http_proxy:+http_proxy="$http_proxy"} \
         ${https_proxy:+https_proxy="$https_proxy"} sh -c "cd /work && exec \"\$@\"" sh "$@"
 ' bash "$folder" "$@"
