@@ -28,7 +28,7 @@ fi
 if [ ! -e "$folder/etc/debian_version" ]; then
     [ -n "$(type -P debootstrap)" ] || { say "error: no debootstrap: get it with: apt-get install debootstrap"; exit 3; }
     mkdir -p "$folder"
-    debootstrap --variant=minbase "$SUITE" "$folder" ${MIRROR:+"$MIRROR"} >&2 || exit 3
+    debootstrap --variant=minbase --include=git,ca-certificates "$SUITE" "$folder" ${MIRROR:+"$MIRROR"} >&2 || exit 3
 fi
 say "$folder holds Debian $(cat "$folder/etc/debian_version")"
 [ $# -gt 0 ] || exit 0
@@ -36,6 +36,7 @@ say "$folder holds Debian $(cat "$folder/etc/debian_version")"
 mkdir -p "$folder/work"
 (cd "$root" && git ls-files -z --cached --others --exclude-standard |
     tar --create --null --files-from=- --ignore-failed-read 2>/dev/null) | tar --extract --directory "$folder/work"
+git -C "$folder/work" init --quiet  # some tests ask git which files there are
 for file in resolv.conf hosts; do
     cp "/etc/$file" "$folder/etc/$file"
 done

@@ -187,12 +187,12 @@ def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command)
 
 
 def test_perturbed_bricks_change_the_result_only_within_reason(shaken, small_wall, tmp_path, yade_command):
-    """Beside the same run unperturbed, for two thirds of a cycle: later breaks pull the two apart."""
+    """Beside the same run unperturbed, for half a cycle: later breaks pull the two apart."""
     out = tmp_path / "small.h5"
     done = yade_command(small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out,
                         "--perturb", 1e-9, "--no-pictures")
     assert done.returncode == 0, done.stderr
-    drifts = [run.series.drift_ratio.to_numpy()[:10] for run in (shaken[0], damage.read_history(out))]
+    drifts = [run.series.drift_ratio.to_numpy()[:8] for run in (shaken[0], damage.read_history(out))]
     assert np.any(drifts[0] != drifts[1])
     assert_allclose(drifts[0], drifts[1], atol=1e-4 * np.abs(drifts[0]).max())
 
