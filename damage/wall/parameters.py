@@ -218,10 +218,10 @@ class ModelOptions:
     cells: int = _option(2, "contact points per half brick", metavar="N")
     contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
                             tag="{contacts}")
-    strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
-                                  metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     joints: str = _option("face", "joints keep their face's normal, or lean with the centres of cells as before 0.2",
                           choices=("face", "centres"), solvers=("yade",), tag="joints-{joints}")
+    strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
+                                  metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
 
     def __post_init__(self):
