@@ -12,25 +12,24 @@ left out: Housner's block loses energy there, one on an elastic joint does not.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy.integrate import quad
 
 from damage.units import GRAVITY
-from damage.wall.parameters import Joint
-from verification.block import SLENDER, STICKY, foot, one_block, settle, solver_of
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Joint, ModelOptions, Wall
+from verification.block import SLENDER, STICKY, foot, settle, solver_of
 from verification.problem import Problem, ask_yade
 
 SHARES = (0.2, 0.5, 0.8)
-RAMP_S, LIFTED = 0.05, 1e-6  # [s], [rad]; the joint's own compression turns a block that stands by 3e-8
-MIDDLES = "its contact points lie under the middles of cells, not in corners; see the next problem"
-SMALL = ("its contacts hold for small rotations: tilted by t about a corner that touches, this block counts as "
-         "0.1 t² m deep in the ground")
+RAMP_S, LIFTED = 0.05, 1e-7  # [s], [rad]; the joint's own compression turns a block that stands by 3e-8
 
 
 def problems():
     """Acceleration at which the block lifts off; quarter periods from three tilts."""
-    layout = _layout()
+    layout = layout_of()
     bodies = layout.bodies
     half_width, half_height = foot(layout), float(bodies.z[0])
     slenderness = math.atan(half_width / half_height)
@@ -38,14 +37,20 @@ def problems():
     rate = math.sqrt(bodies.mass[0] * GRAVITY * radius / (bodies.inertia[0] + bodies.mass[0] * radius**2))
     return [
         Problem("rocking, onset", "base acceleration that overturns, of g", "1", half_width / half_height,
-                "Housner (1963)", {"reference": 1e-3}, {"reference": onset, "yade": MIDDLES}),
+                "Housner (1963)", {"reference": 1e-3, "yade": 1e-3},
+                {"reference": onset, "yade": lambda: ask_yade("onset", 1, 1)}),
+        Problem("toppling stack", "base acceleration that overturns four blocks, of g", "1", half_width / half_height,
+                "a rigid body, since any upper part of it stands more", {"reference": 2e-3, "yade": 2e-3},
+                {"reference": lambda: onset(courses=4), "yade": lambda: ask_yade("onset", 1, 4)}),
         Problem("rocking, onset, interior", "base acceleration that overturns, of g", "1",
-                foot(_layout("interior")) / half_height, "Housner (1963), b to the outermost contact point",
+                foot(layout_of("interior")) / half_height, "Housner (1963), b to the outermost contact point",
                 {"reference": 1e-3, "yade": 1e-3},
-                {"reference": lambda: onset("interior"), "yade": lambda: ask_yade("onset")}),
+                {"reference": lambda: onset("interior"), "yade": lambda: ask_yade("onset", 0, 1)}),
         *(Problem(f"rocking from {share:g} alpha", "quarter period", "s", quarter_period(share, slenderness, rate),
-                  f"Housner (1963), not linearised (linearised {housner(share, rate):.5f} s)", {"reference": 1e-3},
-                  {"reference": lambda share=share: fall_back(share * slenderness), "yade": SMALL})
+                  f"Housner (1963), not linearised (linearised {housner(share, rate):.5f} s)",
+                  {"reference": 1e-3, "yade": 3e-3},
+                  {"reference": lambda share=share: fall_back(share * slenderness),
+                   "yade": lambda share=share: ask_yade("fall_back", share * slenderness)})
           for share in SHARES)]
 
 
@@ -69,20 +74,22 @@ def quarter_period(share, slenderness, rate):
     return quad(integrand, 0, math.sqrt(start), epsabs=1e-12)[0] / rate
 
 
-def _layout(contacts="corners", stiffness=1e13):
-    """A block on a stiff, dry joint that holds by friction."""
-    brick = type(SLENDER)(length=SLENDER.length, height=SLENDER.height, thickness=SLENDER.thickness,
-                          young_modulus=1e16, shear_modulus=1e16)
+def layout_of(contacts="corners", stiffness=1e13, courses=1):
+    """A block on a stiff, dry joint that holds by friction, in one piece or cut into courses of one block each."""
+    # A wall of half a brick's length has no head joint in any course.
+    length = SLENDER.length * (1 if courses == 1 else 2)
+    brick = replace(SLENDER, length=length, height=SLENDER.height / courses, young_modulus=1e16, shear_modulus=1e16)
     joint = Joint(normal_stiffness=stiffness, shear_stiffness=stiffness, tensile_strength=0.0, cohesion=0.0,
                   friction_angle=STICKY.friction_angle)
-    return one_block(brick, joint, contacts=contacts, cells=1)
+    return lay_out(Wall("block", SLENDER.length, SLENDER.height, brick=brick, joint=joint, precompression=0.0),
+                   ModelOptions(contacts=contacts, cells=1))
 
 
-def onset(contacts="corners", stand=None):
+def onset(contacts="corners", courses=1, stand=None):
     """Largest steady base acceleration [g] that the block stands, by bisection; stand: as `stands`."""
     low, high = 0.5, 2.0  # of b/H
-    layout, stand = _layout(contacts), stand or stands
-    expected = foot(layout) / float(layout.bodies.z[0])
+    layout, stand = layout_of(contacts, courses=courses), stand or stands
+    expected = foot(layout) / float(layout.bodies.z.mean())
     while high - low > 1e-3:
         middle = (low + high) / 2
         low, high = (middle, high) if stand(layout, middle * expected) else (low, middle)
@@ -101,17 +108,22 @@ def stands(layout, acceleration_g):
     return abs(wall.displacement[0, 2]) < LIFTED
 
 
-def fall_back(tilt):
-    """Time [s] from rest at a tilt about the right corner until the block stands upright."""
-    layout = _layout()
-    wall = solver_of(layout, 0.5)
+def tilted(layout, tilt):
+    """Displacement (x, z) of the block's middle when it is tilted clockwise about its right corner, and how far that
+    corner sinks into its joint under the block's weight [m]."""
     half_width, half_height = foot(layout), float(layout.bodies.z[0])
-    # Clockwise about the right corner: rotation from x towards z is negative.
     radius, angle = math.hypot(half_width, half_height), math.atan2(half_height, -half_width) - tilt
     sag = layout.bodies.mass[0] * GRAVITY / (layout.contacts.normal_stiffness * layout.contacts.area).max()
+    return half_width + radius * math.cos(angle), radius * math.sin(angle) - half_height, sag
+
+
+def fall_back(tilt):
+    """Time [s] from rest at a tilt about the right corner until the block stands upright."""
+    layout = layout_of()
+    wall = solver_of(layout, 0.5)
+    x, z, sag = tilted(layout, tilt)
     place = wall.system.place
-    place["x"][0] = half_width + radius * math.cos(angle)
-    place["z"][0] = radius * math.sin(angle) - half_height - sag
+    place["x"][0], place["z"][0] = x, z - sag
     place["turn"][0], place["cos1"][0], place["sin"][0] = -tilt, math.cos(tilt) - 1, -math.sin(tilt)
     wall.refresh()
     before = -tilt

@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 
 import numpy as np
-from yade import O, PyRunner, Vector3
+from yade import O, PyRunner, Quaternion, Vector3
 
 from damage.measure.vibration import natural_period
 from damage.units import GRAVITY
@@ -21,6 +21,7 @@ from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 from verification import elastic, falling, rocking, sliding
 from verification.block import one_block
+from yade_scripts.face_model import TIP
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
@@ -34,14 +35,21 @@ class Case:
         self.model = build(layout, factor * natural_modes(layout, 1).critical_time_step_s)
         self.scene, self.newton = SceneReader(self.model), self.model.newton
         self.newton.gravity = (0, 0, 0)
-        builtins.verification_step = lambda: None
+        self.each, self.first = None, 0
+        builtins.verification_step = self.step
         O.engines = [*O.engines[:-1], PyRunner(command="verification_step()", iterPeriod=1), self.newton]
 
     def run(self, steps, each=None):
         """Advance; each(k) is called in step k of these."""
-        first = O.iter
-        builtins.verification_step = (lambda: each(O.iter - first)) if each else (lambda: None)
+        self.each, self.first = each, O.iter
         O.run(steps, True)
+
+    def step(self):
+        """What the engine does in every step: broken bonds become dry joints, then what `run` was given."""
+        for joint in self.scene.newly_broken():
+            self.scene.loosen(joint)
+        if self.each:
+            self.each(O.iter - self.first)
 
     def field(self, along, gravity):
         """Uniform acceleration: backwards `along` x, downwards `gravity` [m/s2]."""
@@ -98,12 +106,12 @@ def _resting(angle):
     return case
 
 
-def incline(angle):
+def incline(angle, seconds):
     case = _resting(sliding.FLAT)
-    steps, start = round(sliding.SLIDE_S / O.dt), case.place()[0]
+    steps, start = round(seconds / O.dt), case.place()[0]
     case.field(*sliding.downhill(angle))
     case.run(steps)
-    return (case.place()[0] - start) * (sliding.SLIDE_S / (steps * O.dt)) ** 2
+    return (case.place()[0] - start) * (seconds / (steps * O.dt)) ** 2
 
 
 def shaken():
@@ -126,8 +134,35 @@ def stack():
     return natural_period(20 * O.dt * np.arange(len(track)), np.array(track))
 
 
-def onset():
-    return rocking.onset("interior", stands)
+def onset(contacts, courses):
+    return rocking.onset(("interior", "corners")[int(contacts)], int(courses), stands)
+
+
+def fall_back(tilt):
+    """As rocking.fall_back, in YADE: a block of no strength is lifted off first, which breaks its bonds."""
+    layout = rocking.layout_of()
+    case = Case(layout, 0.5)
+    state = case.scene.states[0]
+    x, z, sag = rocking.tilted(layout, tilt)
+    state.pos += Vector3(0, 0, 1e-3)
+    case.run(3)
+    case.rest()
+    upright = state.ori  # now that the tips are on
+    round_tip = TIP * (1 - math.cos(tilt))  # what the tip, which is round, reaches lower than the corner
+    state.pos = Vector3(case.scene.start[0, 0] + x, 0, case.scene.start[0, 1] + z - sag + round_tip)
+    state.ori = Quaternion(Vector3(0, 1, 0), tilt) * upright
+    case.run(1)  # the members follow
+    case.rest()
+    case.field(0.0, GRAVITY)
+    turns = [-tilt]
+
+    def each(k):
+        turns.append(case.place()[2])
+        if turns[-1] >= 0:
+            O.pause()
+
+    case.run(round(2.0 / O.dt), each)
+    return (len(turns) - 2 - turns[-1] / (turns[-1] - turns[-2])) * O.dt
 
 
 def stands(layout, acceleration_g):
@@ -178,7 +213,7 @@ def _mover(case):
     return forces_after
 
 
-CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, onset, stack, cantilever)}
+CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, onset, fall_back, stack, cantilever)}
 
 
 def main():

@@ -53,6 +53,10 @@ class JointTracker:
         increment = np.where(stays_closed, plastic - self._plastic[joints], 0.0)
         mean_stress = (np.abs(tau) + np.abs(self._stress[joints])) / 2
         self.friction_energy += float(np.sum(mean_stress * np.abs(increment) * self.area[joints]))
+        # What shear a joint still held when it opens slides off, as its limit falls to nothing.
+        opens = is_open & ~self._open[joints]
+        held = np.where(opens, self._stress[joints] ** 2 / (2 * self.shear_stiffness[joints]), 0.0)
+        self.friction_energy += float(np.sum(held * self.area[joints]))
         limit = -opening * self.normal_stiffness[joints] * self.friction
         slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)
         self.at_limit[joints] |= slides | (np.abs(increment) > _SLIDES)

@@ -1,4 +1,4 @@
-"""Leave YADE with an exit status when a script is done, instead of at its prompt with status 0."""
+"""Run a script in YADE with nobody else at its prompt, and leave with an exit status instead of at that prompt."""
 
 import os
 import shutil
@@ -8,11 +8,15 @@ from pathlib import Path
 
 from yade import O
 
+from yade_scripts.servers import close_servers
+
 
 def run_and_leave(function):
-    """Call `function()` and end the process: with the status it returns (None is 0), or 1 if it raises."""
+    """Close YADE's servers, call `function()` and end the process: with the status it returns (None is 0), or 1 if it
+    raises."""
     status = 1
     try:
+        close_servers()
         status = function() or 0
     except Exception:
         traceback.print_exc()

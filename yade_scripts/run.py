@@ -26,6 +26,7 @@ def _run(make_wall, path):
 
         from damage.run.session import Backend, run_session
         from damage.wall.file import wall_of
+        from yade_scripts.shapes import BRICK_SHAPE
         from yade_scripts.solver import YadeSolver
         from yade_scripts.view import open_view
     except ImportError as error:
@@ -33,11 +34,24 @@ def _run(make_wall, path):
             raise
         print(f"error: {missing_library(error)}", file=sys.stderr)
         return EXIT_MISSING
-    backend = Backend("yade", {"yade": yade.config.version}, YadeSolver, Path(__file__).parent, _check, open_view)
+    print(f"YADE {yade.config.version}, bricks are {BRICK_SHAPE}", flush=True)
+    versions = {"yade": yade.config.version, "yade_bricks": BRICK_SHAPE}
+    backend = Backend("yade", versions, YadeSolver, Path(__file__).parent, _check, open_view)
     return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {path}")
 
 
 def _check(settings):
+    import yade
+
+    from yade_scripts.shapes import HAS_POLYHEDRA
+
     if settings.beta_s > 0:
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")
+    model = settings.model
+    if model.joints == "centres" and not HAS_POLYHEDRA:
+        raise InputError(f"--joints centres: needs polyhedra, which YADE {yade.config.version} was built without; "
+                         "expected --joints face here, or YADE of Debian 12")
+    if model.joints == "centres" and model.contacts != "interior":
+        raise InputError(f"--joints centres with --contacts {model.contacts}: cells have their contact points inside; "
+                         "expected --contacts interior, or --joints face")

@@ -5,6 +5,7 @@ import numpy as np
 from yade import O
 
 from damage.units import GRAVITY
+from damage.wall.layout import HEAD
 
 
 class SceneReader:
@@ -13,19 +14,40 @@ class SceneReader:
     def __init__(self, model):
         contacts, bodies = model.layout.contacts, model.layout.bodies
         self.model = model
-        # YADE sums the forces of a clump's cells only in its integrator, after these are read.
-        self.members = [[*O.bodies[clump].shape.members] for clump in model.clumps]
+        # YADE sums the forces of a clump's members only in its integrator, after these are read.
+        self.members = model.members
         self.states = [O.bodies[clump].state for clump in model.clumps]
         self.geometries = [bond.geom for bond in model.bonds]
         self.physics = [bond.phys for bond in model.bonds]
-        self.area, self.signs = contacts.area, model.signs
+        self.area, self.signs, self.bonded = contacts.area, model.signs, model.bonded
+        self.holding = list(range(model.layout.n_joints))  # joints whose bond has not broken
+        self._breaks_seen = 0
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
         self.shear_stiffness = contacts.shear_stiffness * contacts.area
         self.mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
         self.follows = np.ones_like(self.mass)  # 0 where a velocity is prescribed, whatever the force
         self.start = np.column_stack([bodies.x, bodies.z])
-        self.first_orientation = np.array([tuple(state.ori) for state in self.states])
-        self.vertical = contacts.kind == 1  # head joints slip along z, others along x
+        self.turning = model.turning
+        self.first_orientation = np.array([tuple(state.ori) for state in self.turning])
+        # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
+        self.handed = np.where(contacts.kind == HEAD, -1.0, 1.0)
+
+    def newly_broken(self):
+        """Joints whose bond broke since the last call: (m,) of int, or () while none does."""
+        breaks = self.model.law.nbTensCracks + self.model.law.nbShearCracks
+        if breaks == self._breaks_seen:
+            return ()
+        self._breaks_seen = breaks
+        broken = [joint for joint in self.holding if not self.physics[joint].isCohesive]
+        gone = set(broken)
+        self.holding = [joint for joint in self.holding if joint not in gone]
+        return np.array(broken, dtype=int)
+
+    def loosen(self, joint):
+        """Make of a broken bond the dry joint that it leaves."""
+        self.model.loosen(joint)
+        bond = self.model.bonds[joint]
+        self.geometries[joint], self.physics[joint] = bond.geom, bond.phys
 
     def motion(self, select=None):
         """Displacement and rotation (x towards z) since the wall was built: (n_bodies, 3).
@@ -34,7 +56,7 @@ class SceneReader:
         """
         select = range(len(self.states)) if select is None else select
         raw = np.array([(p[0], p[2], q[0], q[1], q[2], q[3]) for p, q in
-                        ((self.states[i].pos, self.states[i].ori) for i in select)]).reshape(-1, 6)
+                        ((self.states[i].pos, self.turning[i].ori) for i in select)]).reshape(-1, 6)
         x, y, z, w = raw[:, 2:].T
         x0, y0, z0, w0 = self.first_orientation[select].T
         # Quaternion now times the inverse of the first one: YADE's clumps start on permuted axes.
@@ -57,36 +79,44 @@ class SceneReader:
 
     def resultants(self):
         """Forces and moment of the contacts on every body: (n_bodies, 3) [N, N, N m]."""
-        return np.array([self._resultant(members, state.pos[0]) for members, state in zip(self.members, self.states)])
+        return np.array([self._resultant(members, state.pos[0], state.pos[2])
+                         for members, state in zip(self.members, self.states)])
 
     def contact_forces(self):
         """Size of the force in every contact (n_contacts,) [N]."""
         return np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
 
-    def _resultant(self, members, x_centre):
-        """Force along x and z [N] and moment [N m] of the contacts on a clump; rotations are small."""
+    def _resultant(self, members, x_centre, z_centre):
+        """Force along x and z [N] and moment from x towards z [N m] of the contacts on a clump."""
         along = upward = moment = 0.0
-        for cell in members:
-            force = O.forces.f(cell, True)
-            along += force[0]
-            upward += force[2]
-            moment += (O.bodies[cell].state.pos[0] - x_centre) * force[2] - O.forces.t(cell, True)[1]
+        for member in members:
+            force = O.forces.f(member, True)
+            if force[0] or force[2]:
+                along += force[0]
+                upward += force[2]
+                place = O.bodies[member].state.pos
+                moment += ((place[0] - x_centre) * force[2] - (place[2] - z_centre) * force[0]
+                           - O.forces.t(member, True)[1])
         return along, upward, moment
 
     def openings(self):
         """Normal opening of every contact [m], tension positive: (n_contacts,)."""
-        return np.array([p.initD - g.penetrationDepth for g, p in zip(self.geometries, self.physics)])
+        return np.array([(p.initD if bonded else 0.0) - g.penetrationDepth
+                         for g, p, bonded in zip(self.geometries, self.physics, self.bonded)])
 
     def opening_of(self, index):
         """Normal opening of one contact [m]."""
-        return self.physics[index].initD - self.geometries[index].penetrationDepth
+        rest = self.physics[index].initD if self.bonded[index] else 0.0
+        return rest - self.geometries[index].penetrationDepth
 
     def shear_stresses(self, select):
         """Shear stress on the second body's side [Pa] of the contacts `select`, signed like the
         shear displacement: (m,)."""
-        forces = [self.physics[i].shearForce for i in select]
-        along = np.array([f[2] if v else f[0] for f, v in zip(forces, self.vertical[select])])
-        return -along * self.signs[select] / self.area[select]
+        # The force lies in the plane: its share of the tangent, which is the normal turned by a right angle.
+        along = np.array([p.shearForce[0] * n[2] - p.shearForce[2] * n[0] for p, n in
+                          ((self.physics[i], self.geometries[i].normal) for i in select)])
+        # Turning the normal's sign turns the tangent's, so that YADE's order of the bodies plays no part.
+        return -along * self.handed[select] / self.area[select]
 
     def elastic_energy(self, broken):
         """Elastic energy of all bonds and of the dry contacts that they leave [J].
@@ -98,12 +128,10 @@ class SceneReader:
         acting[:len(broken)] |= ~broken
         acting[len(broken):] = True
         shear = np.array([p.shearForce.norm() for p in self.physics])
-        return 0.5 * float(np.sum(np.where(acting, self.normal_stiffness * opening**2, 0.0))
+        colliding = sum(p.normalForce.squaredNorm() / p.kn + p.shearForce.squaredNorm() / p.ks
+                        for p in (contact.phys for contact in self.model.collisions()))
+        return 0.5 * colliding + 0.5 * float(np.sum(np.where(acting, self.normal_stiffness * opening**2, 0.0))
                            + np.sum(shear**2 / self.shear_stiffness))
-
-    def still_bonded(self):
-        """Whether each joint's bond holds: (n_joints,)."""
-        return np.array([p.isCohesive for p in self.physics[:self.model.layout.n_joints]])
 
     def base_shear(self):
         """Horizontal force of the wall on the ground [N]."""

@@ -55,7 +55,8 @@ def parse_run(arguments, prog, solver):
     return RunSettings(
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
-        perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, out=parsed.out, overwrite=parsed.overwrite,
+        perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed,
+        past_collapse_s=getattr(parsed, "past_collapse", 0.0), out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, view=getattr(parsed, "view", False), command=" ".join([prog, *arguments]),
         model=model_of(parsed))
 
@@ -140,6 +141,8 @@ def _add_run(group, solver):
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     if solver == "yade":
+        group.add_argument("--past-collapse", type=float, default=0.0, metavar="S",
+                           help="follow the bricks for so long after the first one fell (default 0)")
         group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
 
 

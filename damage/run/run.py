@@ -104,7 +104,21 @@ class Run:
         finished = self._run_stages()
         self._write_events(self.solver.drain_events())
         self.writer.snapshot(self._last_s, self._motion(self._last))
+        if self.collapsed_at_s is not None and self.settings.past_collapse_s > 0:
+            return self._follow_the_fall()
         return finished or self.collapsed_at_s is not None
+
+    def _follow_the_fall(self):
+        """What becomes of the bricks after the first one fell: snapshots alone, since joints no longer say what a wall
+        is; True unless interrupted."""
+        solver, end = self.solver, self.collapsed_at_s + self.settings.past_collapse_s
+        solver.damp(**self._damping("motion"))
+        while self.time < end:
+            if not self.keep_going(self, self.time):
+                return False
+            solver.advance(SNAPSHOT_SAMPLES * self.sample_steps)
+            self.writer.snapshot(self.time, self._motion(solver.instant(self._base_now())))
+        return True
 
     def _run_stages(self):
         solver = self.solver

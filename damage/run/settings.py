@@ -44,8 +44,8 @@ class RunSettings:
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
-    by it the members of an ensemble differ; out: history file, None for a name of its own below `results/`; command:
-    what asked for it.
+    by it the members of an ensemble differ; past_collapse_s: how long bodies are followed after the first brick fell
+    [s]; out: history file, None for a name of its own below `results/`; command: what asked for it.
     """
 
     loading: object
@@ -59,6 +59,7 @@ class RunSettings:
     perturb_m: float = 0.0
     scatter: float = 0.0
     seed: int = 0
+    past_collapse_s: float = 0.0
     out: Path | None = None
     overwrite: bool = False
     pictures: bool = True
@@ -76,6 +77,7 @@ class RunSettings:
         check_range("--perturb [m]", self.perturb_m, 0, THRESHOLD)  # more is a visible crack by itself
         check_range("--scatter", self.scatter, 0, MOST_SCATTER)
         check_whole("--seed", self.seed, 0, MOST_SEED)
+        check_range("--past-collapse [s]", self.past_collapse_s, 0, LONGEST_S)
         if self.time_step_s is not None:
             check_range("--dt [s]", self.time_step_s, 1e-9, 1)
         self._check_motion()
@@ -113,7 +115,7 @@ class RunSettings:
         return {"loading": self.loading.as_dict(), "sequence": [float(factor) for factor in self.sequence],
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
                 "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m,
-                "scatter": self.scatter, "seed": self.seed,
+                "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,
                 "command": self.command}
 
 

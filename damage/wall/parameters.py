@@ -256,6 +256,7 @@ class ModelOptions:
     cells: contact points per half brick of a bed joint.
     contacts: where the points of a bed joint lie: "interior" of the cells, or at the "corners"
         (ends) of each overlap; head joints have one at mid-height, or one at each end.
+    joints: in YADE, a contact's normal is that of the "face", or the line between the "centres" of two cells.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law.
@@ -267,7 +268,9 @@ class ModelOptions:
                        tag="top-{top}")
     cells: int = _option(2, "contact points per half brick", metavar="N")
     contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
-                            solvers=("reference",), tag="{contacts}")
+                            tag="{contacts}")
+    joints: str = _option("face", "joints keep their face's normal, or lean with the centres of cells as before 0.2",
+                          choices=("face", "centres"), solvers=("yade",), tag="joints-{joints}")
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)

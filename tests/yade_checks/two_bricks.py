@@ -19,6 +19,7 @@ from damage.wall.layout import BED, lay_out
 from damage.wall.parameters import Wall
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import build
+from yade_scripts.scene import SceneReader
 
 STEP = 1e-6  # [s]; nothing is free to move, so any step will do
 
@@ -27,6 +28,7 @@ def drive(path):
     """Stresses (n_steps, 2) along one path."""
     layout = lay_out(Wall("pair", length=0.1125, height=0.15, precompression=0.0))
     model = build(layout, STEP)
+    scene = SceneReader(model)
     joint = np.flatnonzero((layout.contacts.kind == BED) & (layout.contacts.first >= 0))
     lower, upper = (O.bodies[clump].state for clump in model.clumps)
     lower.blockedDOFs = upper.blockedDOFs = "xyzXYZ"
@@ -39,7 +41,9 @@ def drive(path):
         O.step()  # moves at the step's end ...
         upper.vel = Vector3.Zero
         O.step()  # ... and feels it in the next
-        force = sum((model.bonds[j].phys.normalForce + model.bonds[j].phys.shearForce for j in joint),
+        for broken in scene.newly_broken():
+            scene.loosen(broken)
+        force = sum((model.signs[j] * (scene.physics[j].normalForce + scene.physics[j].shearForce) for j in joint),
                     Vector3.Zero)
         stresses.append((-force[2] / area, -force[0] / area))
     return np.array(stresses)

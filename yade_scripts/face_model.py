@@ -1,0 +1,274 @@
+"""Joints by face: rigid clumps, a bond for each contact point, and once it broke a point on a face.
+
+A bond joins two massless members that lie symmetrically on either side of the contact point, on the joint's normal.
+Its law is YADE's JCFpm (Scholtès & Donzé 2012, doi:10.1016/j.ijrmms.2012.03.011) without smooth joints, with the
+stiffness, strength and area of the joint.  While it holds, what slides is the joint's elasticity, micrometres on the
+75 mm between the members: so far the line between them is the face's normal.
+
+When a bond breaks, a tip and a face take its place: a sphere of 0.5 mm that touches the contact point from inside one
+brick, and the box of the other, by YADE's law of friction (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on
+both bricks in one and the same point.  The normal is the face's own, turns with its brick, and stays when the joint
+slides; the tip goes round a corner where it leaves the face.  Neighbouring contact points take turns in which brick
+has the face.
+"""
+
+from collections import Counter
+from dataclasses import dataclass
+from itertools import starmap
+
+import numpy as np
+import yade
+from yade import O, Vector3, utils
+
+from damage.wall.joint_law import friction_left, material_of
+from damage.wall.layout import GROUND, HEAD
+from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
+from yade_scripts.yade_wall import YadeWall, brick_color, joint_law, set_bond, set_clump
+
+TIP = 5e-4  # [m], radius: a tip that is pressed in deeper than this, by 33 MPa, would not know its face
+_POINT = 1e-3  # [m], radius of bond members, which plays no part
+_CORNER = 1e-3  # [m], radius of the spheres in the corners, by which loose bricks meet
+_INSET = 5e-4  # [m], their distance from the faces: bricks that are held by joints do not touch by them
+_MARGIN = 1e-2  # [m], a contact point closer to the end of a face than this has its tip on that brick
+_REACH = 3e-2  # [m], how far a face goes on where the contact point lies at the ends of both
+_COLLISION = 2e8  # [N/m], normal stiffness of loose bricks' contacts
+_COLLISION_SHEAR = 0.4  # [-], shear stiffness over the normal
+_GROUND = 10.0  # [m], how far the ground reaches beyond the wall
+_SEEN, _FACE = 1, 2  # bits of masks: what the collider sees; faces do not meet faces
+
+
+class FaceWall(YadeWall):
+    """A YadeWall that knows the tip and the face of each contact point that may break."""
+
+    def __init__(self, layout, parts, bonds, newton, law):
+        signs = np.array([1.0 if bond.id2 == second else -1.0
+                          for bond, (_, second) in zip(bonds, parts.ends)])
+        super().__init__(layout, parts.clumps, parts.members, bonds, signs, parts.ground, newton, law)
+        self.tips, self.faces = parts.tips, parts.faces
+        self.turning = [O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))]
+        self.friction = friction_left(True, material_of(layout.wall.joint))
+        self._material = parts.tip
+        self.corners = set()  # ids of the spheres in the bricks' corners
+
+    def loosen(self, joint):
+        """A tip on a face, with the shear force that the broken bond had left."""
+        bond, tip = self.bonds[joint], self.tips[joint]
+        sign = 1.0 if tip.is_second else -1.0
+        shear = self.signs[joint] * sign * bond.phys.shearForce
+        stiffness = bond.phys.kn, bond.phys.ks
+        O.interactions.erase(bond.id1, bond.id2)
+        point, = self._attach(tip.body, [_ball((tip.x, tip.z), TIP, self._material)])
+        contact = utils.createInteraction(self.faces[tip.face], point)
+        contact.phys.kn, contact.phys.ks = stiffness
+        contact.phys.tangensOfFrictionAngle = self.friction
+        contact.phys.shearForce = shear
+        self.bonds[joint], self.signs[joint], self.bonded[joint] = contact, sign, False
+
+    def arm(self):
+        """Spheres in the corners of all bricks and caps, which meet faces and each other."""
+        if self.corners:
+            return
+        bodies, inset = self.layout.bodies, _INSET + _CORNER
+        for body in range(len(bodies)):
+            half = bodies.length[body] / 2 - inset, bodies.height[body] / 2 - inset
+            balls = [_ball((bodies.x[body] + right * half[0], bodies.z[body] + up * half[1]), _CORNER, self._material)
+                     for right in (-1, 1) for up in (-1, 1)]
+            for ball in balls:
+                ball.bounded, ball.mask = True, _SEEN
+            self.corners.update(self._attach(body, balls))
+
+    def tidy(self):
+        for contact in self.collisions():
+            if contact.geom.penetrationDepth < 0:
+                O.interactions.erase(contact.id1, contact.id2)
+        for joint in np.flatnonzero(~self.bonded):
+            contact = self.bonds[joint]
+            # A face that goes on beyond its brick must not be met by one that comes back another way.
+            if self.tips[joint].face[1] != "box" and contact.isReal and contact.geom.penetrationDepth < -_REACH / 10:
+                O.interactions.erase(contact.id1, contact.id2)
+
+    def collisions(self):
+        """Contacts of loose bricks, in the making or over, too: YADE's interactions."""
+        if not self.corners:
+            return []
+        return [i for i in O.interactions if i.isReal and (i.id1 in self.corners or i.id2 in self.corners)]
+
+    def _attach(self, body, parts):
+        """Make parts, at their places in the wall as it was built, members of a brick wherever it is; their ids."""
+        bodies, brick = self.layout.bodies, self.turning[body]
+        start = Vector3(bodies.x[body], 0, bodies.z[body])
+        for part in parts:
+            part.state.pos = brick.pos + brick.ori * (part.state.pos - start)
+            part.state.ori = brick.ori
+        ids = [O.bodies.append(part) for part in parts]
+        state = O.bodies[self.clumps[body]].state
+        velocities = Vector3(state.vel), Vector3(state.angVel)
+        O.bodies.addToClump(ids, self.clumps[body])
+        # YADE has stopped the clump and reckoned mass and axes anew; axes play no part where all inertias are one.
+        state.vel, state.angVel = velocities
+        state.mass, state.inertia = bodies.mass[body], Vector3(1, 1, 1) * bodies.inertia[body]
+        self.members[body] += ids
+        return ids
+
+
+@dataclass(frozen=True)
+class _Tip:
+    """Centre x, z [m] of a contact point's tip as the wall was built; body that has it, whether that is the layout's
+    second; face: (body, kind) of the other side."""
+
+    x: float
+    z: float
+    body: int
+    is_second: bool
+    face: tuple
+
+
+def _ball(place, radius, material):
+    ball = utils.sphere((place[0], 0, place[1]), radius, material=material, color=(0.3, 0.3, 0.3))
+    ball.bounded = False
+    return ball
+
+
+def build_faces(layout):
+    """Build the model in YADE's empty scene; returns a FaceWall."""
+    ig2 = yade.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False)
+    bonding = yade.Ip2_JCFpmMat_JCFpmMat_JCFpmPhys(cohesiveTresholdIteration=1)
+    law = joint_law()
+    friction = yade.Law2_ScGeom_FrictPhys_CundallStrack(neverErase=True, sphericalBodies=False)
+    newton = yade.NewtonIntegrator(damping=0.0, gravity=(0, 0, 0), label="newton")
+    collider = yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), yade.Bo1_Box_Aabb()], verletDist=1e-4,
+                                          avoidSelfInteractionMask=_FACE)
+    loop = yade.InteractionLoop([ig2, yade.Ig2_Box_Sphere_ScGeom()], [bonding, yade.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                [law, friction])
+    O.engines = [yade.ForceResetter(), collider, loop, newton]
+    parts = _Parts(layout)
+    bonds = list(starmap(utils.createInteraction, parts.ends))
+    for index, bond in enumerate(bonds):
+        set_bond(bond.phys, layout, index)
+    bonding.cohesiveTresholdIteration = 0
+    return FaceWall(layout, parts, bonds, newton, law)
+
+
+class _Parts:
+    """Adds the bodies to YADE's scene.
+
+    clumps, members, ground: as in YadeWall; ends: ids of the members that each bond joins (n_contacts, 2);
+    tips: a _Tip for each contact point that may break; faces: {(body, kind): id} of the boxes; tip: material.
+    """
+
+    def __init__(self, layout):
+        self.layout = layout
+        self._add_materials()
+        self.ends = [[None, None] for _ in range(len(layout.contacts))]
+        self.tips = _tips(layout)
+        self.clumps, self.members, self.faces = [], [], {}
+        self._points = self._plan_points()
+        for body in range(len(layout.bodies)):
+            self._add_brick(body)
+        self._add_ground()
+
+    def _add_materials(self):
+        brick, joint = self.layout.wall.brick, self.layout.wall.joint
+        # YADE gives such a contact of radius R and modulus E the stiffness E R.
+        common = {"young": _COLLISION / _CORNER, "poisson": _COLLISION_SHEAR, "frictionAngle": joint.friction_angle}
+        materials = (yade.FrictMat(density=brick.density, label="brick", **common),
+                     yade.FrictMat(density=0.0, label="tip", **common),
+                     yade.JCFpmMat(density=0.0, young=1e9, poisson=0.3, frictionAngle=joint.friction_angle,
+                                   label="bond"))
+        self._solid, self.tip, self._bond = (O.materials[O.materials.append(one)] for one in materials)
+
+    def _plan_points(self):
+        """Of every body, the ground last, {(x, z, number): [(contact, side), ...]}: two points to a bond on the
+        joint's normal, as far before it as behind; bonds share points where they fall together."""
+        contacts, cells = self.layout.contacts, self.layout.cells
+        width = cells.right - cells.left
+        wanted, alike = [{} for _ in range(len(self.layout.bodies) + 1)], Counter()
+        for index in range(len(contacts)):
+            x, z = contacts.x[index], contacts.z[index]
+            # At corners two overlaps may end in one place; YADE keeps one bond between two members.
+            twin = contacts.first[index], contacts.second[index], round(x, 7), round(z, 7)
+            alike[twin] += 1
+            if contacts.kind[index] == HEAD:
+                dx, dz = min(width[contacts.first_cell[index]], width[contacts.second_cell[index]]) / 2, 0.0
+            else:
+                dx, dz = 0.0, self.layout.wall.brick.height / 2
+            for side, body in enumerate((contacts.first[index], contacts.second[index])):
+                sign = 2 * side - 1
+                key = round(x + sign * dx, 7), round(z + sign * dz, 7), alike[twin]
+                wanted[body].setdefault(key, []).append((index, side))
+        return wanted
+
+    def _add_points(self, body):
+        """Bodies of a brick's bond members."""
+        return [_ball(place[:2], _POINT, self._bond) for place in self._points[body]]
+
+    def _note(self, body, ids):
+        """Give the ids of a body's bond members to the contact points that they belong to."""
+        for identity, users in zip(ids, self._points[body].values()):
+            for index, side in users:
+                self.ends[index][side] = identity
+
+    def _box(self, centre, extents, color=(0.5, 0.5, 0.5), seen=True):
+        box = utils.box(centre, extents, material=self._solid if seen else self.tip, color=color, wire=not seen)
+        box.bounded = seen
+        box.mask = _SEEN | _FACE
+        return box
+
+    def _add_brick(self, body):
+        bodies, thickness = self.layout.bodies, self.layout.wall.brick.thickness
+        centre = float(bodies.x[body]), 0.0, float(bodies.z[body])
+        half = float(bodies.length[body]) / 2, thickness / 2, float(bodies.height[body]) / 2
+        color = brick_color(self.layout, body)
+        kinds = ["box", *sorted({tip.face[1] for tip in self.tips.values() if tip.face[0] == body} - {"box"})]
+        reach = {"box": (0, 0, 0), "bed": (_REACH, 0, 0), "head": (0, 0, _REACH)}
+        boxes = [self._box(centre, np.add(half, reach[kind]), color, seen=kind == "box") for kind in kinds]
+        points = self._add_points(body)
+        looks = [brick_shape(centre, half, self.tip, color)] if HAS_POLYHEDRA else []
+        clump, ids = O.bodies.appendClumped([*boxes, *points, *looks])
+        self.faces.update({(body, kind): identity for kind, identity in zip(kinds, ids)})
+        self._note(body, ids[len(boxes):])
+        self.clumps.append(clump)
+        self.members.append(list(ids[:len(boxes) + len(points)]))
+        set_clump(O.bodies[clump].state, bodies.mass[body], bodies.inertia[body])
+
+    def _add_ground(self):
+        wall, height = self.layout.wall, self.layout.wall.brick.height
+        box = self._box((wall.length / 2, 0, -height / 2),
+                        (wall.length / 2 + _GROUND, wall.brick.thickness / 2, height / 2), (0.4, 0.4, 0.4))
+        self.ground = []
+        for fixed in [box, *self._add_points(GROUND)]:
+            fixed.state.blockedDOFs = "xyzXYZ"
+            self.ground.append(O.bodies.append(fixed))
+        self.faces[GROUND, "box"] = self.ground[0]
+        self._note(GROUND, self.ground[1:])
+
+
+def _tips(layout):
+    """{contact point: _Tip} of all that may break."""
+    contacts = layout.contacts
+    found = {}
+    for index in range(layout.n_joints):
+        if np.isinf(contacts.tensile_strength[index]) and np.isinf(contacts.cohesion[index]):
+            continue
+        bodies = int(contacts.first[index]), int(contacts.second[index])
+        margins = [_margin(layout, body, index) for body in bodies]
+        if min(margins) > _MARGIN or abs(margins[0] - margins[1]) < 1e-6:
+            side = index % 2 if bodies[0] != GROUND else 1
+        else:
+            side = int(margins[0] > margins[1])  # the tip is where the face is nearer to its end
+        head = contacts.kind[index] == HEAD
+        kind = "box" if max(margins) > _MARGIN else "head" if head else "bed"
+        inwards = TIP if side else -TIP
+        found[index] = _Tip(float(contacts.x[index]) + inwards * head, float(contacts.z[index]) + inwards * (not head),
+                            bodies[side], bool(side), (bodies[1 - side], kind))
+    return found
+
+
+def _margin(layout, body, index):
+    """Distance of a contact point from the nearer end of the body's face [m]."""
+    contacts, bodies = layout.contacts, layout.bodies
+    if body == GROUND:
+        return _GROUND
+    if contacts.kind[index] == HEAD:
+        return bodies.height[body] / 2 - abs(contacts.z[index] - bodies.z[body])
+    return bodies.length[body] / 2 - abs(contacts.x[index] - bodies.x[body])
