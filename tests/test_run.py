@@ -1,5 +1,7 @@
 """The story of a run, told to a solver that only keeps its clock: stages, samples, ends, what is written of them."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -201,7 +203,8 @@ def session(tmp_path, capsys, monkeypatch):
             return Clockwork(layout, **clockwork)
 
         out = tmp_path / "run.h5"
-        status = run_session(Backend("reference", {}, make), lambda: small_layout().wall,
+        backend = Backend("reference", {}, make, Path(__file__).parent)
+        status = run_session(backend, __file__, lambda: small_layout().wall,
                              [*SHAKEN, *words, "--no-pictures", "--overwrite", "--out", str(out)], "test")
         return status, capsys.readouterr().err.splitlines(), read_history(out)
 

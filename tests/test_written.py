@@ -21,7 +21,8 @@ import damage
 SMALL = "benchmarks/small_wall.py"
 DAMAGE = (sys.executable, "-m", "damage")
 ALL_BUT_20_MB = """
-import mmap, sys
+import mmap, os, sys
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import damage.wall.modes, damage.wall.file
 from damage.__main__ import main
 from damage.memory import hold_buffers
