@@ -70,8 +70,10 @@ class History:
 
     @cached_property
     def model(self):
-        """The ModelOptions of the run; choices that are younger than the file have their defaults."""
-        return record_from(ModelOptions, self.parameters.get("model", {}))
+        """The ModelOptions of the run; choices that are younger than the file have their defaults, but for YADE's
+        joints, which leant before they kept their face."""
+        then = {"joints": "centres"} if self.solver == "yade" else {}
+        return record_from(ModelOptions, then | self.parameters.get("model", {}))
 
     @cached_property
     def masonry_wall(self):

@@ -158,7 +158,7 @@ def _create_file(path, overwrite):
         with _lock(path, fcntl.LOCK_EX):
             path.unlink()
     try:
-        return h5py.File(path, "x", libver="latest", userblock_size=HEAD_BYTES)
+        return h5py.File(path, "x", libver="v110", userblock_size=HEAD_BYTES)  # which Debian 12's HDF5 reads, too
     except FileExistsError:
         raise InputError(f"{path} exists now: another run began it at this moment; give another --out") from None
 
