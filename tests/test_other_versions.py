@@ -5,12 +5,14 @@ import shutil
 import subprocess
 import sys
 
+import h5py
 import pandas as pd
 import pytest
 from conftest import REPOSITORY
 
 from damage.history.head import read_head
 from damage.provenance import UNKNOWN, code_of, commit, file_origin, model_digest
+from damage.reference.session import run_reference
 
 STUDY = """
 name = "s"
@@ -123,3 +125,24 @@ def test_a_file_that_is_not_there_has_no_checksum(tmp_path):
     assert file_origin(tmp_path / "wall.py") == {"file": "wall.py", "sha256": (
         "dba36bffa5cab0f922d087a3aeb179f9d4e745df40b323e1b1471402848c8a3e")}
     assert file_origin(tmp_path / "none.py") == {"file": "none.py", "sha256": UNKNOWN}
+
+
+def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
+    """All that a run writes of its wall; when it ran and where it wrote differ."""
+    monkeypatch.chdir(REPOSITORY)
+    paths = [tmp_path / name for name in ("a.h5", "b.h5")]
+    for path in paths:
+        assert run_reference([*"benchmarks/small_wall.py --harmonic 0.06 0.6 --rest 0 --no-pictures --out".split(),
+                              str(path)]) == 0
+    first, second = map(contents, paths)
+    assert first.keys() == second.keys() and len(first) > 50
+    assert [name for name in first if first[name] != second[name]] == []
+
+
+def contents(path):
+    """{name: bytes} of all datasets of a history."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.update({name: item[()].tobytes()})
+                        if isinstance(item, h5py.Dataset) else None)
+    return found
