@@ -132,8 +132,8 @@ def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
     monkeypatch.chdir(REPOSITORY)
     paths = [tmp_path / name for name in ("a.h5", "b.h5")]
     for path in paths:
-        assert run_reference(["benchmarks/small_wall.py", "--harmonic", "0.06", "0.6", "--rest", "0", "--no-pictures", "--out",
-                              str(path)]) == 0
+        words = ["benchmarks/small_wall.py", "--harmonic", "0.06", "0.6", "--rest", "0", "--no-pictures"]
+        assert run_reference([*words, "--out", str(path)]) == 0
     first, second = map(contents, paths)
     assert first.keys() == second.keys() and len(first) > 50
     assert [name for name in first if first[name] != second[name]] == []
