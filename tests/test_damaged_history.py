@@ -153,6 +153,11 @@ def test_a_reader_that_crashes_is_an_error(files):
         in_a_child.apart(files[OLD], crash)
 
 
+def test_a_reader_that_cannot_send_what_it_read_is_an_error(files):
+    with pytest.raises(InputError, match="too little memory"):
+        in_a_child.apart(files[OLD], lambda path, believe: lambda: None)  # nothing that can be sent
+
+
 def test_a_reader_gets_no_more_memory_than_it_may_believe(files, monkeypatch):
     def greedy(path, believe):
         return len(np.ones(10_000_000))  # 80 MB
@@ -193,6 +198,8 @@ def test_a_live_history_is_read_apart_and_alike(tmp_path):
     (lambda file: file["run"].attrs.modify("height_m", -1.0), "attribute height_m of run is -1.0, expected a length"),
     (lambda file: file["run"].attrs.modify("parameters_json", "[1]"), "parameters are no table"),
     (lambda file: file["run"].attrs.modify("parameters_json", "{"), "Expecting property name"),
+    (replaced("run/status", np.zeros(7, "u1")), "run/status has the codes None, expected unfinished, complete"),
+    (replaced("run/collapsed_at_s", np.zeros(7)), r"run/collapsed_at_s has shape \(7,\), expected \(\)"),
     (put("series/drift_ratio", np.nan), "series/drift_ratio is nan in row 0"),
     (put("series/kinetic_energy_j", np.inf), "series/kinetic_energy_j is inf in row 0"),
     (put("frames/slip_m", np.nan), "slip_m is no number that can be in row 0"),

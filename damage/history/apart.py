@@ -41,7 +41,11 @@ def apart(path, read):
         raise InputError(f"{path} cannot be read: HDF5 found no end in {limit_s} s, it is damaged")
     if killed_by:
         raise InputError(f"{path} cannot be read: HDF5 crashes on it (signal {killed_by}), it is damaged")
-    found = pickle.loads(told)
+    try:
+        found = pickle.loads(told)
+    except Exception:  # the child found no memory to send what it had read
+        raise InputError(f"{path} cannot be read: too little memory for what it holds; give it more, or it is damaged"
+                         ) from None
     if isinstance(found, Exception):
         raise found
     return found

@@ -20,9 +20,12 @@ def check_structure(file):
     """
     _check_attributes(file)
     sizes, n_bytes = {}, 0
-    ended = "run" in file and _dataset(file, "run/status")[()] != 0
     for name, column in schema.RUN.items():
-        _check_type(f"run/{name}", _dataset(file, f"run/{name}"), column)
+        path = f"run/{name}"
+        dataset = _dataset(file, path)
+        _check_type(path, dataset, column)
+        _check_shape(path, dataset, (), sizes, ended=True)
+    ended = file["run/status"][()] != 0
     for group, columns in schema.TABLES.items():
         for name, column in columns.items():
             path = f"{group}/{name}"
