@@ -18,6 +18,9 @@ from damage.wall.parameters import ModelOptions
 CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
 """What counts as slipped, and what stands before a component's name in the columns for it."""
 
+WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default, str)}
+"""Columns that are words even where they look like numbers, as a lintel of "2" courses."""
+
 
 def made_by_words(table):
     """What made the runs of a table, in words, as far as it says so."""
@@ -133,7 +136,7 @@ def read_table(path, needed=()):
     Raises InputError where it cannot be read or lacks one of the needed columns.
     """
     try:
-        table = one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""]))
+        table = one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=WORDS))
     except (OSError, ValueError) as error:  # of the file, or of its text
         raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
                          "study, run it again with ./run_all.sh") from error

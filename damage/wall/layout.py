@@ -298,7 +298,10 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks, scatter):
     kind, first, second, first_cell, second_cell, x, z, length = (
         np.array(column) for column in zip(*rows))
     normal, shear = _effective_stiffness(wall, bodies, kind, first, second)
-    elastic = (kind == CAP) | _in_lintel(wall, options, kind, x, z)
+    head = kind == HEAD
+    middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
+    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie on the edges of its courses
+    elastic = (kind == CAP) | _in_lintel(wall, options, middle_x, middle_z)
     factors = _strength_factors(first, second, options.strength_cov, options.strength_seed)
     factors = factors * _strength_factors(first, second, *scatter)
     strengths = [np.where(elastic, np.inf, strength * factors)
@@ -381,24 +384,27 @@ def _strength_factors(first, second, variation, seed):
     return np.exp(spread * normal - spread**2 / 2)[number]
 
 
-def _in_lintel(wall, options, kind, x, z):
-    """Which joints lie strictly inside a lintel: in the courses over an opening, one brick of
-    bearing on each side; the bed joint under the bearing is not inside."""
-    inside = np.zeros(len(kind), dtype=bool)
-    if options.lintel == "none":
-        return inside
+def _in_lintel(wall, options, x, z):
+    """Which joints lie strictly inside a lintel: in the courses over an opening, or the lowest of them, one brick of
+    bearing on each side; the bed joints under the bearing and over the highest of these courses are not inside.
+
+    x, z: middles of the joints' parts between two bricks [m].
+    """
+    inside = np.zeros(len(x), dtype=bool)
     for opening in wall.openings:
-        bottom = wall.opening_courses(opening)[1] * wall.brick.height
-        top = _lintel_top(wall, opening)
+        bottom, top = _lintel_courses(wall, options.lintel, opening)
         inside |= ((x > opening.left - wall.brick.length + _TINY)
                    & (x < opening.right + wall.brick.length - _TINY)
-                   & (z > bottom + _TINY) & (z < top - _TINY))
-    return inside & (kind != CAP)
+                   & (z > bottom * wall.brick.height + _TINY) & (z < top * wall.brick.height - _TINY))
+    return inside
 
 
-def _lintel_top(wall, opening):
-    """The sill of the next opening above, or the wall's top [m]."""
+def _lintel_courses(wall, lintel, opening):
+    """The first course of an opening's lintel and the first above it: up to the sill of the next opening above, or to
+    the wall's top, unless `lintel` (of ModelOptions) says fewer."""
     above = wall.opening_courses(opening)[1]
     sills = [wall.opening_courses(other)[0] for other in wall.openings
              if other.left < opening.right and other.right > opening.left]
-    return min([sill for sill in sills if sill >= above] + [wall.courses]) * wall.brick.height
+    top = min([sill for sill in sills if sill >= above] + [wall.courses])
+    most = {"elastic": wall.courses, "none": 0}.get(lintel)
+    return above, min(top, above + (int(lintel) if most is None else most))

@@ -250,7 +250,8 @@ def _option(default, help_, **more):
 class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
 
-    lintel: "elastic" keeps the joints of the courses over an opening elastic, "none" lets them break.
+    lintel: "elastic" keeps the joints of all courses over an opening elastic, "none" lets them break; a number, those
+        of so many of the lowest courses (as a word: 2 becomes "2", 0 becomes "none").
     top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
         the top course, or is one rigid "beam".
     cells: contact points per half brick of a bed joint.
@@ -262,8 +263,8 @@ class ModelOptions:
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law.
     """
 
-    lintel: str = _option("elastic", "joints over an opening stay elastic, or break like any other",
-                          choices=("elastic", "none"), tag="lintel-{lintel}")
+    lintel: str = _option("elastic", "joints over an opening stay elastic, or break like any other, or those of the N "
+                          "lowest courses stay elastic", metavar="elastic|none|N", tag="lintel-{lintel}")
     top: str = _option("piers", "where the precompression's mass sits", choices=("piers", "uniform", "beam"),
                        tag="top-{top}")
     cells: int = _option(2, "contact points per half brick", metavar="N")
@@ -281,6 +282,7 @@ class ModelOptions:
         for one in fields(self):
             if one.metadata["choices"]:
                 check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
+        object.__setattr__(self, "lintel", _lintel_word(self.lintel))
         check_whole("cells", self.cells, 1, 16)
         check_range("strength_cov", self.strength_cov, 0, 2)
         check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
@@ -290,6 +292,22 @@ class ModelOptions:
         """What tells this model from the default in a file's name, a list of words."""
         return [one.metadata["tag"].format(**asdict(self)) for one in fields(self)
                 if one.metadata["tag"] and getattr(self, one.name) != one.default]
+
+
+def _lintel_word(lintel):
+    """"elastic", "none", or a number of courses as its shortest word; 0 is "none", so that equal models are called so.
+
+    >>> _lintel_word(2), _lintel_word("02"), _lintel_word(0), _lintel_word("elastic")
+    ('2', '2', 'none', 'elastic')
+    """
+    if lintel in ("elastic", "none"):
+        return lintel
+    try:
+        check_whole("lintel", int(lintel) if isinstance(lintel, str) else lintel, 0, MOST_BRICKS)
+    except (InputError, ValueError) as error:
+        raise InputError(f"lintel = {lintel!r}: expected elastic, none, or how many courses stay elastic, 0 to "
+                         f"{MOST_BRICKS}; choose one of them") from error
+    return str(int(lintel)) if int(lintel) else "none"
 
 
 USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]}
