@@ -74,7 +74,7 @@ RECORDED = Recorded(read_record(shipped_record_path("BGAR_HGE")), scale=2.0, win
 @pytest.mark.parametrize("loading", LOADINGS, ids=lambda loading: loading.name)
 def test_a_history_gives_its_records_back(tmp_path, loading):
     wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),), brick=Brick(density=2000.0))
-    model = ModelOptions(lintel="none", cells=3)
+    model = ModelOptions(lintel=2, load="piers", cells=3)
     settings = RunSettings(loading, model, sequence=(1.0, 0.5), command="yade w.py")
     HistoryWriter(tmp_path / "a.h5", lay_out(wall, model), solver="yade", versions={},
                   parameters={"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": 2e-5}).finish("complete")

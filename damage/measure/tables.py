@@ -5,7 +5,6 @@ sequence _shocks.csv, and STEM_info.json, which says what made them; `python3 -m
 --out FILE.csv` one row a history.
 """
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.files import whole_or_nothing, write_text
+from damage.files import json_text, whole_or_nothing, write_text
 from damage.history.info import info, made_by
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
@@ -128,7 +127,7 @@ def write_run_tables(history, stem, names=RUN_TABLES):
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
     if history.series["shock"].iloc[-1] == 1:
         names = [name for name in names if name != "shocks"]
-    return [write_text(f"{stem}_info.json", json.dumps(info(history), indent=1)),
+    return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
             *(write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names)]
 
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
+from damage.units import GRAVITY
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.parameters import ModelOptions, Wall
 
@@ -92,7 +93,7 @@ class Layout:
 
     n_joints: the first n_joints contacts are joints, the rest is the caps' glue.
     drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
-    piers: (left, right) [m] of each pier.
+    piers: (left, right) [m] of each pier, the parts of the length that carry the top.
     fibres: of the contacts where `options` ask for them, else None.
     """
 
@@ -123,6 +124,16 @@ class Layout:
     def pushed_height(self):
         """Height of their centres [m]."""
         return float(self.bodies.z[self.pushed_bodies].mean())
+
+    @property
+    def top_mass(self):
+        """Mass of the precompression [kg]."""
+        return _top_mass(self.wall, self.options, self.piers)
+
+    @property
+    def pier_stress(self):
+        """Vertical stress in the piers by that mass [Pa], without the bricks above."""
+        return self.top_mass * GRAVITY / (_length(self.piers) * self.wall.brick.thickness)
 
     @property
     def total_mass(self):
@@ -194,15 +205,40 @@ def _lay_segment(wall, course, left, right):
 
 
 def _find_piers(wall):
-    """The parts of the wall's length that no opening takes, left to right."""
+    """What carries the top: the parts of the length where no opening of the top storey stands, left to right."""
     piers, start = [], 0.0
-    for opening in sorted(wall.openings, key=lambda o: o.left):
+    for opening in sorted(_top_storey(wall), key=lambda o: o.left):
         if opening.left > start + _TINY:
             piers.append((start, opening.left))
         start = max(start, opening.right)
     if start < wall.length - _TINY:
         piers.append((start, wall.length))
     return tuple(piers)
+
+
+def _top_storey(wall):
+    """The openings between the top and the first full course below an opening.
+
+    Over those farther down stands a pier, or a full course and all above it, which carry.
+    """
+    storey, sill = [], 0
+    for opening in sorted(wall.openings, key=lambda o: -wall.opening_courses(o)[1]):
+        first, above = wall.opening_courses(opening)
+        if storey and above < sill:
+            break
+        sill = min(sill, first) if storey else first
+        storey.append(opening)
+    return storey
+
+
+def _length(spans):
+    """Length of all spans (left, right) together [m]."""
+    return sum(right - left for left, right in spans)
+
+
+def _top_mass(wall, options, piers):
+    """Mass of the precompression over the length, or over the piers [kg]."""
+    return wall.top_mass * (_length(piers) / wall.length if options.load == "piers" else 1.0)
 
 
 def _make_bodies(wall, options, courses, piers):
@@ -215,26 +251,27 @@ def _make_bodies(wall, options, courses, piers):
     inertia = mass * (length**2 + height**2) / 12
     bricks = Bodies(edges.mean(axis=1), (course + 0.5) * height, length,
                     np.full(len(length), height), mass, inertia, course)
-    if wall.top_mass == 0:
+    top_mass = _top_mass(wall, options, piers)
+    if top_mass == 0:
         return bricks, len(bricks)
     if options.top == "uniform":
-        return _with_spread_mass(bricks, wall), len(bricks)
+        return _with_spread_mass(bricks, wall, top_mass), len(bricks)
     spans = piers if options.top == "piers" else ((0.0, wall.length),)
-    return _with_caps(bricks, wall, np.array(spans)), len(bricks)
+    return _with_caps(bricks, wall, np.array(spans), top_mass), len(bricks)
 
 
-def _with_spread_mass(bricks, wall):
+def _with_spread_mass(bricks, wall, top_mass):
     """The top mass added to the top course in proportion to length, inertia growing with mass."""
     top = bricks.course == wall.courses - 1
-    factor = np.where(top, 1 + wall.top_mass * bricks.length / wall.length / bricks.mass, 1.0)
+    factor = np.where(top, 1 + top_mass * bricks.length / wall.length / bricks.mass, 1.0)
     return Bodies(bricks.x, bricks.z, bricks.length, bricks.height,
                   bricks.mass * factor, bricks.inertia * factor, bricks.course)
 
 
-def _with_caps(bricks, wall, spans):
+def _with_caps(bricks, wall, spans, top_mass):
     """One rigid cap a span, mass shared by length, I = m (w^2 + h^2) / 12."""
     width = spans[:, 1] - spans[:, 0]
-    mass = wall.top_mass * width / width.sum()
+    mass = top_mass * width / width.sum()
     n = len(width)
     return Bodies(
         x=np.append(bricks.x, spans.mean(axis=1)),
@@ -342,7 +379,8 @@ def _head_pairs(bodies, n_bricks, cells):
 
 
 def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
-    """Contact points of one pair of facing cells, one in the middle or two at the ends."""
+    """Contact points of one pair of facing cells, one in the middle or two at the ends; of a cap's glue one in the
+    middle of each cell, or two under a cap of a single cell."""
     second = cells.body[second_cell]
     first = GROUND if first_cell == GROUND else cells.body[first_cell]
     bottom = bodies.z[second] - bodies.height[second] / 2
@@ -352,7 +390,8 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
     end = start + along
     length = float(np.sum(end - start))
     head = (kind, first, second, first_cell, second_cell)
-    if options.contacts == "interior" or kind == CAP:
+    hinge = kind == CAP and np.count_nonzero(cells.body == second) == 1  # on one point a cap could turn freely
+    if (options.contacts == "interior" or kind == CAP) and not hinge:
         return [(*head, *((start + end) / 2), length)]
     return [(*head, *start, length / 2), (*head, *end, length / 2)]
 

@@ -138,7 +138,8 @@ class Wall:
 
     name: short, used in file names.
     length, height [m]: the height is built in whole courses (the nearest number of them).
-    precompression [Pa]: vertical stress at the top, carried as mass and its weight.
+    precompression [Pa]: vertical stress at the top, carried as mass and its weight; over the whole length, or in the
+        piers alone, as `ModelOptions.load` says.
     base_course: the base course starts on the left with a "whole" or a "half" brick.
     """
 
@@ -180,7 +181,7 @@ class Wall:
 
     @property
     def top_mass(self):
-        """Mass that carries the precompression [kg]: sigma * length * thickness / g."""
+        """Mass of the precompression over the whole length [kg]: sigma * length * thickness / g."""
         return self.precompression * self.length * self.brick.thickness / GRAVITY
 
     def opening_courses(self, opening):
@@ -254,6 +255,8 @@ class ModelOptions:
         of so many of the lowest courses (as a word: 2 becomes "2", 0 becomes "none").
     top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
         the top course, or is one rigid "beam".
+    load: that mass is the precompression over the wall's whole "length", so that the piers beside openings have more,
+        or over its "piers" alone, which then have just that stress.
     cells: contact points per half brick of a bed joint.
     contacts: where the points of a bed joint lie: "interior" of the cells, or at the "corners"
         (ends) of each overlap; head joints have one at mid-height, or one at each end.
@@ -267,6 +270,8 @@ class ModelOptions:
                           "lowest courses stay elastic", metavar="elastic|none|N", tag="lintel-{lintel}")
     top: str = _option("piers", "where the precompression's mass sits", choices=("piers", "uniform", "beam"),
                        tag="top-{top}")
+    load: str = _option("length", "the precompression is the stress over the whole length, or in the piers",
+                        choices=("length", "piers"), tag="load-{load}")
     cells: int = _option(2, "contact points per half brick", metavar="N")
     contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
                             tag="{contacts}")
