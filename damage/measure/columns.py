@@ -42,6 +42,7 @@ PARAMETERS = {
     "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
     "motion_period_s, amplitude_g": Column("s, g", "of a harmonic motion"),
     "cycles": Column("1", "of a harmonic motion, or at each drift of a pushed top"),
+    "speed_m_s": Column("m/s", "of a pushed top"),
     "scale": Column("1", "factor on the record"),
     "window_start_s, window_end_s": Column("s", "part of the record that was used"),
     "vertical": Column("1", "1 with the record's vertical component, else 0"),

@@ -57,8 +57,9 @@ def _motion_columns(history):
         pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
     return {"record": told.get("horizontal", {}).get("record"), "pga_g": pga_g,
             "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, "motion_period_s": told.get("period_s"),
-            **{name: told.get(name) for name in ("amplitude_g", "cycles", "scale")}, "window_start_s": start,
-            "window_end_s": end, "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
+            **{name: told.get(name) for name in ("amplitude_g", "cycles", "speed_m_s", "scale")},
+            "window_start_s": start, "window_end_s": end,
+            "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
             "motion_duration_s": told.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
 
 

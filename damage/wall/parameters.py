@@ -266,8 +266,8 @@ class ModelOptions:
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law.
     """
 
-    lintel: str = _option("elastic", "joints over an opening stay elastic, or break like any other, or those of the N "
-                          "lowest courses stay elastic", metavar="elastic|none|N", tag="lintel-{lintel}")
+    lintel: str = _option("elastic", "joints over an opening are elastic, or break like any other (none), or are "
+                          "elastic in the N lowest courses", metavar="elastic|none|N", tag="lintel-{lintel}")
     top: str = _option("piers", "where the precompression's mass sits", choices=("piers", "uniform", "beam"),
                        tag="top-{top}")
     load: str = _option("length", "the precompression is the stress over the whole length, or in the piers",
