@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
+from damage.wall.caps import describe_top
 from damage.wall.layout import BED, CAP, GROUND, HEAD, lay_out
 from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
 
@@ -79,6 +80,18 @@ def test_the_load_on_piers_is_the_precompression_in_them(symmetric_wall, top):
     area = 2 * 4.5 * BRICK * 0.1025  # of the piers, half of the wall's
     assert_allclose((on_piers.total_mass - bricks) * 9.81, 0.3e6 * area, rtol=1e-12)
     assert_allclose((on_length.total_mass - bricks) * 9.81, 0.6e6 * area, rtol=1e-12)
+
+
+def test_caps_and_stresses_are_told(symmetric_wall):
+    top, left, right = describe_top(lay_out(symmetric_wall))
+    assert "0.3 MPa over its length" in top and "0.6 MPa in what carries it" in top
+    assert left == "cap from x = 0 to 1.0125 m (1.0125 m): 6.35 t, 0.6 MPa under it"
+    assert right.startswith("cap from x = 3.0375 to 4.05 m")
+    [spread] = describe_top(lay_out(symmetric_wall, ModelOptions(top="uniform", load="piers")))
+    assert "0.3 MPa over its piers alone" in spread and "0.3 MPa in what carries it" in spread
+    _, beam = describe_top(lay_out(symmetric_wall, ModelOptions(top="beam")))
+    assert "x = 0 to 4.05 m" in beam and "0.3 MPa under it" in beam  # and 0.6 MPa in the piers below
+    assert describe_top(lay_out(Wall("bare", 0.9, 0.45, precompression=0.0))) == ["no mass on top: no precompression"]
 
 
 def test_a_cap_on_half_a_brick_stands_on_two_points():

@@ -1,11 +1,14 @@
 """Natural modes against closed forms, and the periods of the three walls."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
+from damage.__main__ import main
 from damage.errors import InputError
 from damage.wall.kinematics import ContactKinematics
 from damage.wall.layout import lay_out
@@ -61,6 +64,13 @@ HALF_BRICK_PIER = Wall("half", 2.025, 1.2, (Opening(0.1125, 0.9, 0.75),))
 def test_a_half_brick_pier_with_its_cap_vibrates(options):
     period_s = natural_modes(lay_out(HALF_BRICK_PIER, ModelOptions(**options))).period_s
     assert period_s[0] == pytest.approx(0.067, rel=0.04)  # 0.0647 to 0.0682 s; with the cap on a hinge 1e6 s
+
+
+def test_the_command_tells_periods_and_stress_as_json(capsys):
+    assert main(["modes", str(REPOSITORY / "walls/symmetric.py"), "--json", "--load", "piers"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["pier_stress_pa"] == pytest.approx(0.3e6)
+    assert told["period_s"][0] == pytest.approx(0.1436, abs=5e-5)  # about 1 / sqrt(2) of 0.2003 s: half of the mass
 
 
 def test_half_bricks_on_one_point_each_can_turn_and_are_refused():

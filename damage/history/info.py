@@ -65,9 +65,8 @@ def info(history):
 
 
 def _caps(history):
-    bodies = history.bodies[history.bodies["course"] == -1]
-    thickness = history.parameters.get("wall", {}).get("brick", {}).get("thickness")
-    return caps(bodies["x_m"], bodies["length_m"], bodies["mass_kg"], thickness) if thickness else []
+    bodies, joint = history.bodies[history.bodies["course"] == -1], history.joints.iloc[0]
+    return caps(bodies["x_m"], bodies["length_m"], bodies["mass_kg"], joint["area_m2"] / joint["length_m"])
 
 
 def describe(told):
