@@ -65,8 +65,9 @@ def info(history):
 
 
 def _caps(history):
-    bodies, joint = history.bodies[history.bodies["course"] == -1], history.joints.iloc[0]
-    return caps(bodies["x_m"], bodies["length_m"], bodies["mass_kg"], joint["area_m2"] / joint["length_m"])
+    bodies, joints = history.bodies[history.bodies["course"] == -1], history.joints
+    thickness = joints["area_m2"].sum() / joints["length_m"].sum() if len(joints) else float("inf")
+    return caps(bodies["x_m"], bodies["length_m"], bodies["mass_kg"], thickness)
 
 
 def describe(told):
