@@ -1,6 +1,6 @@
 """The first 512 bytes of a history, before HDF5's own (its user block): what made the file, and a seal on the rest.
 
-    masonry-damage-history 2
+    masonry-damage-history 3
     software 0.2.0
     model reference 6b1f0c9a52e4
     sealed sha256 5891b5b522d5df08... of 412345 bytes
@@ -17,14 +17,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from damage.errors import InputError
+from damage.history.schema import SCHEMA, SCHEMA_VERSION
 from damage.provenance import UNKNOWN
 
 HEAD_BYTES = 512  # the least that HDF5 allows
-_FIRST = "masonry-damage-history 2"
-_LINES = re.compile(_FIRST + r"\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
+_FIRST = f"{SCHEMA} {SCHEMA_VERSION}"
+_LINES = re.compile(rf"{SCHEMA} (?:2|{SCHEMA_VERSION})" + r"\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
                     r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*")
 HDF5 = b"\x89HDF\r\n\x1a\n"
-_LATER = re.compile(rb"masonry-damage-history (\d+)\n")
+_NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")
 
 
 @dataclass(frozen=True)
@@ -73,12 +74,13 @@ def read_head(path):
         raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a history (.h5)") from error
     if block.startswith(HDF5):
         return None
-    later = _LATER.match(block)
-    if later and int(later[1]) > 2:
-        raise InputError(f"{path} has schema version {int(later[1])}, this software reads up to 2; update the software")
+    version = _NUMBER.match(block)
+    if version and int(version[1]) > SCHEMA_VERSION:
+        raise InputError(f"{path} has schema version {int(version[1])}, this software reads up to {SCHEMA_VERSION}; "
+                         "update the software")
     found = _LINES.fullmatch(block.decode("ascii", errors="replace"))
     if not found or len(block) < HEAD_BYTES:
-        what = "its first 512 bytes are damaged" if later else "it begins otherwise"
+        what = "its first 512 bytes are damaged" if version else "it begins otherwise"
         raise InputError(f"{path} cannot be read as a history ({what}); expected a file that a run wrote")
     software, model, sha256, n_bytes = found.groups()
     return Head(software, model, sha256, n_bytes and int(n_bytes))

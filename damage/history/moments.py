@@ -54,7 +54,7 @@ def nearest_snapshot(history, time_s):
 def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
     """Index into STATES of every joint at a sample, (n_joints,), by the criteria of the index."""
     opened = history.opening_m[sample] > threshold
-    slipped = history.at_limit[sample] if slip == "shear-limit" else np.abs(history.slip_m[sample]) > threshold
+    slipped = history.at_limit[sample] if slip == "shear-limit" else np.abs(history.slip_by(slip)[sample]) > threshold
     return state_codes(opened, slipped, history.broken[sample])
 
 

@@ -30,7 +30,8 @@ STATEMENTS = {
 }
 SOLVER_NAMES = {"yade": "YADE", "reference": "reference solver"}
 _LINTELS = {"elastic": "elastic lintel", "none": "no lintel"}
-_SLIPS = {"displacement": "slip by displacement", "shear-limit": "slip by shear limit"}
+_SLIPS = {"displacement": "slip by displacement", "accumulated": "slip accumulated",
+          "shear-limit": "slip by shear limit"}
 BEGIN, END = "<!-- paper verdict: begin, written by python3 -m damage paper -->", "<!-- paper verdict: end -->"
 
 
@@ -53,7 +54,7 @@ def merged(findings):
 def _variants(pairs):
     """Words for a set of (lintel, slip criterion).
 
-    >>> _variants({("elastic", "displacement"), ("elastic", "shear-limit")})
+    >>> _variants({("elastic", "displacement"), ("elastic", "accumulated"), ("elastic", "shear-limit")})
     'elastic lintel'
     >>> _variants({("elastic", "displacement"), ("none", "displacement")})
     'slip by displacement'
@@ -83,17 +84,24 @@ def describe(findings):
         lines.append(f"     paper: {claim.paper}; holds if {claim.criterion}")
         lines += [f"     {verdict:17s}{solver:11s}{variants}: {value}"
                   for solver, variants, value, verdict in merged(members)]
-    return "\n".join([*lines, "", *_counts(findings)])
+    return "\n".join([*lines, "", *_counts(findings), *_without_offsets(findings)])
+
+
+def _without_offsets(findings):
+    """A line on the runs whose slip by displacement is judged by accumulated, where there are any."""
+    runs = {finding.solver: finding.without_offsets for finding in findings if finding.without_offsets}
+    return [f"{SOLVER_NAMES[solver]}: {number} runs were made before histories had offsets of the joints; their slip "
+            "by displacement is judged by accumulated" for solver, number in runs.items()]
 
 
 def _counts(findings):
-    """How many claims hold, a line a solver and lintel; a claim holds if it does by either slip criterion."""
+    """How many claims hold, a line a solver and lintel; a claim holds if it does by any slip criterion."""
     lines = []
     for solver, lintel in _told(findings, "solver", "lintel"):
         mine = [finding for finding in findings if (finding.solver, finding.lintel) == (solver, lintel)]
         best = [min((finding.verdict for finding in members), key=(HOLDS, DIFFERS, UNJUDGED).index)
                 for _, members in _by(mine, "claim")]
-        lines.append(f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}: {best.count(HOLDS)} claims hold by either slip "
+        lines.append(f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}: {best.count(HOLDS)} claims hold by any slip "
                      f"criterion, {best.count(DIFFERS)} differ, {best.count(UNJUDGED)} cannot be judged")
     return lines
 
@@ -147,8 +155,9 @@ stand in `damage/paper/criteria.py`, each with its reason, and were fixed before
 differs from the paper's, which stood. Where the results differ, `docs/underdetermined.md` says what in the model the
 paper leaves open and how much it matters. The Huizinge motion is a synthetic stand-in for the record.
 
-A statement holds (differs) when all (none) of its claims that could be judged hold; otherwise it says how many do. Two
-outcomes with a stroke between: slip by displacement / slip by the shear limit."""
+A statement holds (differs) when all (none) of its claims that could be judged hold; otherwise it says how many do.
+Three outcomes with strokes between: slip by displacement / accumulated / by the shear limit, which `docs/choices.md`
+defines."""
 
 
 def overview(findings):
@@ -158,15 +167,23 @@ def overview(findings):
         f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}" for solver, lintel in heads) + " |",
         "| --- " * (2 + len(heads)) + "|"]
     for statement, members in _by(findings, "claim.statement"):
-        cells = [" / ".join(dict.fromkeys(_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS))
-                 for solver, lintel in heads]
+        cells = [_cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS]) for solver, lintel in heads]
         lines.append(f"| {statement} | {STATEMENTS[statement]} | " + " | ".join(cells) + " |")
     return lines
 
 
+def _cell(outcomes):
+    """One outcome where all are the same, or each in the order of the criteria.
+
+    >>> _cell(["holds", "holds", "differs"]), _cell(["holds"] * 3)
+    ('holds / holds / differs', 'holds')
+    """
+    return " / ".join(outcomes if len(set(outcomes)) > 1 else outcomes[:1])
+
+
 def _tallies(findings):
     """How many claims hold, as items of a Markdown list: a line a column of the overview."""
-    return [f"- {line}" for line in _counts(findings)]
+    return [f"- {line}" for line in (*_counts(findings), *_without_offsets(findings))]
 
 
 def _short(findings):

@@ -34,6 +34,9 @@ class Finding:
     slip: str
     value: str
     verdict: str
+    without_offsets: int = 0
+    """How many of the solver's runs were made before histories had offsets, and are judged by `accumulated` where
+    `displacement` is asked for."""
 
 
 def judge(folder):
@@ -60,7 +63,8 @@ def _finding(claim, solver, evidence):
         value, verdict = str(fell), DIFFERS
     except NotThere as missing:
         value, verdict = str(missing), UNJUDGED
-    return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict)
+    return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict,
+                   int((evidence.runs["slip"] == "accumulated").sum()))
 
 
 def statement_verdict(findings):
