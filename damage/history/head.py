@@ -13,7 +13,7 @@ byte in a file that grows, and crashes on another.  A file of schema version 1 h
 import hashlib
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from damage.errors import InputError
@@ -21,8 +21,7 @@ from damage.history.schema import SCHEMA, SCHEMA_VERSION
 from damage.provenance import UNKNOWN
 
 HEAD_BYTES = 512  # the least that HDF5 allows
-_FIRST = f"{SCHEMA} {SCHEMA_VERSION}"
-_LINES = re.compile(rf"{SCHEMA} (?:2|{SCHEMA_VERSION})" + r"\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
+_LINES = re.compile(SCHEMA + r" ([23])\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
                     r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*")
 HDF5 = b"\x89HDF\r\n\x1a\n"
 _NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")
@@ -30,12 +29,14 @@ _NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")
 
 @dataclass(frozen=True)
 class Head:
-    """software, model: what made the file, in words; sha256, n_bytes: of what follows the block, None while open."""
+    """software, model: what made the file, in words; sha256, n_bytes: of what follows the block, None while open;
+    version: of the schema."""
 
     software: str
     model: str
     sha256: str | None = None
     n_bytes: int | None = None
+    version: int = SCHEMA_VERSION
 
     @property
     def sealed(self):
@@ -45,7 +46,8 @@ class Head:
     def as_bytes(self):
         """The block itself."""
         end = f"sealed sha256 {self.sha256} of {self.n_bytes} bytes" if self.sealed else "open"
-        return f"{_FIRST}\nsoftware {self.software}\nmodel {self.model}\n{end}\n".encode().ljust(HEAD_BYTES, b"\0")
+        lines = f"{SCHEMA} {self.version}", f"software {self.software}", f"model {self.model}", end
+        return "".join(f"{line}\n" for line in lines).encode().ljust(HEAD_BYTES, b"\0")
 
 
 def head_of(solver, versions):
@@ -61,8 +63,8 @@ def write_head(path, head):
 
 def seal(path):
     """Vouch for a history that is closed: its bytes are to stay what they are now."""
-    head = read_head(path)
-    write_head(path, Head(head.software, head.model, *_digest(path)))
+    sha256, n_bytes = _digest(path)
+    write_head(path, replace(read_head(path), sha256=sha256, n_bytes=n_bytes))
 
 
 def read_head(path):
@@ -82,8 +84,8 @@ def read_head(path):
     if not found or len(block) < HEAD_BYTES:
         what = "its first 512 bytes are damaged" if version else "it begins otherwise"
         raise InputError(f"{path} cannot be read as a history ({what}); expected a file that a run wrote")
-    software, model, sha256, n_bytes = found.groups()
-    return Head(software, model, sha256, n_bytes and int(n_bytes))
+    version, software, model, sha256, n_bytes = found.groups()
+    return Head(software, model, sha256, n_bytes and int(n_bytes), int(version))
 
 
 def check_seal(path, head):

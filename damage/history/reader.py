@@ -193,6 +193,9 @@ def _check_schema(file, path):
     if version > SCHEMA_VERSION:
         raise InputError(f"{path} has schema version {version}, this software reads up to "
                          f"{SCHEMA_VERSION}; update the software")
+    head = read_head(path)
+    if (head.version if head else 1) != version:
+        raise InputError(f"its head names another schema version than {version}, which the rest of it has")
 
 
 def _read(file, path):

@@ -60,6 +60,7 @@ PARAMETERS = {
     "eigen_period_s": Column("s", "first period of the intact wall, by its eigenvalues"),
     "slip": Column("", "criterion of slip in the columns that name none, cracks and Psi included: displacement, or "
                    "accumulated of a history without offsets"),
+    "psi_from_mm": Column("mm", "width from which a crack counts in crack widths and Psi"),
     "total_joint_length_m": Column("m", "of all contact points"),
 }
 """What all runs of a point share."""
@@ -107,7 +108,6 @@ MEASURES = {
             "run, and at its end"),
         "max_psi, residual_psi": Column("1", "Korswagen's damage parameter Psi = 2 n^0.15 c_w^0.3 of the cracks from "
                                         "`psi_from_mm` on"),
-        "psi_from_mm": Column("mm", "width from which a crack counts; 0.1 in tables that lacked it"),
         "max_opening_mm, max_slip_mm": Column("mm", "largest opening and accumulated slip of any contact point"),
         "max_offset_mm": Column("mm", "largest offset of any contact point, empty of a history without offsets"),
         "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
