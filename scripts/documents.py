@@ -71,13 +71,15 @@ def _read_verdict(root):
     """The findings that docs/paper-verdict.md shows, in its order."""
     claims = {claim.id: claim for claim in CLAIMS}
     solvers = {words: solver for solver, words in report.SOLVER_NAMES.items()}
-    findings, claim = [], None
-    for line in _text(root / "docs/paper-verdict.md").splitlines():
+    findings, claim, lines = [], None, _text(root / "docs/paper-verdict.md").splitlines()
+    old = {solver: f"- {report.before_offsets(solver)}" in lines for solver in report.SOLVER_NAMES}
+    for line in lines:
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         if head := re.match(r"\*\*(\w+)\*\*", line):
             claim = claims.get(head[1])
         elif claim and len(cells) == 4 and cells[0] in solvers and cells[1] in OF_WORDS:
-            findings += [Finding(claim, solvers[cells[0]], *variant, *cells[2:]) for variant in OF_WORDS[cells[1]]]
+            solver = solvers[cells[0]]
+            findings += [Finding(claim, solver, *variant, *cells[2:], old[solver]) for variant in OF_WORDS[cells[1]]]
     return sorted(findings, key=_rank)
 
 

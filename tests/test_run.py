@@ -66,8 +66,8 @@ class Clockwork:
         if self.falls_at_step is not None and self.clock >= self.falls_at_step:
             displacement[0, 1] = -1.0
         return Instant(displacement, np.zeros(n), np.full(n, self.slip_m(self.clock)),
-                       np.full(n, self.offset_m(self.clock)), np.zeros(n, int), 0.0, np.nan, self.kinetic_j(self.clock), 0.0,
-                       self.input_j(self.clock), 0.0, 0.0, self.damping_j)
+                       np.full(n, self.offset_m(self.clock)), np.zeros(n, int), 0.0, np.nan,
+                       self.kinetic_j(self.clock), 0.0, self.input_j(self.clock), 0.0, 0.0, self.damping_j)
 
     def forces(self):
         weight = np.column_stack([np.zeros_like(self.layout.bodies.mass), GRAVITY * self.layout.bodies.mass,

@@ -150,7 +150,8 @@ def _draw_index(ax, index, latched, note):
     order."""
     time_s, lines = index["time_s"], []
     for name, colour in (("drift", style.GREEN), ("open", style.ORANGE), ("slip", style.BLUE)):
-        lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$" + (note if name == "slip" else ""))
+        label = rf"DI$_\mathrm{{{name}}}$" + (note if name == "slip" else "")
+        lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=label)
     lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI" + note)
     lines += ax.plot(time_s, latched["DI"], color=style.BLACK, lw=0.6, ls="--", zorder=1.5, label="DI, shear limit")
     lines += ax.plot(time_s, latched["DI_slip"], color=style.BLUE, lw=0.6, ls="--", zorder=1.5,

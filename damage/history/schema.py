@@ -78,8 +78,8 @@ FRAMES = {
 EVENT_COLUMNS = {
     "time_s": Column("s", "negative in the static stage"),
     "joint": Column("index of joints", "row of `joints`", "i4"),
-    "kind": Column("code", "tension, shear (the bond is gone); opened, slipped (first passing of 0.1 mm by `opening_m`, "
-                   "`slip_m`)", "u1"),
+    "kind": Column("code", "tension, shear (the bond is gone); opened, slipped (first passing of 0.1 mm by "
+                   "`opening_m`, `slip_m`)", "u1"),
     "normal_stress_pa": Column("Pa", "trial stress at a break"),
     "shear_stress_pa": Column("Pa", "trial stress at a break"),
     "opening_m": Column("m", "at a first passing"), "slip_m": Column("m", "at a first passing"),

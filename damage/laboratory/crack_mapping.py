@@ -117,8 +117,8 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
 
     Psi is that of the joints whose width reaches psi_from [m], as in `damage.measure.cracks`; psi_drawn that of the
-    polylines as they were drawn, through bricks too, with the file's own numbering of cracks.  Without a drift DI is that of the cracks
-    alone.  undecided_m: length over the threshold whose mode is open.
+    polylines as they were drawn, through bricks too, with the file's own numbering of cracks.  Without a drift DI is
+    that of the cracks alone.  undecided_m: length over the threshold whose mode is open.
     """
     check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches

@@ -79,7 +79,8 @@ def cycles_table(history):
             rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
                          "duration_s": end - start}
                         | {f"max_{name}": within[name] for name in values if name != "time_s"}
-                        | {f"cumulative_max_{name}": so_far[name] for name in ("DI", "accumulated_DI", "shear_limit_DI")}
+                        | {f"cumulative_max_{name}": so_far[name]
+                           for name in ("DI", "accumulated_DI", "shear_limit_DI")}
                         | {"slip": history.judged_by("displacement")})
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 

@@ -170,8 +170,8 @@ def hand_capacities(history):
 def mode_shares(history):
     """How a wall fails: lengths of its cracks at the largest |drift|, their areas, and the mode that they make.
 
-    opened_m2, slipped_m2: opening and |slip|, by displacement, of the bed joints, times length; stair_share: share of the slipped
-    length of bed joints that lies beside an opened head joint, as the treads of a stepped crack do.
+    opened_m2, slipped_m2: opening and |slip|, by displacement, of the bed joints, times length; stair_share: share of
+    the slipped length of bed joints that lies beside an opened head joint, as the treads of a stepped crack do.
     mode: "flexure" where more is opened than slipped, "shear, diagonal" where a third or more of the slipped length
     lies on stairs, else "shear, sliding"; None where no joint is over the threshold of 0.1 mm.
     """

@@ -42,7 +42,7 @@ def summary_row(history, run="", point=""):
             for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
     row |= made_by(history)
     for key, value in numbers.items():
-        if re.fullmatch("(max|residual)(_accumulated|_shear_limit)?", key):
+        if re.fullmatch(r"(max|residual)(_accumulated|_shear_limit)?", key):
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
         else:
             row[key] = value

@@ -59,19 +59,12 @@ def _variants(pairs):
     >>> _variants({("elastic", "displacement"), ("none", "displacement")})
     'slip by displacement'
     """
-    if len(pairs) == len(_LINTELS) * len(_SLIPS):
-        return "all variants"
-    for slip, name in _SLIPS.items():
-        if pairs == {(lintel, slip) for lintel in _LINTELS}:
-            return name
-    words = []
-    for lintel, name in _LINTELS.items():
-        slips = [slip for slip in _SLIPS if (lintel, slip) in pairs]
-        if len(slips) == len(_SLIPS):
-            words.append(name)
-        else:
-            words += [f"{name}, {_SLIPS[slip]}" for slip in slips]
-    return "; ".join(words)
+    of = {lintel: [slip for slip in _SLIPS if (lintel, slip) in pairs] for lintel in _LINTELS}
+    said = {lintel: "" if len(slips) == len(_SLIPS) else " and ".join(_SLIPS[slip] for slip in slips)
+            for lintel, slips in of.items() if slips}
+    if len(said) == len(_LINTELS) and len(set(said.values())) == 1:
+        return said["elastic"] or "all variants"
+    return "; ".join(", ".join(filter(None, (_LINTELS[lintel], words))) for lintel, words in said.items())
 
 
 # --- on the screen ----------------------------------------------------------------------------------
@@ -88,10 +81,15 @@ def describe(findings):
 
 
 def _without_offsets(findings):
-    """A line on the runs whose slip by displacement is judged by accumulated, where there are any."""
-    runs = {finding.solver: finding.without_offsets for finding in findings if finding.without_offsets}
-    return [f"{SOLVER_NAMES[solver]}: {number} runs were made before histories had offsets of the joints; their slip "
-            "by displacement is judged by accumulated" for solver, number in runs.items()]
+    """`before_offsets` of each solver that has such runs."""
+    return [before_offsets(solver) for solver in dict.fromkeys(
+        finding.solver for finding in findings if finding.before_offsets)]
+
+
+def before_offsets(solver):
+    """What is said of a solver whose runs, or some of them, lack the offsets that `displacement` needs."""
+    return (f"{SOLVER_NAMES[solver]}: there are runs from before histories had offsets of the joints; their slip by "
+            "displacement is judged by accumulated")
 
 
 def _counts(findings):
@@ -167,7 +165,8 @@ def overview(findings):
         f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}" for solver, lintel in heads) + " |",
         "| --- " * (2 + len(heads)) + "|"]
     for statement, members in _by(findings, "claim.statement"):
-        cells = [_cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS]) for solver, lintel in heads]
+        cells = [_cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
+                 for solver, lintel in heads]
         lines.append(f"| {statement} | {STATEMENTS[statement]} | " + " | ".join(cells) + " |")
     return lines
 

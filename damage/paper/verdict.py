@@ -34,9 +34,9 @@ class Finding:
     slip: str
     value: str
     verdict: str
-    without_offsets: int = 0
-    """How many of the solver's runs were made before histories had offsets, and are judged by `accumulated` where
-    `displacement` is asked for."""
+    before_offsets: bool = False
+    """Whether the solver has runs from before histories had offsets: judged by `accumulated` where `displacement` is
+    asked for."""
 
 
 def judge(folder):
@@ -64,7 +64,7 @@ def _finding(claim, solver, evidence):
     except NotThere as missing:
         value, verdict = str(missing), UNJUDGED
     return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict,
-                   int((evidence.runs["slip"] == "accumulated").sum()))
+                   bool((evidence.runs["slip"] == "accumulated").any()))
 
 
 def statement_verdict(findings):

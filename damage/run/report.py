@@ -57,8 +57,8 @@ def describe(summary):
                  + ("" if summary["max_offset_mm"] is None else f"offset up to {summary['max_offset_mm']:.3f} mm, ")
                  + f"accumulated slip up to {summary['max_slip_mm']:.3f} mm")
     lines.append(f"{summary['tension_breaks']} tension and {summary['shear_breaks']} shear breaks, Psi up to "
-                 f"{summary['max_psi']:.2f} ({summary['psi_class']}; cracks from {summary['psi_from_mm']:g} mm), friction and fracture took "
-                 f"{summary['dissipated_energy_j']:.3g} J")
+                 f"{summary['max_psi']:.2f} ({summary['psi_class']}; cracks from {summary['psi_from_mm']:g} mm), "
+                 f"friction and fracture took {summary['dissipated_energy_j']:.3g} J")
     if summary["period_elongation"] is not None:
         lines.append(f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
                      f"{summary['period_elongation']:.2f} of the intact wall's period")
