@@ -8,8 +8,8 @@ from damage.index import THRESHOLD
 STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
 "both" is opened and slipped."""
-BREAKS, PASSINGS = ("tension", "shear"), ("opened", "slipped")
-"""Kinds of events: a bond breaks; a joint opens or slips by 0.1 mm for the first time."""
+BREAKS = ("tension", "shear")
+"""Kinds of events in which a bond breaks."""
 NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
 
 
