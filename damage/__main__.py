@@ -100,6 +100,10 @@ def _threshold(of):
     return _arg("--threshold-mm", type=number_from(1e-6, 1000), default=0.1, help=f"of {of} (default 0.1)")
 
 
+_PSI_FROM = _arg("--psi-from-mm", type=number_from(1e-6, 1000), default=0.02,
+                 help="width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)")
+
+
 def _tell(asked, found, describe):
     print(json_text(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
@@ -117,13 +121,13 @@ def _save(figures, folder, made=""):
 
 @_command("the damage index and key numbers of a history", _HISTORY, _JSON, _threshold("opening and slip"),
           _DRIFT_LIMIT, _arg("--slip", choices=SLIP_CRITERIA, default="displacement",
-                             help="when a joint counts as slipped (default displacement)"))
+                             help="when a joint counts as slipped (default displacement)"), _PSI_FROM)
 def _index(asked):
     from damage.measure.summary import summarise
     from damage.run.report import describe, warn
 
     summary = summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
-                        asked.slip)
+                        asked.slip, asked.psi_from_mm * MILLIMETRE)
     warn(summary["warnings"])
     _tell(asked, summary, describe)
 
@@ -273,7 +277,7 @@ def _paper(asked):
           _path("--wall", "walls/NAME.py", "the wall of a crack file or a field"),
           _path("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
           _arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
-          _threshold("opening, slip and width"), _DRIFT_LIMIT,
+          _threshold("opening, slip and width"), _PSI_FROM, _DRIFT_LIMIT,
           _arg("--tolerance-mm", type=number_from(1e-3, 1000),
                help="how far from a joint a crack may be drawn (default: half a brick's height)"),
           _arg("--margin-mm", type=number_from(0, 1000),
@@ -299,14 +303,14 @@ def _cracks(asked):
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
            help="bootstrap samples (default 500)"))
 def _fragility(asked):
-    from damage.measure.columns import made_by_words
+    from damage.measure.columns import made_by_words, slip_criteria
     from damage.measure.tables import write_table
     from damage.studies.fragility import fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_pictures
 
     runs = load_runs(asked.study)
     fits = fit_all(runs, asked.intensity, asked.replicates)
-    table = fragility_table(fits, asked.intensity)
+    table = fragility_table(fits, asked.intensity).assign(slip=" or ".join(slip_criteria(runs)))
     print(table.to_string(index=False, float_format="%.3f"))
     print(write_table(table, asked.out / f"fragility_{asked.intensity}.csv"))
     _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")

@@ -68,25 +68,26 @@ def _without_counts(value):
 
 def _read_verdict(root):
     """The findings that docs/paper-verdict.md shows, in its order."""
-    claims, text = {claim.id: claim for claim in CLAIMS}, _text(root / "docs/paper-verdict.md")
-    lintels, findings, claim = _lintels_of_solvers(text), [], None
+    claims, lines = {claim.id: claim for claim in CLAIMS}, _text(root / "docs/paper-verdict.md").splitlines()
+    lintels, findings, claim = _lintels_of_solvers(lines), [], None
     of_words = {solver: _pairs_of_words(mine) for solver, mine in lintels.items()}
-    for line in text.splitlines():
+    old = {solver: f"- {report.before_offsets(solver)}" in lines for solver in lintels}
+    for line in lines:
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         if head := re.match(r"\*\*(\w+)\*\*", line):
             claim = claims.get(head[1])
         elif claim and len(cells) == 4 and cells[1] in of_words.get(SOLVERS.get(cells[0]), ()):
             solver, (verdict, edge, _) = SOLVERS[cells[0]], cells[3].partition(report.ON_EDGE)
-            findings += [Finding(claim, solver, *variant, cells[2], verdict, 0.0 if edge else None)
+            findings += [Finding(claim, solver, *variant, cells[2], verdict, 0.0 if edge else None, old[solver])
                          for variant in of_words[solver][cells[1]]]  # how near the edge is not told
     return sorted(findings, key=lambda one: (
         CLAIMS.index(one.claim), list(SOLVERS.values()).index(one.solver), lintels[one.solver].index(one.lintel),
         list(CRITERIA).index(one.slip)))
 
 
-def _lintels_of_solvers(text):
+def _lintels_of_solvers(lines):
     """{solver: its lintels} of the verdict's document, by the columns of its overview."""
-    head = next((line for line in text.splitlines() if line.startswith("| | the paper |")), "")
+    head = next((line for line in lines if line.startswith("| | the paper |")), "")
     told = [cell.strip().split(", ") for cell in head.strip("|").split("|")[2:]]
     numbers = {lintel: lintel.split()[2] for _, lintel in told if lintel.startswith("lintel of")}
     lintels = {"elastic lintel": "elastic", "no lintel": "none"} | numbers

@@ -40,7 +40,7 @@ def write_samples(writer, n, first=0):
     for k in range(first, first + n):
         opening, slip = np.full(LAYOUT.n_joints, 1e-5 * k), np.full(LAYOUT.n_joints, -2e-5 * k)
         state = np.full(LAYOUT.n_joints, BROKEN | AT_LIMIT if k > 2 else 0)
-        writer.append("motion", {"time_s": 0.1 * k, "drift_ratio": 1e-4 * k}, opening, slip, state)
+        writer.append("motion", {"time_s": 0.1 * k, "drift_ratio": 1e-4 * k}, opening, slip, 2 * slip, state)
 
 
 def test_round_trip(tmp_path):
@@ -65,7 +65,9 @@ def test_round_trip(tmp_path):
     assert not history.broken[2].any() and history.broken[3].all() and history.at_limit[3].all()
     index = history.index()
     assert_allclose(index.DI_open.iloc[[9, 11]], [0, 1])
-    assert_allclose(index.DI_slip.iloc[[4, 6]], [0, 1])
+    assert_allclose(index.DI_slip.iloc[[2, 3]], [0, 1])
+    assert_allclose(history.index(slip="accumulated").DI_slip.iloc[[4, 6]], [0, 1])
+    assert history.judged_by("displacement") == "displacement"
 
 
 LOADINGS = [Harmonic(0.3, 0.05, 4), FreeVibration(2e-3), TopDisplacement((0.1, 0.2), 1, "fixed", 0.01, 0.5),
@@ -205,8 +207,8 @@ def test_what_is_no_history_is_refused(tmp_path, make, complaint):
 def test_a_newer_schema_is_refused(tmp_path):
     path = tmp_path / "a.h5"
     open_writer(path).finish("complete")
-    path.write_bytes(path.read_bytes().replace(b"masonry-damage-history 2", b"masonry-damage-history 9", 1))
-    with pytest.raises(InputError, match="version 9, this software reads up to 2"):
+    path.write_bytes(path.read_bytes().replace(b"masonry-damage-history 3", b"masonry-damage-history 9", 1))
+    with pytest.raises(InputError, match="version 9, this software reads up to 3"):
         damage.read_history(path)
 
 

@@ -22,9 +22,9 @@ BETA_S = 1e-6
 first mode by 1.6e-5."""
 SOFTENS = "mode_i_fracture_energy_j_m2"
 """Column that is above zero where the joints are not the paper's, which are brittle."""
-MEASURES = (*SHAPE, SOFTENS, "collapsed_at_s", "lintel", "beta_s", "time_step_s", "rest_s", "motion_period_s", "cycles",
-            "speed_m_s", "amplitude_g", "record", "scale", "eigen_period_s", "input_energy_j", "damping_energy_j",
-            "energy_error_fraction")
+MEASURES = (*SHAPE, SOFTENS, "slip", "collapsed_at_s", "lintel", "beta_s", "time_step_s", "rest_s", "motion_period_s",
+            "cycles", "speed_m_s", "amplitude_g", "record", "scale", "eigen_period_s", "input_energy_j",
+            "damping_energy_j", "energy_error_fraction")
 """Columns that are looked up in every run; empty where an older table lacks one."""
 OTHER_WALL = 1e-3
 """Share by which the period of an intact wall differs where it is another wall of the same name, as a copy is."""

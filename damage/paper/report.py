@@ -31,7 +31,8 @@ STATEMENTS = {
     "P17": "squat wall: stiffness and peak force very close to the test, unloading reasonable, cracks captured",
 }
 SOLVER_NAMES = {"yade": "YADE", "reference": "reference solver"}
-_SLIPS = {"displacement": "slip by displacement", "shear-limit": "slip by shear limit"}
+_SLIPS = {"displacement": "slip by displacement", "accumulated": "slip accumulated",
+          "shear-limit": "slip by shear limit"}
 ON_EDGE = ", on the edge"
 """What stands behind a verdict that hardly more or less would turn."""
 BEGIN, END = "<!-- paper verdict: begin, written by python3 -m damage paper -->", "<!-- paper verdict: end -->"
@@ -75,19 +76,12 @@ def variants_in_words(pairs, lintels):
     >>> variants_in_words({("elastic", "displacement"), ("none", "displacement")}, both)
     'slip by displacement'
     """
-    if len(pairs) == len(lintels) * len(_SLIPS):
-        return "all variants"
-    for slip, name in _SLIPS.items():
-        if pairs == {(lintel, slip) for lintel in lintels}:
-            return name
-    words = []
-    for lintel in lintels:
-        slips = [slip for slip in _SLIPS if (lintel, slip) in pairs]
-        if len(slips) == len(_SLIPS):
-            words.append(lintel_in_words(lintel))
-        else:
-            words += [f"{lintel_in_words(lintel)}, {_SLIPS[slip]}" for slip in slips]
-    return "; ".join(words)
+    of = {lintel: [slip for slip in _SLIPS if (lintel, slip) in pairs] for lintel in lintels}
+    said = {lintel: "" if len(slips) == len(_SLIPS) else " and ".join(_SLIPS[slip] for slip in slips)
+            for lintel, slips in of.items() if slips}
+    if len(said) == len(lintels) and len(set(said.values())) == 1:
+        return said[lintels[0]] or "all variants"
+    return "; ".join(", ".join(filter(None, (lintel_in_words(lintel), words))) for lintel, words in said.items())
 
 
 # --- on the screen ----------------------------------------------------------------------------------
@@ -103,8 +97,20 @@ def describe(findings):
     return "\n".join([*lines, "", *tallies(findings)])
 
 
+def _without_offsets(findings):
+    """`before_offsets` of each solver that has such runs."""
+    return [before_offsets(solver) for solver in dict.fromkeys(
+        finding.solver for finding in findings if finding.before_offsets)]
+
+
+def before_offsets(solver):
+    """What is said of a solver whose runs, or some of them, lack the offsets that `displacement` needs."""
+    return (f"{SOLVER_NAMES[solver]}: there are runs from before histories had offsets of the joints; their slip by "
+            "displacement is judged by accumulated")
+
+
 def tallies(findings):
-    """How many claims hold, lines of a Markdown table with a row a solver and lintel.
+    """How many claims hold, lines of a Markdown table with a row a solver and lintel, and notes below it.
 
     By each criterion of slip alone, and by any of them; what the model was built to meet is counted apart.
     """
@@ -121,7 +127,8 @@ def tallies(findings):
                  f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
                  f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"]
         lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return lines
+    notes = _without_offsets(findings)
+    return lines + ([""] if notes else []) + [f"- {note}" for note in notes]
 
 
 def _best(findings):
@@ -180,11 +187,11 @@ stand in `damage/paper/criteria.py`, each with its reason, and were fixed before
 differs from the paper's, which stood. Where the results differ, `docs/underdetermined.md` says what in the model the
 paper leaves open and how much it matters. The Huizinge motion is a synthetic stand-in for the record.
 
-A statement holds (differs) when all (none) of its claims that could be judged hold; otherwise it says how many do. Two
-outcomes with a stroke between: slip by displacement / slip by the shear limit. "On the edge": {edge:.0%} more or less
-of its criterion's limit (of R²: of the variance that a line leaves unexplained) and the claim would be judged
-otherwise. What the model was built to meet, {built}, is counted apart from what it
-predicts."""
+A statement holds (differs) when all (none) of its claims that could be judged hold; otherwise it says how many do.
+Three outcomes with strokes between: slip by displacement / accumulated / by the shear limit, which `docs/choices.md`
+defines. "On the edge": {edge:.0%} more or less of its criterion's limit (of R²: of the variance that a line leaves
+unexplained) and the claim would be judged otherwise. What the model was built to meet, {built},
+is counted apart from what it predicts."""
 
 
 def overview(findings):
@@ -194,10 +201,19 @@ def overview(findings):
         f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}" for solver, lintel in heads) + " |",
         "| --- " * (2 + len(heads)) + "|"]
     for statement, members in _by(findings, "claim.statement"):
-        cells = [" / ".join(dict.fromkeys(_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS))
+        cells = [_cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
                  for solver, lintel in heads]
         lines.append(f"| {statement} | {STATEMENTS[statement]} | " + " | ".join(cells) + " |")
     return lines
+
+
+def _cell(outcomes):
+    """One outcome where all are the same, or each in the order of the criteria.
+
+    >>> _cell(["holds", "holds", "differs"]), _cell(["holds"] * 3)
+    ('holds / holds / differs', 'holds')
+    """
+    return " / ".join(outcomes if len(set(outcomes)) > 1 else outcomes[:1])
 
 
 def _short(findings):
