@@ -1,8 +1,8 @@
 """What YADE's law does not keep of a joint, from samples of it: inelastic opening and slip, the
 shear limit, friction work and fracture energy.
 
-Slip is the plastic slip of closed contacts: shear displacement less its elastic part, frozen while
-the contact is open, and over a sample in which it opens or closes.
+Offset is the shear displacement of a broken joint less its elastic part, open or closed.  Slip is what of it came
+about while the contact was closed: frozen while it is open, and over a sample in which it opens or closes.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ _SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint s
 
 
 class JointTracker:
-    """State of all joints; arrays of shape (n_joints,): opening, slip [m], broken, at_limit."""
+    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit."""
 
     def __init__(self, layout, threshold):
         n, contacts = layout.n_joints, layout.contacts
@@ -22,10 +22,10 @@ class JointTracker:
         self.normal_stiffness = contacts.normal_stiffness[:n]
         self.shear_stiffness = contacts.shear_stiffness[:n]
         self.threshold = threshold
-        self.opening, self.slip = np.zeros(n), np.zeros(n)
+        self.opening, self.slip, self.offset = np.zeros(n), np.zeros(n), np.zeros(n)
         self.broken, self.at_limit = np.zeros(n, bool), np.zeros(n, bool)
         self.friction_energy = self.fracture_energy = 0.0
-        self._open, self._stress, self._plastic = np.zeros(n, bool), np.zeros(n), np.zeros(n)
+        self._open, self._stress = np.zeros(n, bool), np.zeros(n)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
     def breaks(self, joint, kind, sigma, tau):
@@ -48,9 +48,9 @@ class JointTracker:
         Yields (joint, "opened" | "slipped") at the first passing of the threshold.
         """
         is_open = opening > 0
-        plastic = shear - tau / self.shear_stiffness[joints]
+        offset = shear - tau / self.shear_stiffness[joints]
         stays_closed = ~is_open & ~self._open[joints]
-        increment = np.where(stays_closed, plastic - self._plastic[joints], 0.0)
+        increment = np.where(stays_closed, offset - self.offset[joints], 0.0)
         mean_stress = (np.abs(tau) + np.abs(self._stress[joints])) / 2
         self.friction_energy += float(np.sum(mean_stress * np.abs(increment) * self.area[joints]))
         # What shear a joint still held when it opens slides off, as its limit falls to nothing.
@@ -62,7 +62,7 @@ class JointTracker:
         self.at_limit[joints] |= slides | (np.abs(increment) > _SLIDES)
         self.slip[joints] += increment
         self.opening[joints] = np.where(is_open, opening, 0.0)
-        self._open[joints], self._plastic[joints] = is_open, plastic
+        self._open[joints], self.offset[joints] = is_open, offset
         self._stress[joints] = np.where(is_open, 0.0, tau)
         return self._first_passings()
 

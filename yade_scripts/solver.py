@@ -191,7 +191,7 @@ class YadeSolver(Solver):
         tracker = self.tracker
         friction = self.model.friction_work()
         speed = self.scene.synchronous_velocities(self.time_step / 2, base_acceleration)
-        return Instant(self.scene.motion(), tracker.opening, tracker.slip,
+        return Instant(self.scene.motion(), tracker.opening, tracker.slip, tracker.offset,
                        BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit, self.scene.base_shear(),
                        np.nan if self._held is None else self._push_force(),
                        0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),

@@ -18,7 +18,7 @@ from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
 from damage.history.apart import apart
 from damage.history.reader import read_history
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN, names
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, names
 from damage.measure.tables import summary_row, write_table
 
 
@@ -120,8 +120,9 @@ def read_study_table(path, table="runs"):
     """DataFrame of one table, "runs" or "points", of a study's study.h5."""
     def read(path, believe):
         with h5py.File(path, "r") as file:
-            return pd.DataFrame({name: (column.asstr()[:] if column.dtype == object else column[:])
-                                 for name, column in file[table].items()})
+            return before_offsets(pd.DataFrame({
+                name: (column.asstr()[:] if column.dtype == object else column[:])
+                for name, column in file[table].items()}))
 
     try:
         return apart(path, read)
