@@ -325,4 +325,5 @@ def test_the_readme_has_a_line_a_column_of_the_verdict():
     _, begin, rest = (REPOSITORY / "README.md").read_text().partition(BEGIN)
     block, end, _ = rest.partition(END)
     assert begin and end
-    assert len(block.strip().splitlines()) == 2 * len(SOLVER_NAMES)  # with the lintel and without
+    tallies = [line for line in block.strip().splitlines() if " claims hold by any slip criterion" in line]
+    assert len(tallies) == 2 * len(SOLVER_NAMES)  # with the lintel and without
