@@ -5,12 +5,11 @@ from damage.start import begin, is_of_output, leave, missing_library
 if __name__ == "__main__":
     begin()  # before what takes its time to import
 
-import json
 import sys
 from pathlib import Path
 
 from damage.errors import InputError, one_line
-from damage.files import write_text
+from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
@@ -106,7 +105,7 @@ _PSI_FROM = _arg("--psi-from-mm", type=number_from(1e-6, 1000), default=0.02,
 
 
 def _tell(asked, found, describe):
-    print(json.dumps(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
+    print(json_text(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
 
 def _save(figures, folder, made=""):
@@ -166,9 +165,10 @@ def _laboratory(asked):
 
 
 @_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py"), _JSON,
-          lambda command: add_model_options(command, ("top", "cells", "contacts")),
+          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")),
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
+    from damage.wall.caps import describe_top
     from damage.wall.file import load_wall
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
@@ -181,8 +181,10 @@ def _modes(asked):
         _save([("modes", modes_picture(layout, modes))], asked.out)
     periods = [float(period) for period in modes.period_s]
     if asked.json:
-        print(json.dumps({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s}))
+        print(json_text({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s,
+                          "pier_stress_pa": layout.pier_stress}))
         return
+    print(*describe_top(layout), sep="\n")
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
@@ -266,7 +268,7 @@ def _paper(asked):
         write_text(asked.markdown, as_markdown(findings))
     if asked.readme:
         update_readme(findings, asked.readme)
-    print(json.dumps(as_json(findings), indent=2) if asked.json else describe(findings))
+    print(json_text(as_json(findings), indent=2) if asked.json else describe(findings))
 
 
 @_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",

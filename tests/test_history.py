@@ -16,6 +16,8 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.errors import InputError
+from damage.history.info import describe as describe_info
+from damage.history.info import info
 from damage.history.schema import AT_LIMIT, BROKEN, SERIES
 from damage.history.writer import HistoryWriter
 from damage.motion.formats import read_record, shipped_record_path
@@ -76,7 +78,7 @@ RECORDED = Recorded(read_record(shipped_record_path("BGAR_HGE")), scale=2.0, win
 @pytest.mark.parametrize("loading", LOADINGS, ids=lambda loading: loading.name)
 def test_a_history_gives_its_records_back(tmp_path, loading):
     wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),), brick=Brick(density=2000.0))
-    model = ModelOptions(lintel="none", cells=3)
+    model = ModelOptions(lintel=2, load="piers", cells=3)
     settings = RunSettings(loading, model, sequence=(1.0, 0.5), command="yade w.py")
     HistoryWriter(tmp_path / "a.h5", lay_out(wall, model), solver="yade", versions={},
                   parameters={"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": 2e-5}).finish("complete")
@@ -84,6 +86,17 @@ def test_a_history_gives_its_records_back(tmp_path, loading):
     assert (history.loading, history.model, history.masonry_wall) == (loading, model, wall)
     assert (history.sequence, history.time_step_s, history.eigen_period_s) == ((1.0, 0.5), 2e-5, None)
     assert history.command == "yade w.py" and "command" not in history.parameters
+
+
+def test_info_lists_the_caps_with_the_stress_under_them(tmp_path):
+    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.45, 0.9, 0.45),))
+    HistoryWriter(tmp_path / "a.h5", lay_out(wall), solver="reference", versions={}, parameters={
+        "wall": wall.as_dict(), **RunSettings(LOADINGS[0], ModelOptions()).as_dict()}).finish("complete")
+    told = info(damage.read_history(tmp_path / "a.h5"))
+    assert [(cap["left_m"], cap["right_m"]) for cap in told["caps"]] == [pytest.approx((0.0, 0.45)),
+                                                                        pytest.approx((1.35, 1.8))]
+    assert [cap["stress_pa"] for cap in told["caps"]] == pytest.approx([0.6e6, 0.6e6])
+    assert "cap from x = 1.35 to 1.8 m (0.45 m): 2.82 t, 0.6 MPa under it" in describe_info(told)
 
 
 def test_a_recorded_motion_comes_back_without_its_samples():

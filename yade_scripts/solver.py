@@ -98,6 +98,7 @@ class YadeSolver(Solver):
         self.clock += 1
         self._set_field()
         try:
+            self.model.follow(self.clock % FOLLOW_STEPS == 0)
             self._log_breaks(self.scene.newly_broken())
             if self._armed and self.clock % TIDY_STEPS == 0:
                 self.model.tidy()
@@ -188,12 +189,14 @@ class YadeSolver(Solver):
         them: the run infers it.
         """
         tracker = self.tracker
+        friction = self.model.friction_work()
         speed = self.scene.synchronous_velocities(self.time_step / 2, base_acceleration)
         return Instant(self.scene.motion(), tracker.opening, tracker.slip, tracker.offset,
                        BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit, self.scene.base_shear(),
                        np.nan if self._held is None else self._push_force(),
                        0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),
-                       self._input_energy, tracker.friction_energy, tracker.fracture_energy, None)
+                       self._input_energy,
+                       tracker.friction_energy if friction is None else friction, tracker.fracture_energy, None)
 
     def forces(self):
         return self.scene.resultants(), self.scene.contact_forces()

@@ -19,6 +19,9 @@ from damage.wall.parameters import ModelOptions
 CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
 """What counts as slipped, and what stands before a component's name in the columns for it."""
 
+WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default, str)}
+"""Columns that are words even where they look like numbers, as a lintel of "2" courses."""
+
 
 def made_by_words(table):
     """What made the runs of a table, in words, as far as it says so."""
@@ -46,6 +49,7 @@ PARAMETERS = {
     "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
     "motion_period_s, amplitude_g": Column("s, g", "of a harmonic motion"),
     "cycles": Column("1", "of a harmonic motion, or at each drift of a pushed top"),
+    "speed_m_s": Column("m/s", "of a pushed top"),
     "scale": Column("1", "factor on the record"),
     "window_start_s, window_end_s": Column("s", "part of the record that was used"),
     "vertical": Column("1", "1 with the record's vertical component, else 0"),
@@ -169,7 +173,7 @@ def read_table(path, needed=()):
     Raises InputError where it cannot be read or lacks one of the needed columns.
     """
     try:
-        table = before_offsets(one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""])))
+        table = before_offsets(one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=WORDS)))
     except (OSError, ValueError) as error:  # of the file, or of its text
         raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
                          "study, run it again with ./run_all.sh") from error

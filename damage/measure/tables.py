@@ -5,7 +5,6 @@ sequence _shocks.csv, and STEM_info.json, which says what made them; `python3 -m
 --out FILE.csv` one row a history.
 """
 
-import json
 import re
 from dataclasses import asdict
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.files import whole_or_nothing, write_text
+from damage.files import json_text, whole_or_nothing, write_text
 from damage.history.info import info, made_by
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
@@ -60,8 +59,9 @@ def _motion_columns(history):
         pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
     return {"record": told.get("horizontal", {}).get("record"), "pga_g": pga_g,
             "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, "motion_period_s": told.get("period_s"),
-            **{name: told.get(name) for name in ("amplitude_g", "cycles", "scale")}, "window_start_s": start,
-            "window_end_s": end, "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
+            **{name: told.get(name) for name in ("amplitude_g", "cycles", "speed_m_s", "scale")},
+            "window_start_s": start, "window_end_s": end,
+            "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
             "motion_duration_s": told.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
 
 
@@ -135,7 +135,7 @@ def write_run_tables(history, stem, names=RUN_TABLES):
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
     if history.series["shock"].iloc[-1] == 1:
         names = [name for name in names if name != "shocks"]
-    return [write_text(f"{stem}_info.json", json.dumps(info(history), indent=1)),
+    return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
             *(write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names)]
 
 

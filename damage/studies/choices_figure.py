@@ -11,7 +11,8 @@ from damage.studies.results import REFERENCE, Missing
 from damage.wall.parameters import USUAL_MODEL
 
 _WORDS = {"cycles": "{:g} cycles", "contacts": "contacts at {}", "cells": "{:g} contacts a half brick",
-          "top": "top mass: {}", "lintel": "lintel: {}", "beta_s": "β = {:g} s"}
+          "top": "top mass: {}", "load": "load over the {}", "lintel": "lintel: {}",
+          "beta_s": "β = {:g} s"}
 DEFAULTS = dict.fromkeys(_WORDS) | USUAL_MODEL | {"cycles": Harmonic.cycles, "beta_s": RunSettings.beta_s}
 """Columns that are varied, and what stands in them where they are not."""
 _STYLES = {"max_DI": (BLACK, "D", "displacement"), "max_shear_limit_DI": (BLUE, "o", "shear-limit")}
