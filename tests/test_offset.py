@@ -4,6 +4,7 @@ import math
 from functools import partial
 
 import numpy as np
+import pandas as pd
 import pytest
 from conftest import REPOSITORY
 from numpy.testing import assert_allclose
@@ -11,14 +12,17 @@ from small_history import as_version_2, make_history, small_layout
 
 from damage import Joint, ModelOptions, Opening, Wall
 from damage.__main__ import main
+from damage.draw.panels import SLIP_LABELS, slip_label, slip_note
 from damage.draw.run import index_picture, wall_picture
+from damage.measure.columns import before_offsets
 from damage.measure.compare import compare, describe
 from damage.measure.cracks import psi_summary, psi_value
 from damage.measure.patterns import cracked
 from damage.measure.pushed import drift_at_first_crack
 from damage.measure.summary import summarise
-from damage.measure.tables import cycles_table, index_table, summary_row
+from damage.measure.tables import cycles_table, describe_table, index_table, summary_row
 from damage.reference.solver import ReferenceSolver
+from damage.studies.tables import points_of
 from damage.wall.joint_law import ContactState, LawParameters, advance, material_of
 from damage.wall.layout import BED, lay_out
 
@@ -204,6 +208,20 @@ def test_a_history_without_offsets_is_judged_by_accumulated_and_says_so(rattled,
     assert "slip by accumulated" in told.out and "no offsets" in told.err
     assert main(["cracks", str(old.path)]) == 0
     assert "no offsets" in capsys.readouterr().out
+
+
+def test_tables_from_before_offsets_say_so(rattled, tmp_path):
+    """A study that goes on keeps the rows of then; its points are of both kinds."""
+    new = summary_row(rattled(), run="new", point="p")
+    old = {name: value for name, value in new.items() if "accumulated" not in name and name != "psi_from_mm"}
+    mixed = before_offsets(pd.DataFrame([new, old | {"run": "old", "max_DI": 0.2}]))
+    assert list(mixed["slip"]) == ["displacement", "accumulated"] and list(mixed["psi_from_mm"]) == [0.02, 0.1]
+    assert list(mixed["max_accumulated_DI"]) == [new["max_accumulated_DI"], 0.2]
+    points = points_of(mixed)
+    assert points["slip"].item() == "displacement; accumulated"
+    assert slip_note(mixed) == slip_label(points) == f"{SLIP_LABELS['displacement']}; {SLIP_LABELS['accumulated']}"
+    assert slip_note(mixed[:1]) == "" and slip_label(mixed, "shear-limit") == SLIP_LABELS["shear-limit"]
+    assert "accumulated" in describe_table(mixed) and "accumulated" not in describe_table(mixed[:1])
 
 
 def test_histories_with_and_without_offsets_are_compared_by_accumulated(rattled, tmp_path):

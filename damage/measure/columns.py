@@ -7,7 +7,6 @@ them up by point.
 import re
 from dataclasses import fields
 
-import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
@@ -39,7 +38,8 @@ def _index(kind, slip):
 
 def slip_criteria(table):
     """The criteria of slip in the columns of a table that name none, a list: one, or both where rows differ."""
-    return sorted(set(table["slip"].dropna()), reverse=True) if "slip" in table else ["displacement"]
+    told = "; ".join(table["slip"].dropna()) if "slip" in table else ""
+    return sorted(set(told.split("; ")), reverse=True) if told else ["displacement"]
 
 
 PARAMETERS = {
@@ -156,20 +156,15 @@ def before_offsets(table):
     by = {name: f"{kind}{CRITERIA['accumulated']}{rest}" for name in table
           for kind, rest in re.findall(r"^((?:cumulative_)?max_|residual_|)(DI(?:_drift|_open|_slip)?(?:_min|_max)?)$",
                                        name)}
-    known = [table[name].notna() for name in by.values() if name in table]
-    old = ~np.logical_or.reduce(known) if known else pd.Series(True, table.index)
-    if not by or not old.any():
+    if not by:
         return table
+    lacking = table.reindex(columns=list(by.values())).isna().all(axis=1)
+    old = lacking & table[list(by)].notna().any(axis=1) if set(by.values()) & set(table) else lacking
     said = {"slip": "accumulated"} | ({"psi_from_mm": THRESHOLD / MILLIMETRE} if "max_psi" in table else {})
-    now = {name: table.get(name) for name in (*by.values(), *said)}
-    return table.assign(**{new: _where(old, table[name], now[new]) for name, new in by.items()},
-                        **{name: _where(old, value, now[name]) for name, value in said.items()})
-
-
-def _where(old, then, now):
-    """`then` in the rows that are old, `now` (None: nothing) elsewhere; then: Series, or one value."""
-    then = pd.Series(then, old.index) if not isinstance(then, pd.Series) else then
-    return then if now is None else now.where(~old, then)
+    then = {new: table[name] for name, new in by.items()} | {
+        name: pd.Series(value, table.index) for name, value in said.items()}
+    return table.assign(**{name: table[name].where(~old, values) if name in table else values
+                           for name, values in then.items()}) if old.any() else table
 
 
 def read_table(path, needed=()):

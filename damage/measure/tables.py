@@ -17,6 +17,7 @@ from damage.files import json_text, whole_or_nothing, write_text
 from damage.history.info import info, made_by
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
+from damage.measure.columns import slip_criteria
 from damage.measure.cycles import cycles_table, index_by_all
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
@@ -146,7 +147,8 @@ def write_table(table, path):
 
 
 def describe_table(table):
-    """The summary table as lines for people: the index and its largest components, run by run."""
+    """The summary table as lines for people: the index and its largest components, run by run, and how slip was judged
+    where it is not by displacement alone."""
     columns = {"max_DI": "DI", "max_DI_drift": "drift", "max_DI_open": "open", "max_DI_slip": "slip",
                "residual_DI": "residual"}
     width = max(len("run"), *table["run"].str.len())
@@ -155,4 +157,5 @@ def describe_table(table):
         status = row["status"] + (f", collapsed at {row['collapsed_at_s']:.2f} s"
                                   if pd.notna(row["collapsed_at_s"]) else "")
         lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns) + f"  {status}")
-    return "\n".join(lines)
+    judged = slip_criteria(table)
+    return "\n".join(lines + [f"slip by {' and '.join(judged)}"] * (judged != ["displacement"]))
