@@ -58,7 +58,8 @@ def _verdict(result):
 
 
 def _error(result):
-    return f"{100 * result.error:+.3f} %" if result.problem.exact_value else f"{result.error:+.1e} {result.problem.unit}"
+    problem = result.problem
+    return f"{100 * result.error:+.3f} %" if problem.exact_value else f"{result.error:+.1e} {problem.unit}"
 
 
 def _allowed(result):

@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True)
 class Problem:
-    """name; quantity: what is compared, with its unit; exact: its value, or a function that takes a while; source: of the solution;
-    tolerance: {solver: largest relative error}, absolute where the exact value is zero;
+    """name; quantity: what is compared, with its unit; exact: its value, or a function of no arguments that works it
+    out; source: of the solution; tolerance: {solver: largest relative error}, absolute where the exact value is zero;
     solvers: {solver: function without arguments that measures it, or a string that says why it cannot}.
     """
 

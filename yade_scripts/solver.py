@@ -24,7 +24,7 @@ FOLLOW_STEPS = JOINT_STEPS // 2
 TIDY_STEPS = 500
 """Steps between two looks for contacts that can be forgotten."""
 LOOSE = 0.4e-3
-"""Opening or slip of a joint [m] from which on bricks may meet otherwise: corners and faces are 0.5 mm apart."""
+"""Opening or offset of a joint [m] from which on bricks may meet otherwise: corners and faces are 0.5 mm apart."""
 
 
 class YadeSolver(Solver):
@@ -145,7 +145,7 @@ class YadeSolver(Solver):
             return
         _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken)
         opening = np.array([self.scene.opening_of(i) for i in broken])
-        if not self._armed and max(opening.max(), np.abs(self.tracker.slip).max()) > LOOSE:
+        if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
             self.model.arm()
         tau = self.scene.shear_stresses(broken)
