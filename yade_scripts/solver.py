@@ -130,6 +130,9 @@ class YadeSolver(Solver):
         tracker = self.tracker
         _, shear = self.kinematics.displacements(self.scene.motion(), new)
         for joint, slip in zip(new, shear):
+            if self.scene.bundles:
+                self._fray(joint, slip)
+                continue
             opening = self.scene.opening_of(joint)
             sigma = tracker.normal_stiffness[joint] * opening
             tau = tracker.shear_stiffness[joint] * slip
@@ -138,8 +141,22 @@ class YadeSolver(Solver):
             self.scene.loosen(joint)
             self._events.append((self.clock, int(joint), kind, sigma, tau))
 
+    def _fray(self, joint, slip):
+        """Fibres of a bond break, at a shear displacement [m]; its dry ones are followed up to here."""
+        tracker, scene = self.tracker, self.scene
+        if tracker.dry[joint] > 0:
+            one = np.array([joint])
+            self._log_passings(tracker.sample(one, np.array([scene.opening_of(joint)]), np.array([slip]),
+                                              scene.shear_stresses(one)))
+        sigma = tracker.normal_stiffness[joint] * scene.opening_of_bond(joint)
+        tau = tracker.shear_stiffness[joint] * slip
+        for share, kind, last in scene.give_way(joint, sigma, tau):
+            tracker.fibre_breaks(joint, kind, sigma, tau, share, last)
+            if last:
+                self._events.append((self.clock, int(joint), kind, sigma, tau))
+
     def _follow_joints(self):
-        broken = np.flatnonzero(self.tracker.broken)
+        broken = np.flatnonzero(self.tracker.dry)
         if len(broken) == 0:
             return
         _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken)
@@ -148,7 +165,10 @@ class YadeSolver(Solver):
             self._armed = True
             self.model.arm()
         tau = self.scene.shear_stresses(broken)
-        for joint, kind in self.tracker.sample(broken, opening, shear, tau):
+        self._log_passings(self.tracker.sample(broken, opening, shear, tau))
+
+    def _log_passings(self, passings):
+        for joint, kind in passings:
             self._events.append((self.clock, joint, kind, 0.0, 0.0, self.tracker.opening[joint],
                                  self.tracker.slip[joint]))
 

@@ -259,7 +259,8 @@ class ModelOptions:
     joints: in YADE, a contact's normal is that of the "face", or the line between the "centres" of two cells.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
-    fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law.
+    fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
+        which YADE does not have: there 16.
     """
 
     lintel: str = _option("elastic", "joints over an opening stay elastic, or break like any other",
@@ -274,8 +275,8 @@ class ModelOptions:
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
-    fibres: int = _option(0, "joints that soften are so many brittle fibres, 0: one smooth law", metavar="N",
-                          solvers=("reference",), tag="fibres-{fibres}")
+    fibres: int = _option(0, "joints that soften are so many brittle fibres; 0: one smooth law, in YADE 16 fibres",
+                          metavar="N", tag="fibres-{fibres}")
 
     def __post_init__(self):
         for one in fields(self):
