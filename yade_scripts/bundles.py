@@ -32,18 +32,17 @@ class Bundles:
 
     def __init__(self, model):
         self.model, self.fibres, contacts = model, model.layout.fibres, model.layout.contacts
-        starts = np.flatnonzero(np.append(True, self.fibres.last[:-1]))
-        self._weakest = starts.copy()  # row of the weakest fibre that holds, of every contact point
-        self._area = contacts.area
-        self._stiffness = contacts.normal_stiffness * contacts.area, contacts.shear_stiffness * contacts.area
+        # Row of the weakest fibre that holds, of every contact point; of the first of the next one's.
+        self._weakest = np.flatnonzero(np.append(True, self.fibres.last[:-1]))
+        self._end = np.flatnonzero(self.fibres.last) + 1
+        self._area, self._normal, self._shear = contacts.area, contacts.normal_stiffness, contacts.shear_stiffness
         # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
         self._handed = np.where(contacts.kind == HEAD, -1.0, 1.0)
         self._friction = friction_left(False, material_of(model.layout.wall.joint))
 
     def held(self, joint):
         """Share of the area that holds [-]."""
-        ends = np.flatnonzero(self.fibres.last[self._weakest[joint]:])
-        return float(self.fibres.share[self._weakest[joint]:self._weakest[joint] + ends[0] + 1].sum())
+        return float(self.fibres.share[self._weakest[joint]:self._end[joint]].sum())
 
     def give_way(self, joint, sigma, tau):
         """The weakest fibres of a bond that YADE's law has broken do, the others hold on.
@@ -83,9 +82,10 @@ class Bundles:
     def _bond_again(self, joint, bond, held, sigma, tau):
         """Make of a broken bond that of the fibres that hold."""
         row, area, phys = self._weakest[joint], held * self._area[joint], bond.phys
-        phys.isCohesive = True
-        phys.crossSection = float(area)
-        phys.kn, phys.ks = (float(held * stiffness[joint]) for stiffness in self._stiffness)
+        phys.isCohesive, phys.crossSection = True, float(area)
+        # The line between the members grows with the square of the slip; what it was too long falls away here.
+        phys.initD = bond.geom.penetrationDepth + float(sigma / self._normal[joint])
+        phys.kn, phys.ks = float(area * self._normal[joint]), float(area * self._shear[joint])
         phys.FnMax = float(area * self.fibres.tensile_strength[row])
         phys.FsMax = float(area * self.fibres.cohesion[row])
         phys.normalForce = self._force(joint, bond.geom, area * sigma, 0.0)
@@ -95,10 +95,10 @@ class Bundles:
         """Let the fibres that broke, a share of the area, rub with a shear stress [Pa] beside those that did before."""
         if joint not in self.model.frayed:
             self.model.fray(joint)
-        dry = self.model.frayed[joint]
-        dry.phys.kn += float(share * self._stiffness[0][joint])
-        dry.phys.ks += float(share * self._stiffness[1][joint])
-        dry.phys.shearForce += self._force(joint, dry.geom, 0.0, share * self._area[joint] * stress)
+        dry, area = self.model.frayed[joint], share * self._area[joint]
+        dry.phys.kn += float(area * self._normal[joint])
+        dry.phys.ks += float(area * self._shear[joint])
+        dry.phys.shearForce += self._force(joint, dry.geom, 0.0, area * stress)
 
     def _force(self, joint, geom, normal, shear):
         """Of an interaction on its second member, by YADE's order: normal (tension positive) and shear force [N]."""

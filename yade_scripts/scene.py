@@ -131,10 +131,6 @@ class SceneReader:
         """Normal opening of one contact [m], of its dry part where there is one."""
         if index in self.frayed:
             return -self.frayed[index].geom.penetrationDepth
-        return self.opening_of_bond(index)
-
-    def opening_of_bond(self, index):
-        """Normal opening of one contact between the members of its bond [m]."""
         rest = self.physics[index].initD if self.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
 

@@ -148,7 +148,7 @@ class YadeSolver(Solver):
             one = np.array([joint])
             self._log_passings(tracker.sample(one, np.array([scene.opening_of(joint)]), np.array([slip]),
                                               scene.shear_stresses(one)))
-        sigma = tracker.normal_stiffness[joint] * scene.opening_of_bond(joint)
+        sigma = tracker.normal_stiffness[joint] * scene.opening_of(joint)
         tau = tracker.shear_stiffness[joint] * slip
         for share, kind, last in scene.give_way(joint, sigma, tau):
             tracker.fibre_breaks(joint, kind, sigma, tau, share, last)
