@@ -12,7 +12,6 @@ from damage.errors import InputError
 from damage.start import EXIT_MISSING, missing_library
 from yade_scripts.leaving import run_and_leave
 
-
 FIBRES = 16
 """Of a joint that softens, where no other number is asked for (docs/softening.md)."""
 
