@@ -21,7 +21,9 @@ class SceneReader:
         self.geometries = [bond.geom for bond in model.bonds]
         self.physics = [bond.phys for bond in model.bonds]
         self.rubbing = list(zip(self.physics, self.geometries))  # of what slides at each contact point
-        self.frayed, self.share = model.frayed, np.ones(len(contacts))  # of its area that a bond stands for [-]
+        self.frayed = model.frayed
+        # Shares of the contact points' areas [-] that the bonds stand for, and what slides.
+        self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
         self.bundles = Bundles(model) if model.layout.fibres else None
         self.area, self.signs, self.bonded = contacts.area, model.signs, model.bonded
         self.holding = list(range(model.layout.n_joints))  # joints whose bond has not broken
@@ -56,11 +58,12 @@ class SceneReader:
         """`Bundles.give_way` of a bond that YADE's law has broken."""
         broken = self.bundles.give_way(joint, sigma, tau)
         if broken[-1].last:
-            self.share[joint] = 1.0
+            self.share[joint] = self.dry_share[joint] = 1.0
             self._look_at(joint)
         else:
             dry = self.frayed[joint]
             self.share[joint], self.rubbing[joint] = self.bundles.held(joint), (dry.phys, dry.geom)
+            self.dry_share[joint] = 1.0 - self.share[joint]
             self.holding.append(joint)
         return broken
 
@@ -141,10 +144,7 @@ class SceneReader:
         along = np.array([p.shearForce[0] * n[2] - p.shearForce[2] * n[0] for p, n in
                           ((p, g.normal) for p, g in (self.rubbing[i] for i in select))])
         # Turning the normal's sign turns the tangent's, so that YADE's order of the bodies plays no part.
-        area = self.area[select]
-        if self.frayed:
-            area = area * [1.0 - self.share[i] if i in self.frayed else 1.0 for i in select]
-        return -along * self.handed[select] / area
+        return -along * self.handed[select] / (self.area[select] * self.dry_share[select])
 
     def elastic_energy(self, broken):
         """Elastic energy of all bonds and of the dry contacts that they leave [J].

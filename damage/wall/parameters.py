@@ -90,7 +90,8 @@ def _check_fracture_energies(joint):
 
 def softening_energies(tensile_strength):
     """{name: J/m2} of a Joint's fracture energies by a rule in use, from its tensile strength [Pa] alone:
-    G_I = 0.025 (2 f_t)^0.7 N/mm with f_t in MPa (CEB-FIP Model Code 1990, 2.1.4, f_c / 10 as 2 f_t), G_II = 10 G_I.
+    G_I = 0.025 (2 f_t)^0.7 N/mm with f_t in MPa, G_II = 10 G_I.  Its power of 0.7 is that of G_F = G_F0 (f_cm/10)^0.7,
+    CEB-FIP Model Code 1990 for concrete; who first used it for joints is not known here.
 
     >>> {name: round(value, 1) for name, value in softening_energies(0.18375e6).items()}
     {'mode_i_fracture_energy': 12.4, 'mode_ii_fracture_energy': 124.1}
