@@ -2,13 +2,16 @@
 
     python3 benchmarks/softening.py [--out DIR] [TABLE ...]
 
-TABLE: pushed, fibres, steps, damping, scatter, patterns; all by default.  Everything runs in the reference solver;
-histories that are already in DIR are not run again.  About 40 minutes on one core.
+TABLE: pushed, fibres, steps, damping, scatter, patterns; all of these by default, which run in the reference solver,
+about 40 minutes on one core.  And yade_pushed, yade_steps, yade_shaken: YADE beside the reference solver, about an hour
+on one core.  Histories that are already in DIR are not run again.
 """
 
 import argparse
 import contextlib
 import io
+import os
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -43,6 +46,25 @@ SHIPPED = (0.35, 1e-6)
 MEMBERS = 10
 
 
+IN_YADE = '''"""The wall {name} with other fracture energies."""
+
+from dataclasses import replace
+
+from damage.wall.file import load_wall
+
+
+def wall():
+    one = load_wall({path!r})
+    return replace(one, joint=replace(one.joint, **{energies!r}))
+
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+
+    main(wall)
+'''
+
+
 class Bench:
     """Runs of walls, kept in a folder."""
 
@@ -50,23 +72,44 @@ class Bench:
         self.folder = folder
 
     def run(self, name, case, words, modulus=None, step=None):
-        """The History of a wall of `walls/` with the fracture energies of a case; step: share of the critical one."""
-        wall = softened(load_wall(REPOSITORY / "walls" / f"{name}.py"), case)
+        """The History of a wall file with the fracture energies of a case; step: share of the critical one."""
+        wall = softened(load_wall(_file(name)), case)
         if modulus:
             sizes = {size: getattr(wall.brick, size) for size in ("length", "height", "thickness")}
             wall = replace(wall, brick=brick_of_masonry(modulus, wall.joint, **sizes))
-        if step:
-            words = [*words, "--dt", repr(step * natural_modes(lay_out(wall)).critical_time_step_s)]
+        words = [*words, *_step(wall, step)]
         told = "_".join([name, case, f"{modulus or 0:g}", *(str(word).strip("-") for word in words)])
         out = self.folder / f"{told.replace('/', '-')}.h5"
         if not (out.exists() and read_history(out).complete):
             quiet = io.StringIO()
             with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
-                status = run_session(BACKEND, REPOSITORY / "walls" / f"{name}.py", lambda: wall, [
+                status = run_session(BACKEND, _file(name), lambda: wall, [
                     *map(str, words), "--out", str(out), "--overwrite", "--no-pictures"], prog="softening")
             if status != 0:
                 sys.exit(f"{told} failed\n{quiet.getvalue()[-2000:]}")
         return read_history(out)
+
+    def run_in_yade(self, name, case, words, step=None):
+        """The same in YADE."""
+        path = _file(name)
+        masonry = softened(load_wall(path), case)
+        joint, words = masonry.joint, [*words, *_step(masonry, step)]
+        energies = {name: getattr(joint, name) for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
+        told = "_".join(["yade", name, case, *(str(word).strip("-") for word in words)]).replace("/", "-")
+        out, wall = self.folder / f"{told}.h5", self.folder / f"{told}.py"
+        if not (out.exists() and read_history(out).complete):
+            wall.write_text(IN_YADE.format(name=name, path=str(path), energies=energies))
+            done = subprocess.run(["yade", "-n", "-j1", wall, *map(str, words), "--out", out, "--overwrite",
+                                   "--no-pictures"], capture_output=True, text=True,
+                                  env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
+            if done.returncode != 0:
+                sys.exit(f"{told} failed\n{done.stderr[-2000:]}")
+        return read_history(out)
+
+
+def _step(wall, share):
+    """The words that ask for a share of the critical step, none where there is none to be asked for."""
+    return ["--dt", repr(float(share * natural_modes(lay_out(wall)).critical_time_step_s))] if share else []
 
 
 def softened(wall, case):
@@ -100,7 +143,7 @@ def pushed_row(label, case, history, measured=None):
         fallen = 100 * drift[below[0]]
     print_row(label, case, f"{summary['peak_force_n'] / 1e3:.1f}", f"{100 * summary['drift_at_peak_force']:.3f}",
               f"{fallen:.3f}" if np.isfinite(fallen) else "-", f"{force[-1] / 1e3:.1f}",
-              f"{100 * crack:.4f}" if crack else "-", f"{100 * summary['energy_error_fraction']:.4f}", measured or "")
+              f"{100 * crack:.4f}" if crack else "-", _percent(summary["energy_error_fraction"]), measured or "")
 
 
 PUSHED_HEADS = ("wall", "G_I/G_II [J/m²]", "peak [kN]", "at drift [%]", "80 % of it left at [%]", "at the end [kN]",
@@ -210,12 +253,59 @@ def _range(values):
     return f"{np.median(values):.4f} ({min(values):.4f} to {max(values):.4f})"
 
 
-TABLES = {table.__name__: table for table in (pushed, fibres, steps, damping, scatter, patterns)}
+def yade_pushed(bench):
+    """Tested walls pushed over in YADE and in the reference solver, by as many fibres."""
+    print_table(*PUSHED_HEADS[:1], "solver, fibres", *PUSHED_HEADS[2:])
+    for name, drift in (("squat_tested", 0.1), ("comp2_4", 0.1)):
+        test, words, _ = PUSHED[name]
+        for number in (8, 16):
+            words = ["--pushover", drift, *words[2:], *SLOW, "--fibres", number]
+            pushed_row(name, f"reference, {number}", bench.run(name, "5/50", words), tested(test))
+            pushed_row(name, f"YADE, {number}", bench.run_in_yade(name, "5/50", words), tested(test))
+
+
+def yade_steps(bench):
+    """The step that 16 fibres need in YADE, beside the reference solver's with and without its damping."""
+    print_table("wall and motion", "step over the critical", "solver", "max DI", "max drift [%]",
+                "slid to and fro by over 0.1 mm [m]", "energy error [%]")
+    for amplitude in (0.2, 0.4):
+        words = ["--harmonic", 0.1, amplitude, "--rest", 0.1, "--fibres", 16]
+        for step in (0.643, 0.35, 0.175):
+            runs = {f"reference, β {beta:g} s": bench.run("small_wall", "5/50", [*words, "--beta", beta], step=step)
+                    for beta in (0.0, 1e-6)}
+            runs |= {"YADE": bench.run_in_yade("small_wall", "5/50", words, step)}
+            for solver, history in runs.items():
+                print_row(f"small_wall 0.1 {amplitude}", step, solver, *numbers(history))
+
+
+def yade_shaken(bench):
+    """The symmetric wall under the mild motion in both solvers, without damping."""
+    print_table("joints", "solver", "max DI", "max drift [%]", "slid to and fro by over 0.1 mm [m]", "energy error [%]",
+                "kappa", "FSS, broken", "FSS, over 0.1 mm")
+    name, words = MILD
+    words = [*words, "--fibres", 16]
+    there = bench.run(name, "5/50", [*words, "--beta", 0])
+    for solver, here in (("reference", there), ("YADE", bench.run_in_yade(name, "5/50", words))):
+        scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
+        print_row("5/50, 16 fibres", solver, *numbers(here), "-" if kappa is None else f"{kappa:.2f}",
+                  *(_score(scores[which]["fss"]) for which in ("broken", "visible")))
+
+
+def _file(name):
+    return REPOSITORY / ("benchmarks" if name == "small_wall" else "walls") / f"{name}.py"
+
+
+def _percent(fraction):
+    return "-" if fraction is None else f"{100 * fraction:.4f}"
+
+
+USUAL = {table.__name__: table for table in (pushed, fibres, steps, damping, scatter, patterns)}
+TABLES = USUAL | {table.__name__: table for table in (yade_pushed, yade_steps, yade_shaken)}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tables", nargs="*", default=list(TABLES), metavar="TABLE", help=", ".join(TABLES))
+    parser.add_argument("tables", nargs="*", default=list(USUAL), metavar="TABLE", help=", ".join(TABLES))
     parser.add_argument("--out", type=Path, default=Path("results/softening"))
     parsed = parser.parse_args()
     unknown = [name for name in parsed.tables if name not in TABLES]

@@ -63,6 +63,7 @@ IN_YADE = {
     "beyond-its-law": (["--beta", "1e-6"], "--beta"),
     "its-time-step": (["--dt", "4.6e-5"], "stable"),
     "its-view": (["--view"], "screen"),
+    "fibres-of-brittle-joints": (["--fibres", "8"], "are brittle"),
 }
 
 

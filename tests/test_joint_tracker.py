@@ -7,9 +7,10 @@ from numpy.testing import assert_allclose
 
 from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, material_of
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Wall
+from damage.wall.parameters import Joint, ModelOptions, Wall
 from yade_scripts.joint_tracker import JointTracker
 
+FIVE_FIFTY = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
 KINDS = {TENSION: "tension", SHEAR: "shear"}
 
 
@@ -68,3 +69,57 @@ def test_a_joint_that_sticks_is_not_at_its_limit():
     path = [(4e-6, 0.0), *[(-5e-6, 1e-8 * k) for k in range(20)]]
     state, tracker, _, _ = follow_both(path, 1)
     assert not state.at_limit and not tracker.at_limit[0]
+
+
+def frayed(path):
+    """Drive joint 0 as 8 fibres by the law, each for itself, and the tracker by samples, the broken ones as one dry
+    joint: (states, shares, tracker, area)."""
+    layout = lay_out(Wall("small", 0.45, 0.15, joint=FIVE_FIFTY), ModelOptions(fibres=8))
+    tracker, contacts, fibres = JointTracker(layout, 1e-4), layout.contacts, layout.fibres
+    laws = [LawParameters(contacts.normal_stiffness[0], contacts.shear_stiffness[0], fibres.tensile_strength[k],
+                          fibres.cohesion[k], material_of(FIVE_FIFTY)) for k in range(8)]
+    shares, states, shear, first = fibres.share[:8], [ContactState()] * 8, 0.0, np.array([0])
+    for opening, target in path:
+        before = [state.broken for state in states]
+        dry = shares * before
+        stress = np.array([0.0])
+        states, events = zip(*[advance(opening, target - shear, *pair) for pair in zip(states, laws)])
+        if dry.any():
+            stress[0] = dry @ [state.shear_stress for state in states] / dry.sum()
+            tracker.sample(first, np.array([opening]), np.array([target]), stress)
+        for k in np.flatnonzero(events):
+            tracker.fibre_breaks(0, KINDS[events[k]], laws[k].normal_stiffness * opening,
+                                 laws[k].shear_stiffness * target, shares[k], k == 7)
+        shear = target
+    return states, shares, tracker, contacts.area[0]
+
+
+def test_fibres_that_slide_out_and_back_and_open_are_one_dry_joint():
+    pressure, out = 4e-6, 3e-4
+    path = [(-pressure, x) for x in (*np.linspace(0, out, 3000), *np.linspace(out, -1.2 * out, 6000))]
+    states, shares, tracker, area = frayed(path)
+    assert 0.5 < tracker.dry[0] < 1 and not tracker.broken[0]  # some of them hold
+    assert_allclose(tracker.slip[0], shares @ [state.slip for state in states], rtol=1e-3)
+    for told, work in ((tracker.fracture_energy, "fracture_work"), (tracker.friction_energy, "friction_work")):
+        assert_allclose(told, shares @ [getattr(state, work) for state in states] * area, rtol=2e-3)
+    assert not tracker.at_limit[0] and not states[-1].at_limit
+    path += [(x, -1.2 * out) for x in np.linspace(-pressure, 4e-4, 2000)]
+    states, _, tracker, _ = frayed(path)
+    assert tracker.broken[0] and all(state.broken for state in states)
+    assert_allclose(tracker.opening[0], 4e-4)
+    assert_allclose(tracker.fracture_energy, shares @ [state.fracture_work for state in states] * area, rtol=2e-3)
+
+
+def test_a_fibre_that_breaks_beside_others_makes_their_stresses_one():
+    """Two dry halves, one at rest and one at its limit: what the mean holds less than both counts as friction."""
+    tracker, pressure = frayed([(0.0, 0.0)])[2], 1e5
+    ks, area, limit = tracker.shear_stiffness[0], tracker.area[0], pressure * tracker.friction
+    sigma, tau = -pressure, limit + 2e5
+    tracker.fibre_breaks(0, "tension", 1e5, 0.0, 0.5, False)
+    before = tracker.friction_energy
+    tracker.sample(np.array([0]), np.array([-1e-6]), np.array([0.0]), np.array([0.0]))
+    tracker.fibre_breaks(0, "shear", sigma, tau, 0.5, False)
+    slid, mean = 2e5 / ks, limit / 2
+    expected = (limit * slid / 2 + (0.5 * limit**2 - mean**2) / (2 * ks)) * area
+    assert_allclose(tracker.friction_energy - before, expected)
+    assert_allclose(tracker.slip[0], slid / 2)

@@ -11,6 +11,7 @@ from scipy.integrate import trapezoid
 from damage.wall.joint_law import ContactState, LawParameters, Material, advance
 from damage.wall.layout import BED, lay_out
 from damage.wall.parameters import Wall
+from verification import softening
 
 pytestmark = pytest.mark.yade
 
@@ -134,3 +135,27 @@ def test_a_tilted_block_touches_at_its_contact_point(far):
     """The tip is round, of 0.5 mm: tilted by t it reaches 0.5 mm (1 - cos t) below the contact point."""
     assert_allclose(far["overlap"], 5e-4 * (1 - np.cos(far["tilt"])), atol=2e-8)
     assert far["overlap"].max() < 5e-6 and far["tilt"].max() == pytest.approx(0.062)
+
+
+@pytest.fixture(scope="module")
+def soft(yade_command):
+    """Paths of a joint that softens, in coarse steps, by 16 fibres: {name: (Driven in YADE, in the reference)}."""
+    made = softening.paths(fine=200, coarse=120)
+    return {name: (here, softening.drive(made[name], 16))
+            for name, here in softening.drive_in_yade(made, 16).items()}
+
+
+def test_a_softening_joint_has_its_peaks(soft):
+    strengths = {f"shear at {pressure:g} MPa": softening.JOINT.cohesion + 0.42e6 * pressure
+                 for pressure in softening.PRESSURES_MPA}
+    for name, strength in strengths.items():
+        assert_allclose(soft[name][0].shear_stress.max(), strength, rtol=5e-3)  # a step here is 0.75 %
+        assert_allclose(soft[name][0].shear_stress.max(), soft[name][1].shear_stress.max(), rtol=TOLERANCE)
+    assert_allclose(soft["tension"][0].normal_stress.max(), softening.JOINT.tensile_strength, rtol=8e-3)
+
+
+def test_its_fibres_dissipate_what_the_reference_solver_s_do(soft):
+    """Along pure, mixed and reversed paths, by the work done and by what the tracker tells."""
+    for name, (here, there) in soft.items():
+        for told in ("dissipated", "friction", "fracture", "stored"):
+            assert_allclose(getattr(here, told), getattr(there, told), rtol=5e-3, atol=1e-3, err_msg=f"{name}, {told}")

@@ -58,9 +58,15 @@ class Result:
 
 def ask_yade(case, *numbers):
     """The number that `verification/yade_case.py CASE NUMBERS` prints from inside YADE."""
-    command = ["yade", "-n", "-j1", "verification/yade_case.py", case, *map(repr, numbers)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    lines = [line for line in done.stdout.splitlines() if line.startswith("result ")]
-    if done.returncode != 0 or not lines:
-        raise RuntimeError(f"{' '.join(command)} ended with status {done.returncode}:\n{done.stderr[-2000:]}")
+    told = run_yade("verification/yade_case.py", case, *map(repr, numbers))
+    lines = [line for line in told.splitlines() if line.startswith("result ")]
     return float(lines[-1].split()[1])
+
+
+def run_yade(script, *words):
+    """What a script prints inside YADE; RuntimeError where it fails."""
+    command = ["yade", "-n", "-j1", script, *map(str, words)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)} ended with status {done.returncode}:\n{done.stderr[-2000:]}")
+    return done.stdout

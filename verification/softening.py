@@ -6,8 +6,11 @@ c + p tan(phi).  Where opening and sliding mix, or loading reverses, no closed f
 laid side by side (`compared`, docs/softening.md).
 """
 
-from functools import partial
+import argparse
+import tempfile
+from functools import cache
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 
@@ -16,7 +19,7 @@ from damage.reference.tables import FRACTURE, FRICTION
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import BED, GROUND, lay_out
 from damage.wall.parameters import Joint, ModelOptions, Wall
-from verification.problem import Problem
+from verification.problem import Problem, run_yade
 
 JOINT = Joint(tensile_strength=0.21 / 0.24 * 0.21e6, cohesion=0.21e6, friction_angle=float(np.arctan(0.42)),
               mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
@@ -24,9 +27,11 @@ JOINT = Joint(tensile_strength=0.21 / 0.24 * 0.21e6, cohesion=0.21e6, friction_a
 PRESSURES_MPA = (0.0, 0.1, 0.3, 1.0)
 FORMS = {"": 0, ", 8 fibres": 8, ", 16 fibres": 16}
 """Name -> fibres."""
-NOT_IN_YADE = "its joints are brittle"
+NOT_IN_YADE = "its joints are fibres"
 FINE, COARSE = 1500, 6000
 """Steps to the first corner, the strength and a half, and from each to the next."""
+COARSE_IN_YADE = 1500
+"""The same in YADE, for problems."""
 
 
 def pair(fibres=0):
@@ -68,23 +73,16 @@ def paths(fine=FINE, coarse=COARSE):
 
 class Driven:
     """The joint along a path; arrays (n,): normal_stress, shear_stress [Pa] (tension, and with the displacement,
-    positive), work done on it; numbers: friction, fracture, dissipated and stored at the end [J/m2]."""
+    positive), work done on it; numbers: friction, fracture, dissipated and stored at the end [J/m2].
 
-    def __init__(self, path, fibres=0):
-        layout = pair(fibres)
-        area = layout.contacts.area[between(layout)]
-        wall = ReferenceWall(layout, 1e-5)
-        upper, constants, forces = wall.system.place[1], wall._constants(), []
-        for opening, shear in path:
-            upper["z"], upper["x"] = opening, shear
-            kernel.contact_forces(wall.system, constants, 0, True)
-            forces.append((-upper["fz"], -upper["fx"]))
-        kernel.read_joints(wall.system)
-        self.normal_stress, self.shear_stress = np.array(forces).T / area
-        moved, mean = np.diff(path, axis=0), (np.array(forces)[1:] + np.array(forces)[:-1]) / 2 / area
+    stresses: (n, 2), normal and shear; energies: friction, fracture, stored."""
+
+    def __init__(self, path, stresses, energies):
+        self.path = path
+        self.normal_stress, self.shear_stress = stresses.T
+        moved, mean = np.diff(path, axis=0), (stresses[1:] + stresses[:-1]) / 2
         self.work = np.concatenate([[0.0], np.cumsum(np.sum(moved * mean, axis=1))])
-        self.friction, self.fracture = wall.energy[FRICTION] / area, wall.energy[FRACTURE] / area
-        self.stored = wall.elastic_energy() / area
+        self.friction, self.fracture, self.stored = energies
         self.at_start = 0.5 * self.normal_stress[0] * path[0, 0]
 
     @property
@@ -92,22 +90,56 @@ class Driven:
         """By the work done and what is stored, not by the law's own account [J/m2]."""
         return self.work[-1] + self.at_start - self.stored
 
+    @property
+    def slid(self):
+        """Inelastic slip at the end of a path to one side [m]."""
+        layout = pair()
+        return self.path[-1, 1] - self.shear_stress[-1] / layout.contacts.shear_stiffness[between(layout)]
+
+
+def drive(path, fibres=0):
+    """The joint Driven along a path in the reference solver."""
+    layout = pair(fibres)
+    area = layout.contacts.area[between(layout)]
+    wall = ReferenceWall(layout, 1e-5)
+    upper, constants, forces = wall.system.place[1], wall._constants(), []
+    for opening, shear in path:
+        upper["z"], upper["x"] = opening, shear
+        kernel.contact_forces(wall.system, constants, 0, True)
+        forces.append((-upper["fz"], -upper["fx"]))
+    kernel.read_joints(wall.system)
+    energies = wall.energy[FRICTION], wall.energy[FRACTURE], wall.elastic_energy()
+    return Driven(path, np.array(forces) / area, np.array(energies) / area)
+
+
+def drive_in_yade(paths, fibres):
+    """{name: Driven} of the joint along paths in YADE."""
+    with tempfile.TemporaryDirectory() as folder:
+        given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
+        np.savez(given, **paths)
+        run_yade("verification/yade_paths.py", given, found, fibres)
+        with np.load(found) as results:
+            return {name: Driven(path, results[name], results[f"{name}/energies"]) for name, path in paths.items()}
+
 
 def problems():
     """Fracture energies and peaks of both forms."""
-    made, driven = paths(), {}
+    made = paths()
 
-    def drive(name, fibres):
-        if (name, fibres) not in driven:
-            driven[name, fibres] = Driven(made[name], fibres)
-        return driven[name, fibres]
+    @cache
+    def in_reference(name, fibres):
+        return drive(made[name], fibres)
 
-    def fracture(name, fibres, friction):
-        result = drive(name, fibres)
-        return result.dissipated - friction * _slid(result, made[name])
+    @cache
+    def all_in_yade(fibres):
+        pure = paths(coarse=COARSE_IN_YADE)
+        return drive_in_yade({name: pure[name] for name, *_ in cases}, fibres)
 
-    def peak(name, fibres, which):
-        return np.max(getattr(drive(name, fibres), which))
+    solvers = {"reference": in_reference, "yade": lambda name, fibres: all_in_yade(fibres)[name]}
+
+    def both(measure, name, fibres):
+        told = {solver: lambda along=along: measure(along(name, fibres)) for solver, along in solvers.items()}
+        return told if fibres else told | {"yade": NOT_IN_YADE}
 
     cases = [("tension", 0.0, JOINT.mode_i_fracture_energy, "G_I", JOINT.tensile_strength, "f_t", "normal_stress")]
     cases += [(f"shear at {pressure:g} MPa", 0.42e6 * pressure, JOINT.mode_ii_fracture_energy, "G_II",
@@ -115,19 +147,14 @@ def problems():
     found = []
     for (form, fibres), (name, friction, energy, energy_name, strength, strength_name, which) in product(
             FORMS.items(), cases):
-        found.append(Problem(f"softening, {name}{form}", "energy dissipated beside friction", "J/m²", energy,
-                             energy_name, {"reference": 1e-2}, {"reference": partial(fracture, name, fibres, friction),
-                                                   "yade": NOT_IN_YADE}))
+        found.append(Problem(
+            f"softening, {name}{form}", "energy dissipated beside friction", "J/m²", energy, energy_name,
+            dict.fromkeys(solvers, 1e-2),
+            both(lambda driven, friction=friction: driven.dissipated - friction * driven.slid, name, fibres)))
         found.append(Problem(f"softening, {name}{form}", "peak stress", "Pa", strength, strength_name,
-                             {"reference": 5e-3}, {"reference": partial(peak, name, fibres, which),
-                                                   "yade": NOT_IN_YADE}))
+                             dict.fromkeys(solvers, 5e-3),
+                             both(lambda driven, which=which: np.max(getattr(driven, which)), name, fibres)))
     return found
-
-
-def _slid(driven, path):
-    """Inelastic slip at the end of a path to one side [m]."""
-    layout = pair()
-    return path[-1, 1] - driven.shear_stress[-1] / layout.contacts.shear_stiffness[between(layout)]
 
 
 def compared(fine=FINE, coarse=COARSE):
@@ -135,18 +162,45 @@ def compared(fine=FINE, coarse=COARSE):
     they dissipate more [%], and the root mean square of the stresses' difference over the largest stress [%])."""
     rows = []
     for name, path in paths(fine, coarse).items():
-        smooth, *others = (Driven(path, fibres) for fibres in FORMS.values())
-        row = [name, smooth.dissipated]
+        smooth, *others = (drive(path, fibres) for fibres in FORMS.values())
+        rows.append([name, smooth.dissipated])
         for other in others:
-            gaps = np.hypot(other.normal_stress - smooth.normal_stress, other.shear_stress - smooth.shear_stress)
-            largest = np.max(np.hypot(np.maximum(smooth.normal_stress, 0), smooth.shear_stress))
-            row += [100 * (other.dissipated / smooth.dissipated - 1), 100 * np.sqrt(np.mean(gaps**2)) / largest]
-        rows.append(row)
+            rows[-1] += _beside(other, smooth)
     return rows
 
 
+def compared_in_yade(fine=FINE, coarse=COARSE):
+    """YADE's fibres along every path beside the reference's: rows of (path, and for 8 and 16 fibres dissipated in YADE
+    [J/m2], how much more that is [%], the stresses' difference as in `compared` [%], and the peak's [%])."""
+    made = paths(fine, coarse)
+    rows = {name: [name] for name in made}
+    for fibres in filter(None, FORMS.values()):
+        for name, here in drive_in_yade(made, fibres).items():
+            there = drive(made[name], fibres)
+            peaks = [max(np.max(of.normal_stress), np.max(np.abs(of.shear_stress))) for of in (here, there)]
+            rows[name] += [here.dissipated, *_beside(here, there), 100 * (peaks[0] / peaks[1] - 1)]
+    return list(rows.values())
+
+
+def _beside(other, one):
+    """What one Driven dissipates more than another along the same path [%], and the root mean square of the stresses'
+    difference over the largest stress [%]."""
+    gaps = np.hypot(other.normal_stress - one.normal_stress, other.shear_stress - one.shear_stress)
+    largest = np.max(np.hypot(np.maximum(one.normal_stress, 0), one.shear_stress))
+    return 100 * (other.dissipated / one.dissipated - 1), 100 * np.sqrt(np.mean(gaps**2)) / largest
+
+
 def main():
-    """Print `compared` as a table."""
+    """Print `compared`, or with --yade `compared_in_yade`, as a table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--yade", action="store_true", help="YADE's fibres beside the reference solver's")
+    if parser.parse_args().yade:
+        print("| path | 8 fibres: dissipated [J/m²] | more [%] | stresses [%] | peak [%] "
+              "| 16 fibres: dissipated [J/m²] | more [%] | stresses [%] | peak [%] |\n" + "| --- " * 9 + "|")
+        for name, *numbers in compared_in_yade():
+            cells = [f"{number:{form}}" for number, form in zip(numbers, 2 * (".2f", "+.2f", ".2f", "+.2f"))]
+            print("| " + " | ".join([name, *cells]) + " |")
+        return
     print("| path | dissipated, smooth law [J/m²] | 8 fibres [%] | 16 fibres [%] | stresses, 8 fibres [%] "
           "| 16 fibres [%] |")
     print("| --- " * 6 + "|")

@@ -9,7 +9,7 @@ When a bond breaks, a tip and a face take its place: a sphere of 0.5 mm that tou
 brick, and the box of the other, by YADE's law of friction (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on
 both bricks in one and the same point.  The normal is the face's own, turns with its brick, and stays when the joint
 slides; the tip goes round a corner where it leaves the face.  Neighbouring contact points take turns in which brick
-has the face.
+has the face.  Of a bond that softens, some fibres hold and some are dry (`bundles`).
 """
 
 from collections import Counter
@@ -59,10 +59,7 @@ class FaceWall(YadeWall):
         shear = self.signs[joint] * sign * bond.phys.shearForce
         stiffness = bond.phys.kn, bond.phys.ks
         O.interactions.erase(bond.id1, bond.id2)
-        point, = self._attach(tip.body, [_ball((tip.x, tip.z), TIP, self._material)])
-        contact = utils.createInteraction(self.faces[tip.face], point)
-        contact.phys.kn, contact.phys.ks = stiffness
-        contact.phys.tangensOfFrictionAngle = self.friction
+        contact = self._touch(tip, *stiffness)
         contact.phys.shearForce = shear
         self.bonds[joint], self.signs[joint], self.bonded[joint] = contact, sign, False
         self._work.add(contact, self.friction * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
@@ -74,6 +71,29 @@ class FaceWall(YadeWall):
         if anew:
             self._work.choose(_NEAR)
         self._work.step()
+
+    def fray(self, joint):
+        """A tip on a face beside a bond that holds, without stiffness so far: the contact of the fibres that break."""
+        self.frayed[joint] = self._touch(self.tips[joint], 0.0, 0.0)
+
+    def rub(self, joint):
+        """What rubs beside a bond that holds has another stiffness and shear force from now on."""
+        self._work.renew(self.frayed[joint])
+
+    def part(self, joint):
+        """The last fibre of a bond has gone: the contact of the broken ones takes its place."""
+        bond = self.bonds[joint]
+        O.interactions.erase(bond.id1, bond.id2)
+        self.bonds[joint], self.bonded[joint] = self.frayed.pop(joint), False
+        self.signs[joint] = 1.0 if self.tips[joint].is_second else -1.0
+
+    def _touch(self, tip, normal_stiffness, shear_stiffness):
+        """The dry contact of a tip, which it makes, and its face."""
+        point, = self._attach(tip.body, [_ball((tip.x, tip.z), TIP, self._material)])
+        contact = utils.createInteraction(self.faces[tip.face], point)
+        contact.phys.kn, contact.phys.ks = normal_stiffness, shear_stiffness
+        contact.phys.tangensOfFrictionAngle = self.friction
+        return contact
 
     def arm(self):
         """Spheres in the corners of all bricks and caps, which meet faces and each other."""

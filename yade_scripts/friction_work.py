@@ -16,7 +16,7 @@ class FrictionWork:
     """
 
     def __init__(self, law):
-        self._law, self._rest, self._watched, self._near = law, 0.0, [], []
+        self._law, self._rest, self._watched, self._near = law, 0.0, {}, []
 
     @property
     def total(self):
@@ -28,15 +28,19 @@ class FrictionWork:
 
         limit [N]: to which that falls in the next step; what the bond loses by it is fracture, no friction.
         """
-        geom, phys = contact.geom, contact.phys
-        self._rest -= max(phys.shearForce.norm() - limit, 0.0) ** 2 / (2 * phys.ks)
+        self._rest -= max(contact.phys.shearForce.norm() - limit, 0.0) ** 2 / (2 * contact.phys.ks)
+        self.renew(contact)
+
+    def renew(self, contact):
+        """Watch this interaction from where it is now, with the stiffness and the shear force that it was given."""
+        geom, phys, key = contact.geom, contact.phys, (contact.id1, contact.id2)
         # YADE hands out these vectors themselves: what is read here once goes on to show their values.
-        self._watched.append(_Watched(geom, phys.shearForce, geom.shearInc, 0.5 / phys.ks))
-        self._near.append(self._watched[-1])
+        self._watched[key] = _Watched(geom, phys.shearForce, geom.shearInc, 0.5 / phys.ks)
+        self._near = list(self._watched.values())
 
     def choose(self, reach):
         """From now on look only at contacts that are closed, or open by less than a reach [m]."""
-        self._near = [one for one in self._watched if one.closed or one.geom.penetrationDepth > -reach]
+        self._near = [one for one in self._watched.values() if one.closed or one.geom.penetrationDepth > -reach]
 
     def step(self):
         """After every step."""

@@ -13,7 +13,12 @@ _SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint s
 
 
 class JointTracker:
-    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit."""
+    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit; dry: share of the
+    area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the means over all, by shares,
+    and broken and at the limit are those whose last one is.
+
+    friction_energy, fracture_energy [J]; of the first what fibres take as they break: breaking_energy.
+    """
 
     def __init__(self, layout, threshold):
         n, contacts = layout.n_joints, layout.contacts
@@ -23,15 +28,17 @@ class JointTracker:
         self.shear_stiffness = contacts.shear_stiffness[:n]
         self.threshold = threshold
         self.opening, self.slip, self.offset = np.zeros(n), np.zeros(n), np.zeros(n)
-        self.broken, self.at_limit = np.zeros(n, bool), np.zeros(n, bool)
-        self.friction_energy = self.fracture_energy = 0.0
-        self._open, self._stress = np.zeros(n, bool), np.zeros(n)
+        self.broken, self.at_limit, self.dry = np.zeros(n, bool), np.zeros(n, bool), np.zeros(n)
+        self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
+        self._open, self._stress, self._plastic = np.zeros(n, bool), np.zeros(n), np.zeros(n)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
-    def breaks(self, joint, kind, sigma, tau):
-        """A bond breaks in "tension" or "shear" under stresses sigma, tau [Pa] (tension positive)."""
-        kn, ks, area = self.normal_stiffness[joint], self.shear_stiffness[joint], self.area[joint]
-        self.broken[joint] = True
+    def breaks(self, joint, kind, sigma, tau, share=1.0, last=True):
+        """A bond breaks in "tension" or "shear" under stresses sigma, tau [Pa] (tension positive), all of it or the
+        `last` share that holds."""
+        kn, ks, area = self.normal_stiffness[joint], self.shear_stiffness[joint], self.area[joint] * share
+        self.broken[joint] |= last
+        self.dry[joint] += share
         self._open[joint] = kind == "tension" or sigma > 0
         if self._open[joint]:
             self.fracture_energy += 0.5 * (sigma**2 / kn + tau**2 / ks) * area
@@ -39,7 +46,30 @@ class JointTracker:
             residual = -sigma * self.friction
             self.fracture_energy += 0.5 * (abs(tau) - residual) ** 2 / ks * area
             self._stress[joint] = residual
-        self.at_limit[joint] |= kind == "shear"
+        self.at_limit[joint] |= kind == "shear" and last
+
+    def fibre_breaks(self, joint, kind, sigma, tau, share, last):
+        """`breaks` of a share of a joint whose dry part, if it has one, was sampled at this instant.
+
+        The fibre slides at once down to its limit, and shares its stress with those that are dry.
+        """
+        ks, area, dry, stress = self.shear_stiffness[joint], self.area[joint], self.dry[joint], self._stress[joint]
+        self.breaks(joint, kind, sigma, tau, share, last)
+        rubs = 0.0 if self._open[joint] else min(abs(tau), self._stress[joint])
+        if not self._open[joint]:
+            slid = (abs(tau) - rubs) / ks
+            self.slip[joint] += share * np.copysign(slid, tau)
+            self._take(rubs * slid * share * area)
+        rubs = np.copysign(rubs, tau)
+        mean = (dry * stress + share * rubs) / (dry + share)
+        lost = dry * stress**2 + share * rubs**2 - (dry + share) * mean**2
+        self._take(lost / (2 * ks) * area)
+        self._stress[joint], self._plastic[joint] = mean, (tau - mean) / ks
+        self.offset[joint] = self.dry[joint] * self._plastic[joint]
+
+    def _take(self, energy):
+        self.friction_energy += energy
+        self.breaking_energy += energy
 
     def sample(self, joints, opening, shear, tau):
         """Take a sample of broken joints.
@@ -47,22 +77,23 @@ class JointTracker:
         joints: indices (m,); opening, shear displacement [m] and shear stress tau [Pa]: (m,).
         Yields (joint, "opened" | "slipped") at the first passing of the threshold.
         """
-        is_open = opening > 0
-        offset = shear - tau / self.shear_stiffness[joints]
+        is_open, area = opening > 0, self.area[joints] * self.dry[joints]
+        plastic = shear - tau / self.shear_stiffness[joints]
         stays_closed = ~is_open & ~self._open[joints]
-        increment = np.where(stays_closed, offset - self.offset[joints], 0.0)
+        increment = np.where(stays_closed, plastic - self._plastic[joints], 0.0)
         mean_stress = (np.abs(tau) + np.abs(self._stress[joints])) / 2
-        self.friction_energy += float(np.sum(mean_stress * np.abs(increment) * self.area[joints]))
+        self.friction_energy += float(np.sum(mean_stress * np.abs(increment) * area))
         # What shear a joint still held when it opens slides off, as its limit falls to nothing.
         opens = is_open & ~self._open[joints]
         held = np.where(opens, self._stress[joints] ** 2 / (2 * self.shear_stiffness[joints]), 0.0)
-        self.friction_energy += float(np.sum(held * self.area[joints]))
+        self.friction_energy += float(np.sum(held * area))
         limit = -opening * self.normal_stiffness[joints] * self.friction
         slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)
-        self.at_limit[joints] |= slides | (np.abs(increment) > _SLIDES)
-        self.slip[joints] += increment
-        self.opening[joints] = np.where(is_open, opening, 0.0)
-        self._open[joints], self.offset[joints] = is_open, offset
+        self.at_limit[joints] |= (slides | (np.abs(increment) > _SLIDES)) & self.broken[joints]
+        self.slip[joints] += self.dry[joints] * increment
+        self.opening[joints] = np.where(is_open, self.dry[joints] * opening, 0.0)
+        self.offset[joints] = self.dry[joints] * plastic
+        self._open[joints], self._plastic[joints] = is_open, plastic
         self._stress[joints] = np.where(is_open, 0.0, tau)
         return self._first_passings()
 

@@ -12,6 +12,9 @@ from damage.errors import InputError
 from damage.start import EXIT_MISSING, missing_library
 from yade_scripts.leaving import run_and_leave
 
+FIBRES = 16
+"""Of a joint that softens, where no other number is asked for (docs/softening.md)."""
+
 
 def main(make_wall):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE."""
@@ -25,6 +28,7 @@ def _run(make_wall, path):
         import yade
 
         from damage.run.session import Backend, run_session
+        from damage.run.settings import Softening
         from damage.wall.file import wall_of
         from yade_scripts.shapes import BRICK_SHAPE
         from yade_scripts.solver import YadeSolver
@@ -36,7 +40,8 @@ def _run(make_wall, path):
         return EXIT_MISSING
     print(f"YADE {yade.config.version}, bricks are {BRICK_SHAPE}", flush=True)
     versions = {"yade": yade.config.version, "yade_bricks": BRICK_SHAPE}
-    backend = Backend("yade", versions, YadeSolver, Path(__file__).parent, _check, open_view)
+    backend = Backend("yade", versions, YadeSolver, Path(__file__).parent, _check, open_view,
+                      Softening(fibres=FIBRES, beta_s=0.0))
     return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {path}")
 
 
@@ -49,6 +54,9 @@ def _check(settings):
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")
     model = settings.model
+    if model.joints == "centres" and model.fibres:
+        raise InputError("--joints centres: its joints are brittle; expected --joints face where they have fracture "
+                         "energies, or leave those out")
     if model.joints == "centres" and not HAS_POLYHEDRA:
         raise InputError(f"--joints centres: needs polyhedra, which YADE {yade.config.version} was built without; "
                          "expected --joints face here, or YADE of Debian 12")

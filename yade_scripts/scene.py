@@ -6,6 +6,7 @@ from yade import O
 
 from damage.units import GRAVITY
 from damage.wall.layout import HEAD
+from yade_scripts.bundles import Bundles
 
 
 class SceneReader:
@@ -19,6 +20,11 @@ class SceneReader:
         self.states = [O.bodies[clump].state for clump in model.clumps]
         self.geometries = [bond.geom for bond in model.bonds]
         self.physics = [bond.phys for bond in model.bonds]
+        self.rubbing = list(zip(self.physics, self.geometries))  # of what slides at each contact point
+        self.frayed = model.frayed
+        # Shares of the contact points' areas [-] that the bonds stand for, and what slides.
+        self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
+        self.bundles = Bundles(model) if model.layout.fibres else None
         self.area, self.signs, self.bonded = contacts.area, model.signs, model.bonded
         self.holding = list(range(model.layout.n_joints))  # joints whose bond has not broken
         self._breaks_seen = 0
@@ -46,8 +52,25 @@ class SceneReader:
     def loosen(self, joint):
         """Make of a broken bond the dry joint that it leaves."""
         self.model.loosen(joint)
+        self._look_at(joint)
+
+    def give_way(self, joint, sigma, tau):
+        """`Bundles.give_way` of a bond that YADE's law has broken."""
+        broken = self.bundles.give_way(joint, sigma, tau)
+        if broken[-1].last:
+            self.share[joint] = self.dry_share[joint] = 1.0
+            self._look_at(joint)
+        else:
+            dry = self.frayed[joint]
+            self.share[joint], self.rubbing[joint] = self.bundles.held(joint), (dry.phys, dry.geom)
+            self.dry_share[joint] = 1.0 - self.share[joint]
+            self.holding.append(joint)
+        return broken
+
+    def _look_at(self, joint):
         bond = self.model.bonds[joint]
         self.geometries[joint], self.physics[joint] = bond.geom, bond.phys
+        self.rubbing[joint] = bond.phys, bond.geom
 
     def motion(self, select=None):
         """Displacement and rotation (x towards z) since the wall was built: (n_bodies, 3).
@@ -84,7 +107,10 @@ class SceneReader:
 
     def contact_forces(self):
         """Size of the force in every contact (n_contacts,) [N]."""
-        return np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
+        forces = np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
+        for joint, dry in self.frayed.items():
+            forces[joint] += (dry.phys.normalForce + dry.phys.shearForce).norm()
+        return forces
 
     def _resultant(self, members, x_centre, z_centre):
         """Force along x and z [N] and moment from x towards z [N m] of the contacts on a clump."""
@@ -105,18 +131,20 @@ class SceneReader:
                          for g, p, bonded in zip(self.geometries, self.physics, self.bonded)])
 
     def opening_of(self, index):
-        """Normal opening of one contact [m]."""
+        """Normal opening of one contact [m], of its dry part where there is one."""
+        if index in self.frayed:
+            return -self.frayed[index].geom.penetrationDepth
         rest = self.physics[index].initD if self.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
 
     def shear_stresses(self, select):
-        """Shear stress on the second body's side [Pa] of the contacts `select`, signed like the
-        shear displacement: (m,)."""
+        """Shear stress on the second body's side [Pa] of the contacts `select`, of their dry parts where there are
+        such, signed like the shear displacement: (m,)."""
         # The force lies in the plane: its share of the tangent, which is the normal turned by a right angle.
         along = np.array([p.shearForce[0] * n[2] - p.shearForce[2] * n[0] for p, n in
-                          ((self.physics[i], self.geometries[i].normal) for i in select)])
+                          ((p, g.normal) for p, g in (self.rubbing[i] for i in select))])
         # Turning the normal's sign turns the tangent's, so that YADE's order of the bodies plays no part.
-        return -along * self.handed[select] / self.area[select]
+        return -along * self.handed[select] / (self.area[select] * self.dry_share[select])
 
     def elastic_energy(self, broken):
         """Elastic energy of all bonds and of the dry contacts that they leave [J].
@@ -130,8 +158,11 @@ class SceneReader:
         shear = np.array([p.shearForce.norm() for p in self.physics])
         colliding = sum(p.normalForce.squaredNorm() / p.kn + p.shearForce.squaredNorm() / p.ks
                         for p in (contact.phys for contact in self.model.collisions()))
-        return 0.5 * colliding + 0.5 * float(np.sum(np.where(acting, self.normal_stiffness * opening**2, 0.0))
-                           + np.sum(shear**2 / self.shear_stiffness))
+        rubbing = sum(dry.phys.kn * max(dry.geom.penetrationDepth, 0.0)**2
+                      + dry.phys.shearForce.squaredNorm() / dry.phys.ks for dry in self.frayed.values())
+        return 0.5 * (colliding + rubbing) + 0.5 * float(
+            np.sum(np.where(acting, self.normal_stiffness * self.share * opening**2, 0.0))
+            + np.sum(shear**2 / (self.shear_stiffness * self.share)))
 
     def base_shear(self):
         """Horizontal force of the wall on the ground [N]."""

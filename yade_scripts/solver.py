@@ -131,6 +131,9 @@ class YadeSolver(Solver):
         tracker = self.tracker
         _, shear = self.kinematics.displacements(self.scene.motion(), new)
         for joint, slip in zip(new, shear):
+            if self.scene.bundles:
+                self._fray(joint, slip)
+                continue
             opening = self.scene.opening_of(joint)
             sigma = tracker.normal_stiffness[joint] * opening
             tau = tracker.shear_stiffness[joint] * slip
@@ -139,8 +142,22 @@ class YadeSolver(Solver):
             self.scene.loosen(joint)
             self._events.append((self.clock, int(joint), kind, sigma, tau))
 
+    def _fray(self, joint, slip):
+        """Fibres of a bond break, at a shear displacement [m]; its dry ones are followed up to here."""
+        tracker, scene = self.tracker, self.scene
+        if tracker.dry[joint] > 0:
+            one = np.array([joint])
+            self._log_passings(tracker.sample(one, np.array([scene.opening_of(joint)]), np.array([slip]),
+                                              scene.shear_stresses(one)))
+        sigma = tracker.normal_stiffness[joint] * scene.opening_of(joint)
+        tau = tracker.shear_stiffness[joint] * slip
+        for share, kind, last in scene.give_way(joint, sigma, tau):
+            tracker.fibre_breaks(joint, kind, sigma, tau, share, last)
+            if last:
+                self._events.append((self.clock, int(joint), kind, sigma, tau))
+
     def _follow_joints(self):
-        broken = np.flatnonzero(self.tracker.broken)
+        broken = np.flatnonzero(self.tracker.dry)
         if len(broken) == 0:
             return
         _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken)
@@ -149,7 +166,10 @@ class YadeSolver(Solver):
             self._armed = True
             self.model.arm()
         tau = self.scene.shear_stresses(broken)
-        for joint, kind in self.tracker.sample(broken, opening, shear, tau):
+        self._log_passings(self.tracker.sample(broken, opening, shear, tau))
+
+    def _log_passings(self, passings):
+        for joint, kind in passings:
             self._events.append((self.clock, joint, kind, 0.0, 0.0, self.tracker.opening[joint],
                                  self.tracker.slip[joint]))
 
@@ -189,14 +209,14 @@ class YadeSolver(Solver):
         them: the run infers it.
         """
         tracker = self.tracker
-        friction = self.model.friction_work()
+        summed = self.model.friction_work()
+        friction = tracker.friction_energy if summed is None else summed + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, base_acceleration)
         return Instant(self.scene.motion(), tracker.opening, tracker.slip, tracker.offset,
                        BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit, self.scene.base_shear(),
                        np.nan if self._held is None else self._push_force(),
                        0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),
-                       self._input_energy,
-                       tracker.friction_energy if friction is None else friction, tracker.fracture_energy, None)
+                       self._input_energy, friction, tracker.fracture_energy, None)
 
     def forces(self):
         return self.scene.resultants(), self.scene.contact_forces()

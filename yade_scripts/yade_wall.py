@@ -31,6 +31,7 @@ class YadeWall:
     law: object
     bonded: np.ndarray = field(init=False)  # (n_contacts,): whether the interaction is still the first one
     turning: list = field(init=False)  # states that show how the bodies have turned
+    frayed: dict = field(init=False, default_factory=dict)  # {joint: dry contact beside a bond that holds in part}
 
     def __post_init__(self):
         self.turning = [O.bodies[clump].state for clump in self.clumps]

@@ -8,10 +8,12 @@ import numba
 from damage.errors import one_line
 from damage.reference.solver import ReferenceSolver
 from damage.run.session import EXIT_INPUT, Backend, run_session
+from damage.run.settings import Softening
 from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
-BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, Path(__file__).parent, softens=True)
+BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, Path(__file__).parent,
+                  softening=Softening())
 
 
 def run_reference(arguments):

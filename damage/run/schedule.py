@@ -9,15 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import (
-    LOCAL_DAMPING,
-    LONGEST_S,
-    MOST_STATES,
-    MOST_STEPS,
-    SAMPLE_S,
-    SETTLE_S,
-    SOFTENING_BETA_S,
-)
+from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SETTLE_S
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
@@ -57,14 +49,15 @@ def choose_time_step(settings, critical_s, softens=False):
     return settings.time_step_s
 
 
-def softening_warnings(settings, time_step, critical_s):
-    """What of a run's step and damping is outside of what softening joints were shown to need: a list of lines."""
+def softening_warnings(settings, time_step, critical_s, softening):
+    """What of a run's step and damping is outside of what softening joints were shown to need in a solver, by its
+    Softening: a list of lines."""
     told = []
     if time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
         told.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
                     f"{SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out")
-    if settings.beta_s < SOFTENING_BETA_S and not settings.loading.drives_top:
-        told.append(f"--beta {settings.beta_s:g} s: expected at least {SOFTENING_BETA_S:g} where joints soften, or "
+    if settings.beta_s < softening.beta_s and not settings.loading.drives_top:
+        told.append(f"--beta {settings.beta_s:g} s: expected at least {softening.beta_s:g} where joints soften, or "
                     "cracks follow rounding and step; leave --beta out")
     return told
 

@@ -18,6 +18,7 @@ from damage.run.progress import Progress
 from damage.run.report import report
 from damage.run.run import Run
 from damage.run.schedule import check_size, choose_time_step, softening_warnings
+from damage.run.settings import Softening
 from damage.start import is_of_output
 from damage.wall.caps import describe_top
 from damage.wall.layout import lay_out
@@ -33,7 +34,7 @@ class Backend:
     versions: {software: version} beside this software's own; code: the folder of the solver's modules;
     make(layout, time_step): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
     open_view: opens a live view and returns a function that refreshes it; None where there is none;
-    softens: whether it knows joints with fracture energies.
+    softening: what it gives joints with fracture energies; None where it does not know them.
     """
 
     name: str
@@ -42,7 +43,7 @@ class Backend:
     code: Path
     check: Callable = lambda settings: None
     open_view: Callable | None = None
-    softens: bool = False
+    softening: Softening | None = None
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
@@ -83,11 +84,11 @@ def _tell(error):
 def _run(backend, wall_file, make_wall, arguments, prog):
     settings = parse_run(arguments, prog=prog, solver=backend.name)
     wall = make_wall()
-    settings = settings.for_joint(wall.joint)
-    backend.check(settings)
-    if wall.joint.softens and not backend.softens:
+    if wall.joint.softens and not backend.softening:
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
                          "not know; leave them out, or use the reference solver: python3 -m damage reference")
+    settings = settings.for_joint(wall.joint, backend.softening or Softening())
+    backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
@@ -95,8 +96,9 @@ def _run(backend, wall_file, make_wall, arguments, prog):
     modes = natural_modes(layout)
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
     check_size(settings, layout, time_step)
-    for warning in softening_warnings(settings, time_step, modes.critical_time_step_s) if wall.joint.softens else ():
-        print(f"warning: {warning}", file=sys.stderr)
+    if wall.joint.softens:
+        for warning in softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening):
+            print(f"warning: {warning}", file=sys.stderr)
     show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),

@@ -36,6 +36,15 @@ SOFTENING_BETA_S = 1e-6
 
 
 @dataclass(frozen=True)
+class Softening:
+    """What a solver gives joints that soften where nothing else is asked for, and needs for them: fibres, 0 for the
+    smooth law; beta_s: stiffness-proportional damping [s]."""
+
+    fibres: int = 0
+    beta_s: float = SOFTENING_BETA_S
+
+
+@dataclass(frozen=True)
 class RunSettings:
     """One run: what drives the wall, how it is modelled, where the history goes.
 
@@ -99,11 +108,12 @@ class RunSettings:
                              f"{OFFSETS_BELOW}th of the {reach:.2g} m at which the first bond of this wall breaks; "
                              "give less, or --scatter")
 
-    def for_joint(self, joint):
-        """These settings with the damping that a damage.wall.parameters.Joint needs, where none was asked for."""
-        if self.beta_s is not None:
-            return self
-        return replace(self, beta_s=SOFTENING_BETA_S if joint.softens else 0.0)
+    def for_joint(self, joint, softening=Softening()):
+        """These settings with what a damage.wall.parameters.Joint gets by a solver's Softening, where nothing else was
+        asked for."""
+        beta_s = self.beta_s if self.beta_s is not None else softening.beta_s if joint.softens else 0.0
+        fibres = self.model.fibres or (softening.fibres if joint.softens else 0)
+        return replace(self, beta_s=beta_s, model=replace(self.model, fibres=fibres))
 
     @property
     def duration_s(self):

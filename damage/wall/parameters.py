@@ -90,7 +90,8 @@ def _check_fracture_energies(joint):
 
 def softening_energies(tensile_strength):
     """{name: J/m2} of a Joint's fracture energies by a rule in use, from its tensile strength [Pa] alone:
-    G_I = 0.025 (2 f_t)^0.7 N/mm with f_t in MPa (CEB-FIP Model Code 1990, 2.1.4, f_c / 10 as 2 f_t), G_II = 10 G_I.
+    G_I = 0.025 (2 f_t)^0.7 N/mm with f_t in MPa, G_II = 10 G_I.  Its power of 0.7 is that of G_F = G_F0 (f_cm/10)^0.7,
+    CEB-FIP Model Code 1990 for concrete; who first used it for joints is not known here.
 
     >>> {name: round(value, 1) for name, value in softening_energies(0.18375e6).items()}
     {'mode_i_fracture_energy': 12.4, 'mode_ii_fracture_energy': 124.1}
@@ -263,7 +264,8 @@ class ModelOptions:
     joints: in YADE, a contact's normal is that of the "face", or the line between the "centres" of two cells.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
-    fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law.
+    fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
+        which YADE does not have: there 16.
     """
 
     lintel: str = _option("elastic", "joints over an opening are elastic, or break like any other (none), or are "
@@ -280,8 +282,8 @@ class ModelOptions:
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
-    fibres: int = _option(0, "joints that soften are so many brittle fibres, 0: one smooth law", metavar="N",
-                          solvers=("reference",), tag="fibres-{fibres}")
+    fibres: int = _option(0, "joints that soften are so many brittle fibres; 0: one smooth law, in YADE 16 fibres",
+                          metavar="N", tag="fibres-{fibres}")
 
     def __post_init__(self):
         for one in fields(self):

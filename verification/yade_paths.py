@@ -1,0 +1,53 @@
+"""Inside YADE: the joint between two bricks (`verification.softening`), by fibres, driven along paths.
+
+    yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES
+
+PATHS holds one array (n, 2) a path, opening and shear displacement [m]; RESULTS gets (n, 2) under the same names,
+normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture and stored [J/m2].
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
+
+import numpy as np
+from yade import O, Vector3
+
+from verification.softening import between, pair
+from yade_scripts.leaving import run_and_leave
+from yade_scripts.solver import YadeSolver
+
+STEP = 1e-6  # [s]; nothing is free to move, so any step will do
+
+
+def drive(path, fibres):
+    """Stresses (n, 2) along a path, and the energies at its end."""
+    layout = pair(fibres)
+    solver, area = YadeSolver(layout, STEP), layout.contacts.area[between(layout)]
+    states, scene = solver.scene.states, solver.scene
+    for state in states:
+        state.blockedDOFs = "xyzXYZ"
+    stresses, here = [], np.zeros(2)
+    for there in path:
+        opening, shear = (there - here) / STEP
+        states[1].vel, here = Vector3(shear, 0, opening), there
+        O.step()
+        solver._follow_joints()
+        along, upward, _ = scene.resultants()[1]
+        stresses.append((-upward / area, -along / area))
+    tracker = solver.tracker
+    energies = tracker.friction_energy, tracker.fracture_energy, scene.elastic_energy(tracker.broken)
+    return np.array(stresses), np.array(energies) / area
+
+
+def main():
+    paths, out, fibres = sys.argv[1:]
+    found = {}
+    with np.load(paths) as given:
+        for name in given:
+            found[name], found[f"{name}/energies"] = drive(given[name], int(fibres))
+    np.savez(out, **found)
+
+
+run_and_leave(main)
