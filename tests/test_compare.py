@@ -86,7 +86,7 @@ def test_tolerance_of_the_maximum_drift(tmp_path, factor, agrees):
 
 def test_of_an_absolute_and_a_relative_tolerance_the_larger_holds():
     tolerance = TOLERANCES["DI_open"]
-    assert tolerance.allowed(0.001) == 0.006 and tolerance.allowed(0.1) == approx(0.03)
+    assert tolerance.allowed(0.001) == 0.001 and tolerance.allowed(0.1) == approx(0.03)
 
 
 class TestKappa:
