@@ -5,12 +5,11 @@ from damage.start import begin, is_of_output, leave, missing_library
 if __name__ == "__main__":
     begin()  # before what takes its time to import
 
-import json
 import sys
 from pathlib import Path
 
 from damage.errors import InputError, one_line
-from damage.files import write_text
+from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
@@ -101,8 +100,12 @@ def _threshold(of):
     return _arg("--threshold-mm", type=number_from(1e-6, 1000), default=0.1, help=f"of {of} (default 0.1)")
 
 
+_PSI_FROM = _arg("--psi-from-mm", type=number_from(1e-6, 1000), default=0.02,
+                 help="width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)")
+
+
 def _tell(asked, found, describe):
-    print(json.dumps(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
+    print(json_text(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
 
 def _save(figures, folder, made=""):
@@ -118,13 +121,13 @@ def _save(figures, folder, made=""):
 
 @_command("the damage index and key numbers of a history", _HISTORY, _JSON, _threshold("opening and slip"),
           _DRIFT_LIMIT, _arg("--slip", choices=SLIP_CRITERIA, default="displacement",
-                             help="when a joint counts as slipped (default displacement)"))
+                             help="when a joint counts as slipped (default displacement)"), _PSI_FROM)
 def _index(asked):
     from damage.measure.summary import summarise
     from damage.run.report import describe, warn
 
     summary = summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
-                        asked.slip)
+                        asked.slip, asked.psi_from_mm * MILLIMETRE)
     warn(summary["warnings"])
     _tell(asked, summary, describe)
 
@@ -162,9 +165,10 @@ def _laboratory(asked):
 
 
 @_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py"), _JSON,
-          lambda command: add_model_options(command, ("top", "cells", "contacts")),
+          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")),
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
+    from damage.wall.caps import describe_top
     from damage.wall.file import load_wall
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
@@ -177,8 +181,10 @@ def _modes(asked):
         _save([("modes", modes_picture(layout, modes))], asked.out)
     periods = [float(period) for period in modes.period_s]
     if asked.json:
-        print(json.dumps({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s}))
+        print(json_text({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s,
+                          "pier_stress_pa": layout.pier_stress}))
         return
+    print(*describe_top(layout), sep="\n")
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
@@ -262,7 +268,7 @@ def _paper(asked):
         write_text(asked.markdown, as_markdown(findings))
     if asked.readme:
         update_readme(findings, asked.readme)
-    print(json.dumps(as_json(findings), indent=2) if asked.json else describe(findings))
+    print(json_text(as_json(findings), indent=2) if asked.json else describe(findings))
 
 
 @_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
@@ -271,7 +277,7 @@ def _paper(asked):
           _path("--wall", "walls/NAME.py", "the wall of a crack file or a field"),
           _path("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
           _arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
-          _threshold("opening, slip and width"), _DRIFT_LIMIT,
+          _threshold("opening, slip and width"), _PSI_FROM, _DRIFT_LIMIT,
           _arg("--tolerance-mm", type=number_from(1e-3, 1000),
                help="how far from a joint a crack may be drawn (default: half a brick's height)"),
           _arg("--margin-mm", type=number_from(0, 1000),
@@ -297,14 +303,14 @@ def _cracks(asked):
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
            help="bootstrap samples (default 500)"))
 def _fragility(asked):
-    from damage.measure.columns import made_by_words
+    from damage.measure.columns import made_by_words, slip_criteria
     from damage.measure.tables import write_table
     from damage.studies.fragility import fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_pictures
 
     runs = load_runs(asked.study)
     fits = fit_all(runs, asked.intensity, asked.replicates)
-    table = fragility_table(fits, asked.intensity)
+    table = fragility_table(fits, asked.intensity).assign(slip=" or ".join(slip_criteria(runs)))
     print(table.to_string(index=False, float_format="%.3f"))
     print(write_table(table, asked.out / f"fragility_{asked.intensity}.csv"))
     _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")

@@ -1,5 +1,7 @@
 """Files: where the package keeps its data, and writing whole or not at all."""
 
+import json
+import math
 import os
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -35,3 +37,20 @@ def write_text(path, text):
     with whole_or_nothing(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
     return Path(path)
+
+
+def json_text(told, **more):
+    """Tables, lists, numbers and words as JSON, which knows no number that is not finite: null stands there.
+
+    >>> json_text({"period_s": [0.2, float("nan")]})
+    '{"period_s": [0.2, null]}'
+    """
+    return json.dumps(_finite(told), allow_nan=False, **more)
+
+
+def _finite(told):
+    if isinstance(told, dict):
+        return {name: _finite(value) for name, value in told.items()}
+    if isinstance(told, (list, tuple)):
+        return [_finite(value) for value in told]
+    return None if isinstance(told, float) and not math.isfinite(told) else told

@@ -15,7 +15,9 @@ THRESHOLD = 0.1 * MILLIMETRE
 """Opening, and slip, from which a crack is visible [m] (Burland, as the paper cites)."""
 DRIFT_LIMIT = 0.02
 """Near-collapse drift ratio [-] (Eurocode 8, NTC 2008, as the paper cites)."""
-SLIP_CRITERIA = ("displacement", "shear-limit")
+SLIP_CRITERIA = ("displacement", "accumulated", "shear-limit")
+"""When a contact point counts as slipped: its two faces are offset by more than the threshold now; what it slid while
+it was closed adds up to more than that now; it has failed in shear or slid, ever."""
 COMPONENTS = ("DI", "DI_drift", "DI_open", "DI_slip")
 
 
@@ -51,14 +53,15 @@ def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
 
     time_s, drift_ratio: (n_times,); opening, slip [m] and at_limit (bool): (n_times, n_joints);
     length: (n_joints,) [m]; threshold [m]; drift_limit [-].
-    slip_criterion: "displacement", |slip| over the threshold now; or "shear-limit", ever at it.
+    slip_criterion: "displacement" or "accumulated", |slip| over the threshold now, where slip is what the criterion
+    counts (`damage.history.reader.History.slip_by`); or "shear-limit", ever at it.
     Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit, which is
     DI_drift before it was clipped to [0, 1].
     """
     check_choice("slip criterion", slip_criterion, SLIP_CRITERIA)
     check_positive("threshold", threshold)
     check_positive("drift limit", drift_limit)
-    slipped = np.abs(slip) > threshold if slip_criterion == "displacement" else at_limit
+    slipped = at_limit if slip_criterion == "shear-limit" else np.abs(slip) > threshold
     over_limit = drift_component(np.asarray(drift_ratio, float), drift_limit)
     drift = np.clip(over_limit, 0, 1)
     opened = np.clip(length_fraction(np.asarray(opening) > threshold, length), 0, 1)

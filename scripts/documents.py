@@ -13,13 +13,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from damage.measure.columns import CRITERIA, read_table
 from damage.paper import report
 from damage.paper.criteria import CLAIMS
 from damage.paper.verdict import Finding, judge
 
-VARIANTS = list(product(report._LINTELS, report._SLIPS))
-OF_WORDS = {report._variants(set(some)): some
-            for some in chain.from_iterable(combinations(VARIANTS, n) for n in range(1, len(VARIANTS) + 1))}
+SOLVERS = {words: solver for solver, words in report.SOLVER_NAMES.items()}
 RENEW = "renew it: python3 -m damage paper RESULTS_DIR --markdown docs/paper-verdict.md --readme README.md"
 
 
@@ -69,21 +68,40 @@ def _without_counts(value):
 
 def _read_verdict(root):
     """The findings that docs/paper-verdict.md shows, in its order."""
-    claims = {claim.id: claim for claim in CLAIMS}
-    solvers = {words: solver for solver, words in report.SOLVER_NAMES.items()}
-    findings, claim = [], None
-    for line in _text(root / "docs/paper-verdict.md").splitlines():
+    claims, lines = {claim.id: claim for claim in CLAIMS}, _text(root / "docs/paper-verdict.md").splitlines()
+    lintels, findings, claim = _lintels_of_solvers(lines), [], None
+    of_words = {solver: _pairs_of_words(mine) for solver, mine in lintels.items()}
+    old = {solver: f"- {report.before_offsets(solver)}" in lines for solver in lintels}
+    for line in lines:
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         if head := re.match(r"\*\*(\w+)\*\*", line):
             claim = claims.get(head[1])
-        elif claim and len(cells) == 4 and cells[0] in solvers and cells[1] in OF_WORDS:
-            findings += [Finding(claim, solvers[cells[0]], *variant, *cells[2:]) for variant in OF_WORDS[cells[1]]]
-    return sorted(findings, key=_rank)
+        elif claim and len(cells) == 4 and cells[1] in of_words.get(SOLVERS.get(cells[0]), ()):
+            solver, (verdict, edge, _) = SOLVERS[cells[0]], cells[3].partition(report.ON_EDGE)
+            findings += [Finding(claim, solver, *variant, cells[2], verdict, 0.0 if edge else None, old[solver])
+                         for variant in of_words[solver][cells[1]]]  # how near the edge is not told
+    return sorted(findings, key=lambda one: (
+        CLAIMS.index(one.claim), list(SOLVERS.values()).index(one.solver), lintels[one.solver].index(one.lintel),
+        list(CRITERIA).index(one.slip)))
 
 
-def _rank(finding):
-    return CLAIMS.index(finding.claim), list(report.SOLVER_NAMES).index(finding.solver), VARIANTS.index(
-        (finding.lintel, finding.slip))
+def _lintels_of_solvers(lines):
+    """{solver: its lintels} of the verdict's document, by the columns of its overview."""
+    head = next((line for line in lines if line.startswith("| | the paper |")), "")
+    told = [cell.strip().split(", ") for cell in head.strip("|").split("|")[2:]]
+    numbers = {lintel: lintel.split()[2] for _, lintel in told if lintel.startswith("lintel of")}
+    lintels = {"elastic lintel": "elastic", "no lintel": "none"} | numbers
+    found = {}
+    for solver, lintel in told:
+        found.setdefault(SOLVERS[solver], []).append(lintels[lintel])
+    return found
+
+
+def _pairs_of_words(lintels):
+    """{words: pairs (lintel, slip criterion)} of all that a document may say of these lintels."""
+    every = list(product(lintels, CRITERIA))
+    return {report.variants_in_words(set(some), lintels): some
+            for some in chain.from_iterable(combinations(every, n) for n in range(1, len(every) + 1))}
 
 
 def _judge_tables(folder):
@@ -92,7 +110,7 @@ def _judge_tables(folder):
         for path in sorted(folder.glob("*_points.csv")):
             place = Path(made) / path.stem / "tables"
             place.mkdir(parents=True)
-            points = pd.read_csv(path)
+            points = read_table(path)
             runs = [_member(points, ending) for ending in ("", "_min", "_max")]
             pd.concat(runs, ignore_index=True).to_csv(place / "summary.csv", index=False)
         return judge(Path(made))

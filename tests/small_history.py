@@ -1,7 +1,11 @@
 """Histories of a small wall, made by hand: what happens in them is known without a solver."""
 
+from dataclasses import replace
+
+import h5py
 import numpy as np
 
+from damage.history.head import read_head, seal, write_head
 from damage.history.reader import read_history
 from damage.history.schema import AT_LIMIT, BROKEN
 from damage.history.writer import HistoryWriter
@@ -25,13 +29,13 @@ def small_layout(**options):
     return lay_out(Wall("small", 0.9, 0.45, **options))
 
 
-def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0, opening=None, slip=None,
+def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0, opening=None, slip=None, offset=None,
                  broken=(), at_limit=(), snapshots=None, row=None, loading="harmonic", status="complete",
                  collapsed_at_s=None, overwrite=False):
     """Write a history of a few samples to `path` and read it back.
 
     stages: of each of n_times samples, step_s apart; drift: drift ratio, (n_times,) or one number;
-    opening, slip: {joint: (n_times,) or one number [m]}, all others zero;
+    opening, slip, offset: {joint: (n_times,) or one number [m]}, all others zero; no offset: that of the slip;
     broken, at_limit: further joints in that state from the first sample on; a joint that opens or
     slips is broken from the moment it does;
     snapshots: {time_s: (n_bodies, 3) [m, m, rad]}, None for one at rest with every fifth sample;
@@ -43,18 +47,29 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     time_s = step_s * np.arange(n_times)
     columns = {**_usual_columns(layout, stages, time_s, drift, loading), **(row or {})}
     columns = {name: np.broadcast_to(values, n_times) for name, values in columns.items()}
-    opened, slipped = (_frames(layout, n_times, values) for values in (opening, slip))
-    state = _states(opened, slipped, broken, at_limit)
+    opened, slipped, away = (_frames(layout, n_times, values) for values in
+                             (opening, slip, slip if offset is None else offset))
+    state = _states(opened, np.abs(slipped) + np.abs(away), broken, at_limit)
     writer = HistoryWriter(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
         "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": {}})
     for k, stage in enumerate(stages):
         writer.append(stage, {name: values[k] for name, values in columns.items()},
-                      opened[k], slipped[k], state[k])
+                      opened[k], slipped[k], away[k], state[k])
     if snapshots is None:
         snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
     for time, displacement in snapshots.items():
         writer.snapshot(time, displacement)
     writer.finish(status, collapsed_at_s)
+    return read_history(path)
+
+
+def as_version_2(path):
+    """Make of the history at `path` one as schema version 2 had it, without offsets, sealed; returns it."""
+    with h5py.File(path, "r+", libver="v110") as file:
+        file.attrs["schema_version"] = 2
+        del file["frames/offset_m"]
+    write_head(path, replace(read_head(path), version=2))
+    seal(path)
     return read_history(path)
 
 

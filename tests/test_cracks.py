@@ -5,8 +5,10 @@ import pytest
 from small_history import make_history, small_layout
 
 from damage.errors import InputError
+from damage.index import THRESHOLD
 from damage.measure.cracks import (
     JOINING_GAP,
+    PSI_FROM,
     close_pairs,
     count_cracks,
     crack_numbers,
@@ -87,29 +89,30 @@ def test_psi_over_time_is_that_of_each_sample(tmp_path):
     history = make_history(tmp_path / "random.h5", layout,
                            opening={j: np.abs(random.normal(0, 1e-4, 21)) for j in joints},
                            slip={j: random.normal(0, 1e-4, 21) for j in joints})
-    over_time = psi_history(history)
+    over_time = psi_history(history, THRESHOLD)
     tables = [cracks_at(history, k) for k in range(21)]
     assert over_time["psi"].to_numpy() == pytest.approx([psi(table) for table in tables])
     assert over_time["cracks"].tolist() == [table["crack"].nunique() for table in tables]
     assert over_time["crack_length_m"].to_numpy() == pytest.approx([t["length_m"].sum() for t in tables])
-    summary = psi_summary(history)
+    summary = psi_summary(history, THRESHOLD)
     assert summary["max_psi"] == over_time["psi"].max() > over_time["psi"].iloc[-1] == summary["residual_psi"]
     assert summary["max_crack_width_mm"] == pytest.approx(max(t["width_m"].max() for t in tables) * 1e3)
 
 
 def test_the_threshold_itself_is_cracked_and_a_closed_crack_is_none(tmp_path):
-    """0.1 mm in single precision; a crack that closes leaves no residual."""
-    opening = np.where(np.arange(21) < 10, 0.1e-3, 0.0)
-    history = make_history(tmp_path / "visible.h5", opening={7: opening})
-    summary = psi_summary(history)
-    assert summary["max_psi"] == pytest.approx(2 * 0.1**0.3)
-    assert (summary["residual_psi"], summary["residual_crack_width_mm"]) == (0, 0)
+    """0.1 mm, and the 0.02 mm of Psi, in single precision; a crack that closes leaves no residual."""
+    for least in (PSI_FROM, THRESHOLD):
+        opening = np.where(np.arange(21) < 10, least, 0.0)
+        history = make_history(tmp_path / "visible.h5", opening={7: opening}, overwrite=True)
+        summary = psi_summary(history, least)
+        assert summary["max_psi"] == pytest.approx(2 * (least * 1e3)**0.3)
+        assert (summary["residual_psi"], summary["residual_crack_width_mm"]) == (0, 0)
     assert len(cracks_at(history, -1)) == 0 == psi(cracks_at(history, -1))
 
 
 def test_an_uncracked_or_unfinished_run(tmp_path):
     history = make_history(tmp_path / "intact.h5", status="unfinished")
-    assert psi_summary(history) == {"max_psi": 0, "max_crack_width_mm": 0,
+    assert psi_summary(history) == {"max_psi": 0, "max_crack_width_mm": 0, "psi_from_mm": pytest.approx(0.02),
                                     "residual_psi": None, "residual_crack_width_mm": None}
     with pytest.raises(InputError, match="sample 21: expected a whole number from 0 to 20"):
         cracks_at(history, 21)

@@ -57,8 +57,8 @@ def test_a_file_that_cannot_even_begin_is_no_history(tmp_path):
 
 
 @pytest.mark.yade
-@pytest.mark.parametrize("kilobytes", [130, 240, 400, *(pytest.param(size, marks=pytest.mark.long)
-                                                         for size in (180, 320))])
+@pytest.mark.parametrize("kilobytes", [200, 240, 400, *(pytest.param(size, marks=pytest.mark.long)
+                                                         for size in (220, 320))])
 def test_yade_ends_and_keeps_what_was_flushed(kilobytes, yade_command, tmp_path):
     out = tmp_path / "run.h5"
     done = yade_command("-j1", SMALL, *SHAKEN, "--out", out,

@@ -16,6 +16,8 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.errors import InputError
+from damage.history.info import describe as describe_info
+from damage.history.info import info
 from damage.history.schema import AT_LIMIT, BROKEN, SERIES
 from damage.history.writer import HistoryWriter
 from damage.motion.formats import read_record, shipped_record_path
@@ -38,7 +40,7 @@ def write_samples(writer, n, first=0):
     for k in range(first, first + n):
         opening, slip = np.full(LAYOUT.n_joints, 1e-5 * k), np.full(LAYOUT.n_joints, -2e-5 * k)
         state = np.full(LAYOUT.n_joints, BROKEN | AT_LIMIT if k > 2 else 0)
-        writer.append("motion", {"time_s": 0.1 * k, "drift_ratio": 1e-4 * k}, opening, slip, state)
+        writer.append("motion", {"time_s": 0.1 * k, "drift_ratio": 1e-4 * k}, opening, slip, 2 * slip, state)
 
 
 def test_round_trip(tmp_path):
@@ -63,7 +65,9 @@ def test_round_trip(tmp_path):
     assert not history.broken[2].any() and history.broken[3].all() and history.at_limit[3].all()
     index = history.index()
     assert_allclose(index.DI_open.iloc[[9, 11]], [0, 1])
-    assert_allclose(index.DI_slip.iloc[[4, 6]], [0, 1])
+    assert_allclose(index.DI_slip.iloc[[2, 3]], [0, 1])
+    assert_allclose(history.index(slip="accumulated").DI_slip.iloc[[4, 6]], [0, 1])
+    assert history.judged_by("displacement") == "displacement"
 
 
 LOADINGS = [Harmonic(0.3, 0.05, 4), FreeVibration(2e-3), TopDisplacement((0.1, 0.2), 1, "fixed", 0.01, 0.5),
@@ -74,7 +78,7 @@ RECORDED = Recorded(read_record(shipped_record_path("BGAR_HGE")), scale=2.0, win
 @pytest.mark.parametrize("loading", LOADINGS, ids=lambda loading: loading.name)
 def test_a_history_gives_its_records_back(tmp_path, loading):
     wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),), brick=Brick(density=2000.0))
-    model = ModelOptions(lintel="none", cells=3)
+    model = ModelOptions(lintel=2, load="piers", cells=3)
     settings = RunSettings(loading, model, sequence=(1.0, 0.5), command="yade w.py")
     HistoryWriter(tmp_path / "a.h5", lay_out(wall, model), solver="yade", versions={},
                   parameters={"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": 2e-5}).finish("complete")
@@ -82,6 +86,17 @@ def test_a_history_gives_its_records_back(tmp_path, loading):
     assert (history.loading, history.model, history.masonry_wall) == (loading, model, wall)
     assert (history.sequence, history.time_step_s, history.eigen_period_s) == ((1.0, 0.5), 2e-5, None)
     assert history.command == "yade w.py" and "command" not in history.parameters
+
+
+def test_info_lists_the_caps_with_the_stress_under_them(tmp_path):
+    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.45, 0.9, 0.45),))
+    HistoryWriter(tmp_path / "a.h5", lay_out(wall), solver="reference", versions={}, parameters={
+        "wall": wall.as_dict(), **RunSettings(LOADINGS[0], ModelOptions()).as_dict()}).finish("complete")
+    told = info(damage.read_history(tmp_path / "a.h5"))
+    assert [(cap["left_m"], cap["right_m"]) for cap in told["caps"]] == [pytest.approx((0.0, 0.45)),
+                                                                        pytest.approx((1.35, 1.8))]
+    assert [cap["stress_pa"] for cap in told["caps"]] == pytest.approx([0.6e6, 0.6e6])
+    assert "cap from x = 1.35 to 1.8 m (0.45 m): 2.82 t, 0.6 MPa under it" in describe_info(told)
 
 
 def test_a_recorded_motion_comes_back_without_its_samples():
@@ -192,8 +207,8 @@ def test_what_is_no_history_is_refused(tmp_path, make, complaint):
 def test_a_newer_schema_is_refused(tmp_path):
     path = tmp_path / "a.h5"
     open_writer(path).finish("complete")
-    path.write_bytes(path.read_bytes().replace(b"masonry-damage-history 2", b"masonry-damage-history 9", 1))
-    with pytest.raises(InputError, match="version 9, this software reads up to 2"):
+    path.write_bytes(path.read_bytes().replace(b"masonry-damage-history 3", b"masonry-damage-history 9", 1))
+    with pytest.raises(InputError, match="version 9, this software reads up to 3"):
         damage.read_history(path)
 
 

@@ -54,7 +54,8 @@ class TestCycles:
     def test_a_run_cut_short_has_its_whole_cycles(self, plastic):
         n = int(0.6 * len(plastic.series))
         table = cycles_table(replace(plastic, series=plastic.series.iloc[:n], opening_m=plastic.opening_m[:n],
-                                     slip_m=plastic.slip_m[:n], at_limit=plastic.at_limit[:n]))
+                                     slip_m=plastic.slip_m[:n], offset_m=plastic.offset_m[:n],
+                                     at_limit=plastic.at_limit[:n]))
         assert_allclose(table, cycles_table(plastic).iloc[:1])
 
     def test_index_is_that_of_the_instant(self, plastic):

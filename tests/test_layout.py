@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
+from damage.wall.caps import describe_top
 from damage.wall.layout import BED, CAP, GROUND, HEAD, lay_out
 from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
 
@@ -48,6 +49,57 @@ def test_top_mass_and_weight(shipped_wall):
     openings = sum(opening.width * opening.height for opening in shipped_wall.openings)
     bricks = 1900 * 0.1025 * (4.05 * 2.775 - openings)
     assert_allclose(layout.total_mass, bricks + caps.sum(), rtol=1e-12)
+
+
+STOREYS = Wall("door-below-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2.5, 1.0, 1.2, 3.0)), precompression=1e5)
+
+
+@pytest.mark.parametrize(("wall", "piers"), [
+    (STOREYS, [(0.0, 2.5), (3.5, 4.0)]),  # above the door is a whole storey
+    (Wall("low-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2.5, 1.0, 1.5, 2.1))), [(0.0, 0.5), (2.0, 2.5),
+                                                                                          (3.5, 4.0)]),
+    (Wall("door-in-tall-wall", 4.0, 5.4, (Opening(0.5, 1.5, 2.1),)), [(0.0, 0.5), (2.0, 4.0)]),
+    (Wall("stacked", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(0.6, 1.5, 1.2, 3.0))), [(0.0, 0.6), (2.1, 4.0)]),
+], ids=lambda value: getattr(value, "name", ""))
+def test_the_top_storeys_piers_carry_the_top(wall, piers):
+    layout = lay_out(wall)
+    assert_allclose(layout.piers, piers, atol=1e-12)
+    caps = slice(layout.n_bricks, None)
+    assert_allclose(layout.bodies.x[caps], np.mean(piers, axis=1))
+    assert_allclose(layout.bodies.length[caps], np.diff(piers).ravel())
+    carried = layout.bodies.mass[caps] * 9.81 / (layout.bodies.length[caps] * 0.1025)
+    assert_allclose(carried, wall.precompression * wall.length / np.diff(piers).sum())
+    assert layout.pier_stress == pytest.approx(carried[0])
+
+
+@pytest.mark.parametrize("top", ["piers", "uniform", "beam"])
+def test_the_load_on_piers_is_the_precompression_in_them(symmetric_wall, top):
+    on_length, on_piers = (lay_out(symmetric_wall, ModelOptions(top=top, load=load)) for load in ("length", "piers"))
+    assert (on_length.pier_stress, on_piers.pier_stress) == (pytest.approx(0.6e6), pytest.approx(0.3e6))
+    bricks = sum(lay_out(Wall(**{**vars(symmetric_wall), "precompression": 0.0})).bodies.mass)
+    area = 2 * 4.5 * BRICK * 0.1025  # of the piers, half of the wall's
+    assert_allclose((on_piers.total_mass - bricks) * 9.81, 0.3e6 * area, rtol=1e-12)
+    assert_allclose((on_length.total_mass - bricks) * 9.81, 0.6e6 * area, rtol=1e-12)
+
+
+def test_caps_and_stresses_are_told(symmetric_wall):
+    top, left, right = describe_top(lay_out(symmetric_wall))
+    assert "0.3 MPa over its length" in top and "0.6 MPa in what carries it" in top
+    assert left == "cap from x = 0 to 1.0125 m (1.0125 m): 6.35 t, 0.6 MPa under it"
+    assert right.startswith("cap from x = 3.0375 to 4.05 m")
+    [spread] = describe_top(lay_out(symmetric_wall, ModelOptions(top="uniform", load="piers")))
+    assert "0.3 MPa over its piers alone" in spread and "0.3 MPa in what carries it" in spread
+    _, beam = describe_top(lay_out(symmetric_wall, ModelOptions(top="beam")))
+    assert "x = 0 to 4.05 m" in beam and "0.3 MPa under it" in beam  # and 0.6 MPa in the piers below
+    assert describe_top(lay_out(Wall("bare", 0.9, 0.45, precompression=0.0))) == ["no mass on top: no precompression"]
+
+
+def test_a_cap_on_half_a_brick_stands_on_two_points():
+    wall = Wall("half", 2.025, 1.2, (Opening(BRICK / 2, 0.9, 0.75),))
+    layout = lay_out(wall, ModelOptions(contacts="corners"))
+    under = (layout.contacts.kind == CAP) & (layout.contacts.second == layout.n_bricks)
+    assert_allclose(layout.contacts.x[under], [0.0, BRICK / 2])
+    assert_allclose(layout.contacts.length[under], BRICK / 4)
 
 
 @pytest.mark.parametrize("share", [1, 2, 3, 4, 5, 7, 8, 11])
@@ -123,6 +175,30 @@ def test_lintel_is_the_inside_of_the_spandrel_with_its_bearing(symmetric_wall):
     assert not np.any(lay_out(symmetric_wall, ModelOptions(lintel="none")).contacts.elastic[:layout.n_joints])
 
 
+@pytest.mark.parametrize("contacts", ["interior", "corners"])
+def test_a_lintel_of_n_courses_holds_their_joints_and_the_beds_between_them(symmetric_wall, contacts):
+    per_head = {"interior": 1, "corners": 2}[contacts]  # a brick of a bed has four points with either
+    for courses, beds, heads in ((0, 0, 0), (1, 0, 10), (2, 44, 21), (3, 88, 31), (4, 132, 42), (99, 132, 42)):
+        layout = lay_out(symmetric_wall, ModelOptions(lintel=courses, contacts=contacts))
+        inside = layout.contacts.elastic & (layout.contacts.kind != CAP)
+        kind = layout.contacts.kind[inside]
+        # The courses over the opening have 10 and 11 head joints between the ends of the bearing, in turns.
+        assert (np.sum(kind == BED), np.sum(kind == HEAD)) == (beds, heads * per_head)
+        top = (33 + min(courses, 4)) * 0.075
+        assert np.all(layout.contacts.z[inside] < top + 1e-9)
+        assert np.all(layout.contacts.z[inside & (layout.contacts.kind == BED)] < top - 1e-9)
+
+
+def test_a_lintel_ends_below_the_next_opening_whatever_is_asked_for():
+    wall = Wall("storeys", 4.05, 3.0, (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8)))
+    elastic, many = (lay_out(wall, ModelOptions(lintel=lintel)).contacts.elastic for lintel in ("elastic", 8))
+    # Eight courses from z = 1.2 reach the sill at 1.8, and four of them from 2.7 the top at 3.0.
+    assert np.array_equal(elastic, many)
+    few = lay_out(wall, ModelOptions(lintel=2)).contacts
+    heights = few.z[few.elastic & (few.kind == BED)]
+    assert_allclose(np.unique(np.round(heights, 6)), [1.275, 2.775])
+
+
 def test_effective_stiffness_of_bed_head_and_base(symmetric_wall):
     contacts = lay_out(symmetric_wall).contacts
     base = contacts.first == GROUND
@@ -152,7 +228,12 @@ def test_mirrored_wall_is_the_mirror_image(symmetric_wall):
     (lambda: Wall("no good", 2.0, 1.0), "names files"),
     (lambda: Brick(density=-1.0), "from 1 to 100000"),
     (lambda: Brick(length=float("nan")), "from 0.001 to 100"),
-    (lambda: ModelOptions(lintel="steel"), "expected one of"),
+    (lambda: ModelOptions(lintel="steel"), "expected elastic, none, or how many courses"),
+    (lambda: ModelOptions(lintel=-1), "how many courses stay elastic, 0 to 20000"),
+    (lambda: ModelOptions(lintel="20001"), "how many courses stay elastic, 0 to 20000"),
+    (lambda: ModelOptions(lintel=2.0), "how many courses"),
+    (lambda: ModelOptions(lintel=True), "how many courses"),
+    (lambda: ModelOptions(load="both"), "expected one of"),
     (lambda: ModelOptions(cells=0), "whole number"),
     (lambda: ModelOptions(strength_cov=-0.1), "from 0 to 2"),
     (lambda: ModelOptions(strength_cov=float("nan")), "from 0 to 2"),

@@ -2,9 +2,12 @@
 
 from dataclasses import fields
 
+import pandas as pd
 import pytest
 from small_history import make_history
 
+from damage.measure.columns import read_table
+from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
 from damage.paper.evidence import SHAPE
 from damage.run.options import free_name, make_parser, parse_run
@@ -24,6 +27,7 @@ def test_every_option_of_a_solver_is_on_its_command_line(solver):
 @pytest.mark.parametrize(("options", "name"), [
     ({}, "w_harmonic_0.2s_0.05g_yade.h5"),
     ({"lintel": "none", "contacts": "corners"}, "w_harmonic_0.2s_0.05g_yade_lintel-none_corners.h5"),
+    ({"lintel": 2, "load": "piers"}, "w_harmonic_0.2s_0.05g_yade_lintel-2_load-piers.h5"),
     ({"top": "beam", "strength_cov": 0.3}, "w_harmonic_0.2s_0.05g_yade_top-beam_strength-0.3-0.h5"),
 ])
 def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
@@ -32,9 +36,19 @@ def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
 
 
 def test_figures_and_evidence_know_every_choice():
-    assert {"cells", "contacts", "top", "joints", "strength_cov", "fibres"} == USUAL_MODEL.keys() & SHAPE.keys()
+    assert {"cells", "contacts", "top", "load", "joints", "strength_cov", "fibres"} == USUAL_MODEL.keys() & SHAPE.keys()
     assert choice({**USUAL_MODEL, "cycles": 3}) == "default"
     assert choice({**USUAL_MODEL, "strength_cov": 0.3}) == "strength_cov 0.3"
+
+
+@pytest.mark.parametrize(("given", "kept"), [("elastic", "elastic"), ("none", "none"), (0, "none"), ("0", "none"),
+                                            (2, "2"), ("2", "2"), ("02", "2")])
+def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
+    assert ModelOptions(lintel=given).lintel == kept
+    assert parse_run(["--lintel", str(given)], "test", "yade").model.lintel == kept
+    write_table(pd.DataFrame({"lintel": [kept]}), tmp_path / "points.csv")
+    assert list(read_table(tmp_path / "points.csv")["lintel"]) == [kept]
+    assert choice({**USUAL_MODEL, "lintel": kept}) == ("default" if kept == "elastic" else f"lintel: {kept}")
 
 
 def test_an_old_history_has_the_defaults_of_younger_options(tmp_path):

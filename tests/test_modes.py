@@ -1,13 +1,19 @@
 """Natural modes against closed forms, and the periods of the three walls."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
+from damage.__main__ import main
+from damage.errors import InputError
 from damage.wall.kinematics import ContactKinematics
 from damage.wall.layout import lay_out
 from damage.wall.modes import contact_normals, kinematic_matrix, mass_vector, natural_modes, stiffness_matrix
-from damage.wall.parameters import ModelOptions, Wall
+from damage.wall.parameters import ModelOptions, Opening, Wall
 
 PERIODS_S = {"solid": 0.0637, "symmetric": 0.2003, "asymmetric": 0.1745}
 """First periods, which both solvers vibrate with (README.md); the paper's are 0.06 and about 0.2 s."""
@@ -49,6 +55,36 @@ def test_a_stack_of_one_brick_vibrates_as_by_hand():
                               k_n * area / mass))
     full = stiffness_matrix(layout).toarray() / np.sqrt(np.outer(*[mass_vector(layout)] * 2))
     assert_allclose(np.sqrt(np.linalg.eigvalsh(full)), np.sort(omega), rtol=1e-10)
+
+
+HALF_BRICK_PIER = Wall("half", 2.025, 1.2, (Opening(0.1125, 0.9, 0.75),))
+
+
+@pytest.mark.parametrize("options", [{}, {"cells": 3}, {"contacts": "corners"}, {"contacts": "corners", "cells": 1}])
+def test_a_half_brick_pier_with_its_cap_vibrates(options):
+    period_s = natural_modes(lay_out(HALF_BRICK_PIER, ModelOptions(**options))).period_s
+    assert period_s[0] == pytest.approx(0.067, rel=0.04)  # 0.0647 to 0.0682 s; with the cap on a hinge 1e6 s
+
+
+def test_the_command_tells_periods_and_stress_as_json(capsys):
+    assert main(["modes", str(REPOSITORY / "walls/symmetric.py"), "--json", "--load", "piers"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["pier_stress_pa"] == pytest.approx(0.3e6)
+    assert told["period_s"][0] == pytest.approx(0.1436, abs=5e-5)  # about 1 / sqrt(2) of 0.2003 s: half of the mass
+
+
+def test_half_bricks_on_one_point_each_can_turn_and_are_refused():
+    with pytest.raises(InputError, match="can move freely.*--cells") as caught:
+        natural_modes(lay_out(HALF_BRICK_PIER, ModelOptions(cells=1)))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_cap_on_a_hinge_has_no_period_even_where_rounding_gives_it_one():
+    layout = lay_out(HALF_BRICK_PIER, ModelOptions(contacts="corners"))
+    glue = layout.contacts.second == layout.n_bricks  # of the cap on half a brick
+    middle = np.where(glue, layout.bodies.x[layout.n_bricks], layout.contacts.x)
+    with pytest.raises(InputError, match="can move freely"):
+        natural_modes(replace(layout, contacts=replace(layout.contacts, x=middle)))
 
 
 def test_modes_solve_the_eigenproblem(symmetric_wall):

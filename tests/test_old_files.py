@@ -15,6 +15,7 @@ from conftest import REPOSITORY
 
 import damage
 from damage.history.info import UNSEALED, check
+from damage.index import THRESHOLD
 from damage.measure.columns import MADE_BY, names, read_table
 from damage.measure.summary import summarise
 from damage.measure.tables import index_table, summary_row
@@ -35,12 +36,20 @@ def test_a_history_says_what_it_said_then(run, old):
     history = damage.read_history(old / f"out/runs/{run}.h5")
     assert history.complete and check(history.path)["worth"] == UNSEALED
     then = json.loads((old / f"out/tables/rows/{run}.json").read_text())
-    now = summary_row(history, run=run, point=then["point"])
+    # Slip was accumulated, and cracks counted from 0.1 mm.
+    assert then.pop("slip") == "displacement"
+    visible = summarise(history, psi_from=THRESHOLD)
+    now = summary_row(history, run=run, point=then["point"]) | {name: visible[name] for name in (
+        "max_psi", "residual_psi", "psi_class", "max_crack_width_mm", "residual_crack_width_mm")}
+    assert (now["slip"], now["max_accumulated_DI"]) == ("accumulated", now["max_DI"])
+    assert any("no offsets" in warning for warning in visible["warnings"])
     for name, value in then.items():
         assert now[name] == (pytest.approx(value, rel=1e-12) if isinstance(value, float) else value), name
     assert {now[name] for name in names(MADE_BY)} == {UNKNOWN}
     index = pd.read_csv(old / f"out/tables/{run}_index.csv")
-    pd.testing.assert_frame_equal(index_table(history).reset_index(drop=True), index, rtol=1e-8, check_dtype=False)
+    told = index_table(history).reset_index(drop=True)
+    pd.testing.assert_frame_equal(told[list(index)], index, rtol=1e-8, check_dtype=False)
+    assert set(told["slip"]) == {"accumulated"} and told["accumulated_DI"].equals(told["DI"])
     assert summarise(history)["max"]["DI"] > 0.1
 
 
@@ -48,7 +57,10 @@ def test_a_studys_file_and_its_tables_are_read(old):
     study = load_study(old / "study.toml", "reference", REPOSITORY)
     assert [run.id for run in study.runs] == ["single_reference", "drawn_reference"]
     runs, same = read_table(old / "out/tables/summary.csv"), read_study_table(old / "out/tables/study.h5")
-    assert list(runs["max_DI"]) == pytest.approx(list(same["max_DI"]), rel=1e-8)
+    for table in (runs, same):
+        assert list(table["max_DI"]) == pytest.approx(list(runs["max_DI"]), rel=1e-8)
+        assert table["max_accumulated_DI"].equals(table["max_DI"])
+        assert set(table["slip"]) == {"accumulated"} and set(table["psi_from_mm"]) == {0.1}
 
 
 @pytest.mark.slow

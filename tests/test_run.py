@@ -26,9 +26,10 @@ class Clockwork:
     """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a test says."""
 
     def __init__(self, layout, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0,
-                 input_j=lambda step: 0.0, slip_m=lambda step: 0.0, raises_at_step=None):
+                 input_j=lambda step: 0.0, slip_m=lambda step: 0.0, offset_m=lambda step: 0.0,
+                 raises_at_step=None):
         self.layout, self.time_step, self.clock = layout, DT, 0
-        self.input_j, self.slip_m, self.raises_at_step = input_j, slip_m, raises_at_step
+        self.input_j, self.slip_m, self.offset_m, self.raises_at_step = input_j, slip_m, offset_m, raises_at_step
         self.unbalanced, self.falls_at_step = unbalanced, falls_at_step
         self.kinetic_j, self.damping_j = kinetic_j, damping_j
         self.log, self.events = [], []
@@ -64,7 +65,8 @@ class Clockwork:
         displacement, n = np.zeros((len(self.layout.bodies), 3)), self.layout.n_joints
         if self.falls_at_step is not None and self.clock >= self.falls_at_step:
             displacement[0, 1] = -1.0
-        return Instant(displacement, np.zeros(n), np.full(n, self.slip_m(self.clock)), np.zeros(n, int), 0.0, np.nan,
+        return Instant(displacement, np.zeros(n), np.full(n, self.slip_m(self.clock)),
+                       np.full(n, self.offset_m(self.clock)), np.zeros(n, int), 0.0, np.nan,
                        self.kinetic_j(self.clock), 0.0, self.input_j(self.clock), 0.0, 0.0, self.damping_j)
 
     def forces(self):
@@ -230,7 +232,7 @@ def test_an_error_while_the_wall_settles_is_none(session):
 
 
 @pytest.mark.parametrize("odd", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("what", ["kinetic_j", "input_j", "slip_m"])
+@pytest.mark.parametrize("what", ["kinetic_j", "input_j", "slip_m", "offset_m"])
 def test_a_run_that_blows_up_ends_at_once_and_keeps_what_was_finite(session, what, odd):
     status, told, history = session(**{what: lambda step: odd if step >= 1000 else 0.0})
     assert (status, history.status) == (1, "failed")

@@ -10,10 +10,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from verification import elastic, falling, rocking, sliding, softening
+from verification import elastic, falling, loaded, rocking, sliding, softening
 from verification.problem import SOLVERS
 
-FAMILIES = (falling, sliding, rocking, elastic, softening)
+FAMILIES = (falling, sliding, rocking, elastic, loaded, softening)
 
 
 def all_problems():
@@ -36,7 +36,7 @@ def main(arguments=None):
         return 2
     results = []
     for problem in problems:
-        print(f"{problem.name}: {problem.quantity} {problem.exact:.6g} {problem.unit} ({problem.source})")
+        print(f"{problem.name}: {problem.quantity} {problem.exact_value:.6g} {problem.unit} ({problem.source})")
         for solver in SOLVERS if parsed.solver == "both" else (parsed.solver,):
             results.append(problem.judge(solver))
             print(f"  {describe(results[-1])}", flush=True)
@@ -58,12 +58,13 @@ def _verdict(result):
 
 
 def _error(result):
-    return f"{100 * result.error:+.3f} %" if result.problem.exact else f"{result.error:+.1e} {result.problem.unit}"
+    problem = result.problem
+    return f"{100 * result.error:+.3f} %" if problem.exact_value else f"{result.error:+.1e} {problem.unit}"
 
 
 def _allowed(result):
     tolerance = result.problem.tolerance[result.solver]
-    return f"{100 * tolerance:g} %" if result.problem.exact else f"{tolerance:.0e} {result.problem.unit}"
+    return f"{100 * tolerance:g} %" if result.problem.exact_value else f"{tolerance:.0e} {result.problem.unit}"
 
 
 def markdown(results):
@@ -71,7 +72,7 @@ def markdown(results):
     lines = ["| problem | quantity | exact | solver | value | error | allowed | verdict |", "| --- " * 8 + "|"]
     for result in results:
         problem = result.problem
-        head = f"| {problem.name} | {problem.quantity} | {problem.exact:.6g} {problem.unit} | {result.solver} |"
+        head = f"| {problem.name} | {problem.quantity} | {problem.exact_value:.6g} {problem.unit} | {result.solver} |"
         lines.append(f"{head} not done: {result.note} | | | |" if result.error is None else
                      f"{head} {result.value:.6g} | {_error(result)} | {_allowed(result)} | {_verdict(result)} |")
     return "\n".join(lines) + "\n"

@@ -3,6 +3,7 @@
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 SOLVERS = ("reference", "yade")
@@ -11,18 +12,22 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True)
 class Problem:
-    """name; quantity: what is compared, with its unit; exact: its value; source: of the solution;
-    tolerance: {solver: largest relative error}, absolute where the exact value is zero;
+    """name; quantity: what is compared, with its unit; exact: its value, or a function of no arguments that works it
+    out; source: of the solution; tolerance: {solver: largest relative error}, absolute where the exact value is zero;
     solvers: {solver: function without arguments that measures it, or a string that says why it cannot}.
     """
 
     name: str
     quantity: str
     unit: str
-    exact: float
+    exact: float | Callable
     source: str
     tolerance: dict
     solvers: dict[str, Callable | str]
+
+    @cached_property
+    def exact_value(self):
+        return float(self.exact() if callable(self.exact) else self.exact)
 
     def judge(self, solver):
         """Result of one solver."""
@@ -30,7 +35,7 @@ class Problem:
         if isinstance(how, str):
             return Result(self, solver, None, None, how)
         value = float(how())
-        error = (value - self.exact) / (abs(self.exact) or 1.0)
+        error = (value - self.exact_value) / (abs(self.exact_value) or 1.0)
         return Result(self, solver, value, error, "")
 
 

@@ -99,6 +99,7 @@ class Bundles:
         dry.phys.kn += float(area * self._normal[joint])
         dry.phys.ks += float(area * self._shear[joint])
         dry.phys.shearForce += self._force(joint, dry.geom, 0.0, area * stress)
+        self.model.rub(joint)
 
     def _force(self, joint, geom, normal, shear):
         """Of an interaction on its second member, by YADE's order: normal (tension positive) and shear force [N]."""

@@ -22,6 +22,7 @@ from yade import O, Vector3, utils
 
 from damage.wall.joint_law import friction_left, material_of
 from damage.wall.layout import GROUND, HEAD
+from yade_scripts.friction_work import FrictionWork
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 from yade_scripts.yade_wall import YadeWall, brick_color, joint_law, set_bond, set_clump
 
@@ -29,6 +30,7 @@ TIP = 5e-4  # [m], radius: a tip that is pressed in deeper than this, by 33 MPa,
 _POINT = 1e-3  # [m], radius of bond members, which plays no part
 _CORNER = 1e-3  # [m], radius of the spheres in the corners, by which loose bricks meet
 _INSET = 5e-4  # [m], their distance from the faces: bricks that are held by joints do not touch by them
+_NEAR = 5e-5  # [m], opening from which on a tip needs no look until the next time: at 0.3 m/s
 _MARGIN = 1e-2  # [m], a contact point closer to the end of a face than this has its tip on that brick
 _REACH = 3e-2  # [m], how far a face goes on where the contact point lies at the ends of both
 _COLLISION = 2e8  # [N/m], normal stiffness of loose bricks' contacts
@@ -40,14 +42,14 @@ _SEEN, _FACE = 1, 2  # bits of masks: what the collider sees; faces do not meet 
 class FaceWall(YadeWall):
     """A YadeWall that knows the tip and the face of each contact point that may break."""
 
-    def __init__(self, layout, parts, bonds, newton, law):
+    def __init__(self, layout, parts, bonds, newton, law, work):
         signs = np.array([1.0 if bond.id2 == second else -1.0
                           for bond, (_, second) in zip(bonds, parts.ends)])
         super().__init__(layout, parts.clumps, parts.members, bonds, signs, parts.ground, newton, law)
         self.tips, self.faces = parts.tips, parts.faces
         self.turning = [O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))]
         self.friction = friction_left(True, material_of(layout.wall.joint))
-        self._material = parts.tip
+        self._material, self._work = parts.tip, work
         self.corners = set()  # ids of the spheres in the bricks' corners
 
     def loosen(self, joint):
@@ -60,10 +62,23 @@ class FaceWall(YadeWall):
         contact = self._touch(tip, *stiffness)
         contact.phys.shearForce = shear
         self.bonds[joint], self.signs[joint], self.bonded[joint] = contact, sign, False
+        self._work.add(contact, self.friction * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
+
+    def friction_work(self):
+        return self._work.total
+
+    def follow(self, anew):
+        if anew:
+            self._work.choose(_NEAR)
+        self._work.step()
 
     def fray(self, joint):
         """A tip on a face beside a bond that holds, without stiffness so far: the contact of the fibres that break."""
         self.frayed[joint] = self._touch(self.tips[joint], 0.0, 0.0)
+
+    def rub(self, joint):
+        """What rubs beside a bond that holds has another stiffness and shear force from now on."""
+        self._work.renew(self.frayed[joint])
 
     def part(self, joint):
         """The last fibre of a bond has gone: the contact of the broken ones takes its place."""
@@ -150,7 +165,8 @@ def build_faces(layout):
     ig2 = yade.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False)
     bonding = yade.Ip2_JCFpmMat_JCFpmMat_JCFpmPhys(cohesiveTresholdIteration=1)
     law = joint_law()
-    friction = yade.Law2_ScGeom_FrictPhys_CundallStrack(neverErase=True, sphericalBodies=False)
+    friction = yade.Law2_ScGeom_FrictPhys_CundallStrack(neverErase=True, sphericalBodies=False,
+                                                        traceEnergy=True)
     newton = yade.NewtonIntegrator(damping=0.0, gravity=(0, 0, 0), label="newton")
     collider = yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), yade.Bo1_Box_Aabb()], verletDist=1e-4,
                                           avoidSelfInteractionMask=_FACE)
@@ -162,7 +178,7 @@ def build_faces(layout):
     for index, bond in enumerate(bonds):
         set_bond(bond.phys, layout, index)
     bonding.cohesiveTresholdIteration = 0
-    return FaceWall(layout, parts, bonds, newton, law)
+    return FaceWall(layout, parts, bonds, newton, law, FrictionWork(friction))
 
 
 class _Parts:

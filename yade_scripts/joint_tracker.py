@@ -1,8 +1,8 @@
 """What YADE's law does not keep of a joint, from samples of it: inelastic opening and slip, the
 shear limit, friction work and fracture energy.
 
-Slip is the plastic slip of closed contacts: shear displacement less its elastic part, frozen while
-the contact is open, and over a sample in which it opens or closes.
+Offset is the shear displacement of a broken joint less its elastic part, open or closed.  Slip is what of it came
+about while the contact was closed: frozen while it is open, and over a sample in which it opens or closes.
 """
 
 import numpy as np
@@ -13,9 +13,12 @@ _SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint s
 
 
 class JointTracker:
-    """State of all joints; arrays of shape (n_joints,): opening, slip [m], broken, at_limit; dry: share of the area
-    whose bond is gone [-].  Of joints that are fibres opening and slip are the means over all, by shares, and broken
-    and at the limit are those whose last one is."""
+    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit; dry: share of the
+    area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the means over all, by shares,
+    and broken and at the limit are those whose last one is.
+
+    friction_energy, fracture_energy [J]; of the first what fibres take as they break: breaking_energy.
+    """
 
     def __init__(self, layout, threshold):
         n, contacts = layout.n_joints, layout.contacts
@@ -24,9 +27,9 @@ class JointTracker:
         self.normal_stiffness = contacts.normal_stiffness[:n]
         self.shear_stiffness = contacts.shear_stiffness[:n]
         self.threshold = threshold
-        self.opening, self.slip = np.zeros(n), np.zeros(n)
+        self.opening, self.slip, self.offset = np.zeros(n), np.zeros(n), np.zeros(n)
         self.broken, self.at_limit, self.dry = np.zeros(n, bool), np.zeros(n, bool), np.zeros(n)
-        self.friction_energy = self.fracture_energy = 0.0
+        self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
         self._open, self._stress, self._plastic = np.zeros(n, bool), np.zeros(n), np.zeros(n)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
@@ -56,12 +59,17 @@ class JointTracker:
         if not self._open[joint]:
             slid = (abs(tau) - rubs) / ks
             self.slip[joint] += share * np.copysign(slid, tau)
-            self.friction_energy += rubs * slid * share * area
+            self._take(rubs * slid * share * area)
         rubs = np.copysign(rubs, tau)
         mean = (dry * stress + share * rubs) / (dry + share)
         lost = dry * stress**2 + share * rubs**2 - (dry + share) * mean**2
-        self.friction_energy += lost / (2 * ks) * area
+        self._take(lost / (2 * ks) * area)
         self._stress[joint], self._plastic[joint] = mean, (tau - mean) / ks
+        self.offset[joint] = self.dry[joint] * self._plastic[joint]
+
+    def _take(self, energy):
+        self.friction_energy += energy
+        self.breaking_energy += energy
 
     def sample(self, joints, opening, shear, tau):
         """Take a sample of broken joints.
@@ -84,6 +92,7 @@ class JointTracker:
         self.at_limit[joints] |= (slides | (np.abs(increment) > _SLIDES)) & self.broken[joints]
         self.slip[joints] += self.dry[joints] * increment
         self.opening[joints] = np.where(is_open, self.dry[joints] * opening, 0.0)
+        self.offset[joints] = self.dry[joints] * plastic
         self._open[joints], self._plastic[joints] = is_open, plastic
         self._stress[joints] = np.where(is_open, 0.0, tau)
         return self._first_passings()

@@ -24,7 +24,7 @@ FOLLOW_STEPS = JOINT_STEPS // 2
 TIDY_STEPS = 500
 """Steps between two looks for contacts that can be forgotten."""
 LOOSE = 0.4e-3
-"""Opening or slip of a joint [m] from which on bricks may meet otherwise: corners and faces are 0.5 mm apart."""
+"""Opening or offset of a joint [m] from which on bricks may meet otherwise: corners and faces are 0.5 mm apart."""
 
 
 class YadeSolver(Solver):
@@ -98,6 +98,7 @@ class YadeSolver(Solver):
         self.clock += 1
         self._set_field()
         try:
+            self.model.follow(self.clock % FOLLOW_STEPS == 0)
             self._log_breaks(self.scene.newly_broken())
             if self._armed and self.clock % TIDY_STEPS == 0:
                 self.model.tidy()
@@ -161,7 +162,7 @@ class YadeSolver(Solver):
             return
         _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken)
         opening = np.array([self.scene.opening_of(i) for i in broken])
-        if not self._armed and max(opening.max(), np.abs(self.tracker.slip).max()) > LOOSE:
+        if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
             self.model.arm()
         tau = self.scene.shear_stresses(broken)
@@ -208,12 +209,14 @@ class YadeSolver(Solver):
         them: the run infers it.
         """
         tracker = self.tracker
+        summed = self.model.friction_work()
+        friction = tracker.friction_energy if summed is None else summed + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, base_acceleration)
-        return Instant(self.scene.motion(), tracker.opening, tracker.slip,
+        return Instant(self.scene.motion(), tracker.opening, tracker.slip, tracker.offset,
                        BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit, self.scene.base_shear(),
                        np.nan if self._held is None else self._push_force(),
                        0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),
-                       self._input_energy, tracker.friction_energy, tracker.fracture_energy, None)
+                       self._input_energy, friction, tracker.fracture_energy, None)
 
     def forces(self):
         return self.scene.resultants(), self.scene.contact_forces()

@@ -48,6 +48,12 @@ class YadeWall:
         """YADE's interactions between bricks beside those of their joints, where the model tells them apart."""
         return []
 
+    def friction_work(self):
+        """What friction has taken [J], None where YADE's law does not sum it up."""
+
+    def follow(self, anew):
+        """After every step; anew: choose anew which joints may close or slide until the next time."""
+
     def tidy(self):
         """Forget what need not be looked at any more: collisions that are over, joints out of reach."""
 

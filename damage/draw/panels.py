@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, GREEN, MEDIUM, ORANGE, VERMILLION, legend_below
+from damage.measure.columns import slip_criteria
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
 COMPONENTS = {  # column of the tables: label, colour, marker
@@ -16,7 +17,20 @@ COMPONENTS = {  # column of the tables: label, colour, marker
 }
 NOTHING = 0.01
 """An index that axes of maxima and residuals reach at least."""
-SLIP_LABELS = {"displacement": "slipped: by more than 0.1 mm", "shear-limit": "slipped: ever at the shear limit"}
+SLIP_LABELS = {"displacement": "slipped: offset by more than 0.1 mm",
+               "accumulated": "slipped: accumulated more than 0.1 mm while closed",
+               "shear-limit": "slipped: ever at the shear limit"}
+
+
+def slip_label(points, slip="displacement"):
+    """What counts as slipped in a figure of these points by a criterion, in words: points whose histories had no
+    offsets are judged by `accumulated`."""
+    return "; ".join(SLIP_LABELS[one] for one in (slip_criteria(points) if slip == "displacement" else [slip]))
+
+
+def slip_note(points):
+    """`slip_label` of points that are not all judged by displacement, else ""."""
+    return "" if slip_criteria(points) == ["displacement"] else slip_label(points)
 
 
 def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):

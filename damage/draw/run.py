@@ -22,6 +22,8 @@ from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 
 JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": style.BLUE, "opened": style.ORANGE, "both": style.BLACK}
+SLIP_NOTES = {"displacement": "", "accumulated": " (accumulated)", "shear-limit": " (shear limit)"}
+"""What a legend says of the criterion of slip."""
 THIN = {"intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
 
 DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) for name, number, label, line in (
@@ -56,7 +58,7 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     labels = 0.45  # [inch] that ticks and labels take beside and below
     figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
     style.add_title(figure, history, *_moment(shape, sample))
-    style.legend_below(figure, joint_handles(shape, slip, threshold), columns=3)
+    style.legend_below(figure, joint_handles(shape, history.judged_by(slip), threshold), columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
         figure.draw_without_rendering()
     return figure
@@ -94,7 +96,7 @@ def _moment(shape, sample):
 
 def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
     """Legend in three columns: cracks, the rest, widths of lines."""
-    labels = {"opened": "opened", "slipped": "slipped" if slip == "displacement" else "slipped (shear limit)",
+    labels = {"opened": "opened", "slipped": "slipped" + SLIP_NOTES[slip],
               "both": "opened and slipped", "broken": f"broken, ≤ {threshold / MILLIMETRE:g} mm", "intact": "intact"}
     width = line_width(0.5 * MILLIMETRE)
     return [
@@ -112,13 +114,14 @@ def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
 def index_picture(history):
     """Base acceleration, and below it the damage index and its components over time.
 
-    Thin dashed lines show the index with the other slip criterion, the shear limit.
+    Thin dashed lines show the index with another slip criterion, the shear limit.
     """
     sample, largest = choose_sample(history, "max")
     time_s = history.series["time_s"].to_numpy()
     figure, (above, below) = style.new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
     base = _draw_base_motion(above, history, time_s)
-    lines = _draw_index(below, history.index(), history.index(slip="shear-limit"))
+    lines = _draw_index(below, history.index(), history.index(slip="shear-limit"),
+                        SLIP_NOTES[history.judged_by("displacement")])
     lines += below.plot(time_s[sample], largest, "o", color=style.BLACK, ms=3.5, clip_on=False, zorder=5,
                         label=f"maximum {largest:.4f} at {time_s[sample]:.3f} s")
     if history.complete:
@@ -142,12 +145,14 @@ def _draw_base_motion(ax, history, time_s):
     return lines + ax.plot(time_s, vertical, color=style.MEDIUM, lw=0.5, zorder=1, label="base, vertical")
 
 
-def _draw_index(ax, index, latched):
-    """DI and its components with either slip criterion; returns the lines in the legend's order."""
+def _draw_index(ax, index, latched, note):
+    """DI and its components with either slip criterion; note: on the first; returns the lines in the legend's
+    order."""
     time_s, lines = index["time_s"], []
     for name, colour in (("drift", style.GREEN), ("open", style.ORANGE), ("slip", style.BLUE)):
-        lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$")
-    lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI")
+        label = rf"DI$_\mathrm{{{name}}}$" + (note if name == "slip" else "")
+        lines += ax.plot(time_s, index[f"DI_{name}"], color=colour, label=label)
+    lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI" + note)
     lines += ax.plot(time_s, latched["DI"], color=style.BLACK, lw=0.6, ls="--", zorder=1.5, label="DI, shear limit")
     lines += ax.plot(time_s, latched["DI_slip"], color=style.BLUE, lw=0.6, ls="--", zorder=1.5,
                      label=r"DI$_\mathrm{slip}$, shear limit")

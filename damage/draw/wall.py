@@ -75,7 +75,7 @@ def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, 
         is_cap=history.bodies["course"].to_numpy() < 0,
         segments=joint_segments(history.joints, history.bodies, motion, magnify),
         state=joint_states(history, sample, slip, threshold),
-        crack_width_m=np.hypot(history.opening_m[sample], history.slip_m[sample], dtype=float))
+        crack_width_m=np.hypot(history.opening_m[sample], history.slip_by(slip)[sample], dtype=float))
 
 
 def magnification(bodies, motion):

@@ -1,6 +1,6 @@
 """The first 512 bytes of a history, before HDF5's own (its user block): what made the file, and a seal on the rest.
 
-    masonry-damage-history 2
+    masonry-damage-history 3
     software 0.2.0
     model reference 6b1f0c9a52e4
     sealed sha256 5891b5b522d5df08... of 412345 bytes
@@ -13,28 +13,30 @@ byte in a file that grows, and crashes on another.  A file of schema version 1 h
 import hashlib
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from damage.errors import InputError
+from damage.history.schema import SCHEMA, SCHEMA_VERSION
 from damage.provenance import UNKNOWN
 
 HEAD_BYTES = 512  # the least that HDF5 allows
-_FIRST = "masonry-damage-history 2"
-_LINES = re.compile(_FIRST + r"\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
+_LINES = re.compile(SCHEMA + r" ([23])\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
                     r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*")
 HDF5 = b"\x89HDF\r\n\x1a\n"
-_LATER = re.compile(rb"masonry-damage-history (\d+)\n")
+_NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")
 
 
 @dataclass(frozen=True)
 class Head:
-    """software, model: what made the file, in words; sha256, n_bytes: of what follows the block, None while open."""
+    """software, model: what made the file, in words; sha256, n_bytes: of what follows the block, None while open;
+    version: of the schema."""
 
     software: str
     model: str
     sha256: str | None = None
     n_bytes: int | None = None
+    version: int = SCHEMA_VERSION
 
     @property
     def sealed(self):
@@ -44,7 +46,8 @@ class Head:
     def as_bytes(self):
         """The block itself."""
         end = f"sealed sha256 {self.sha256} of {self.n_bytes} bytes" if self.sealed else "open"
-        return f"{_FIRST}\nsoftware {self.software}\nmodel {self.model}\n{end}\n".encode().ljust(HEAD_BYTES, b"\0")
+        lines = f"{SCHEMA} {self.version}", f"software {self.software}", f"model {self.model}", end
+        return "".join(f"{line}\n" for line in lines).encode().ljust(HEAD_BYTES, b"\0")
 
 
 def head_of(solver, versions):
@@ -60,8 +63,8 @@ def write_head(path, head):
 
 def seal(path):
     """Vouch for a history that is closed: its bytes are to stay what they are now."""
-    head = read_head(path)
-    write_head(path, Head(head.software, head.model, *_digest(path)))
+    sha256, n_bytes = _digest(path)
+    write_head(path, replace(read_head(path), sha256=sha256, n_bytes=n_bytes))
 
 
 def read_head(path):
@@ -73,15 +76,16 @@ def read_head(path):
         raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a history (.h5)") from error
     if block.startswith(HDF5):
         return None
-    later = _LATER.match(block)
-    if later and int(later[1]) > 2:
-        raise InputError(f"{path} has schema version {int(later[1])}, this software reads up to 2; update the software")
+    version = _NUMBER.match(block)
+    if version and int(version[1]) > SCHEMA_VERSION:
+        raise InputError(f"{path} has schema version {int(version[1])}, this software reads up to {SCHEMA_VERSION}; "
+                         "update the software")
     found = _LINES.fullmatch(block.decode("ascii", errors="replace"))
     if not found or len(block) < HEAD_BYTES:
-        what = "its first 512 bytes are damaged" if later else "it begins otherwise"
+        what = "its first 512 bytes are damaged" if version else "it begins otherwise"
         raise InputError(f"{path} cannot be read as a history ({what}); expected a file that a run wrote")
-    software, model, sha256, n_bytes = found.groups()
-    return Head(software, model, sha256, n_bytes and int(n_bytes))
+    version, software, model, sha256, n_bytes = found.groups()
+    return Head(software, model, sha256, n_bytes and int(n_bytes), int(version))
 
 
 def check_seal(path, head):

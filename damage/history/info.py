@@ -6,6 +6,7 @@ from damage.errors import InputError
 from damage.history.head import read_head
 from damage.history.reader import read_history
 from damage.provenance import UNKNOWN
+from damage.wall.caps import caps, describe_cap
 
 WHOLE, UNSEALED, ENDED_EARLY, OPEN, DAMAGED = "whole", "unsealed", "ended early", "open", "damaged"
 WORTH = {
@@ -59,16 +60,23 @@ def info(history):
     return {"file": str(history.path), "wall": history.wall, "solver": history.solver, "status": history.status,
             "collapsed_at_s": history.collapsed_at_s, "created_utc": history.attributes["created_utc"],
             "machine": history.attributes["machine"], "command": history.command, **made_by(history),
-            "versions": history.versions, "parameters": history.parameters,
+            "versions": history.versions, "parameters": history.parameters, "caps": _caps(history),
             "static": {name: None if isnan(value) else value for name, value in history.static.items()}}
 
 
+def _caps(history):
+    bodies, joints = history.bodies[history.bodies["course"] == -1], history.joints
+    thickness = joints["area_m2"].sum() / joints["length_m"].sum() if len(joints) else float("inf")
+    return caps(bodies["x_m"], bodies["length_m"], bodies["mass_kg"], thickness)
+
+
 def describe(told):
-    """The `info` of a history as lines for people: first what made it, then every parameter."""
+    """The `info` of a history as lines for people: first what made it, its caps, then every parameter."""
     lines = [f"{name:14s}{told[name]}" for name in (
         "file", "wall", "solver", "status", "created_utc", "machine", "command", "software", "commit", "model_digest")]
     lines += [f"{name:14s}{version}" for name, version in sorted(told["versions"].items())
               if name not in ("masonry-damage", "commit", "model")]
+    lines += map(describe_cap, told["caps"])
     for title in ("static", "parameters"):
         lines += [f"{title}:", *(f"  {name:42s}{value}" for name, value in _flat(told[title]))]
     return "\n".join(lines)

@@ -8,8 +8,8 @@ from damage.index import THRESHOLD
 STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
 "both" is opened and slipped."""
-BREAKS, PASSINGS = ("tension", "shear"), ("opened", "slipped")
-"""Kinds of events: a bond breaks; a joint opens or slips by 0.1 mm for the first time."""
+BREAKS = ("tension", "shear")
+"""Kinds of events in which a bond breaks."""
 NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
 
 
@@ -54,7 +54,7 @@ def nearest_snapshot(history, time_s):
 def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
     """Index into STATES of every joint at a sample, (n_joints,), by the criteria of the index."""
     opened = history.opening_m[sample] > threshold
-    slipped = history.at_limit[sample] if slip == "shear-limit" else np.abs(history.slip_m[sample]) > threshold
+    slipped = history.at_limit[sample] if slip == "shear-limit" else np.abs(history.slip_by(slip)[sample]) > threshold
     return state_codes(opened, slipped, history.broken[sample])
 
 

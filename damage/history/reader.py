@@ -14,7 +14,18 @@ from damage.errors import InputError
 from damage.history.apart import apart
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
 from damage.history.moments import moving
-from damage.history.schema import AT_LIMIT, BROKEN, CODES, EVENTS, SCHEMA, SCHEMA_VERSION, STAGES, STATUS, TABLES
+from damage.history.schema import (
+    AT_LIMIT,
+    BROKEN,
+    CODES,
+    EVENTS,
+    SCHEMA,
+    SCHEMA_VERSION,
+    STAGES,
+    STATUS,
+    TABLES,
+    tables_of,
+)
 from damage.history.structure import check_structure
 from damage.history.values import check_parameters, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
@@ -30,7 +41,8 @@ class History:
     bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
     (motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
-    opening_m, slip_m: (n_times, n_joints); broken, at_limit: bool of that shape.
+    opening_m, slip_m: (n_times, n_joints); broken, at_limit: bool of that shape; offset_m: the same of the offsets,
+    None in a file that has none (schema versions 1 and 2).
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad].
     static: what the static stage ended with; parameters: all that defined the run, as the file holds it; most of
     it comes back as records, too: `loading`, `model`, `masonry_wall`; `wall` is the wall's name.
@@ -57,6 +69,7 @@ class History:
     at_limit: np.ndarray
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
+    offset_m: np.ndarray | None
 
     @property
     def complete(self):
@@ -100,11 +113,21 @@ class History:
         """The series without the settling stages."""
         return moving(self.series)
 
+    def judged_by(self, slip):
+        """The criterion of slip that this run is judged by where one is asked for: `accumulated` in place of
+        `displacement` where the file has no offsets."""
+        return "accumulated" if slip == "displacement" and self.offset_m is None else slip
+
+    def slip_by(self, slip):
+        """The slip that counts by a criterion, (n_times, n_joints) [m]; by `shear-limit` none does, and this is that
+        by `displacement`."""
+        return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
+
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
-        """The damage index over time: `damage.index.damage_index` of this run."""
+        """The damage index over time: `damage.index.damage_index` of this run, by the criterion `judged_by(slip)`."""
         return damage_index(
             self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), self.opening_m,
-            self.slip_m, self.at_limit, self.joints["length_m"].to_numpy(),
+            self.slip_by(slip), self.at_limit, self.joints["length_m"].to_numpy(),
             threshold=threshold, drift_limit=drift_limit, slip_criterion=slip)
 
 
@@ -170,13 +193,16 @@ def _check_schema(file, path):
     if version > SCHEMA_VERSION:
         raise InputError(f"{path} has schema version {version}, this software reads up to "
                          f"{SCHEMA_VERSION}; update the software")
+    head = read_head(path)
+    if (head.version if head else 1) != version:
+        raise InputError(f"its head names another schema version than {version}, which the rest of it has")
 
 
 def _read(file, path):
-    run = file["run"]
+    run, tables = file["run"], tables_of(int(file.attrs["schema_version"]))
     # A killed run may have flushed one column more often than another: cut to the shortest.
     series, n_times = _columns(file, "series", min(len(file[f"{group}/{name}"]) for group in ("series", "frames")
-                                                   for name in TABLES[group]))
+                                                   for name in tables[group]))
     events, _ = _columns(file, "events", min(len(file[f"events/{name}"]) for name in TABLES["events"]))
     n_snapshots = min(len(file[f"snapshots/{name}"]) for name in TABLES["snapshots"])
     state = file["frames/state"][:n_times]
@@ -197,7 +223,8 @@ def _read(file, path):
         opening_m=file["frames/opening_m"][:n_times], slip_m=file["frames/slip_m"][:n_times],
         broken=(state & BROKEN) > 0, at_limit=(state & AT_LIMIT) > 0,
         snapshot_time_s=file["snapshots/time_s"][:n_snapshots],
-        displacement=file["snapshots/displacement"][:n_snapshots])
+        displacement=file["snapshots/displacement"][:n_snapshots],
+        offset_m=file["frames/offset_m"][:n_times] if "offset_m" in tables["frames"] else None)
 
 
 def _number_shocks(series):

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 2
-"""1 had no head (`damage.history.head`)."""
+SCHEMA_VERSION = 3
+"""1 had no head (`damage.history.head`), 2 no `frames/offset_m`."""
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling")
 EVENTS = ("tension", "shear", "opened", "slipped")
@@ -12,11 +12,13 @@ BROKEN, AT_LIMIT = 1, 2  # bits of frames/state
 
 
 class Column(NamedTuple):
-    """A column of a table or a dataset of a file; dtype: as the file stores it, in as many bytes as it likes."""
+    """A column of a table or a dataset of a file; dtype: as the file stores it, in as many bytes as it likes;
+    since: the first schema version that has it."""
 
     unit: str
     meaning: str
     dtype: str = "f8"
+    since: int = 1
 
 
 STATIC = {
@@ -66,14 +68,18 @@ SERIES = {
 FRAMES = {
     "opening_m": Column("m", "inelastic opening: past the broken bond, or what a softened one has given way; 0 while "
                              "closed or intact", "f4"),
-    "slip_m": Column("m", "signed plastic slip of the closed contact, frozen while open, 0 while intact", "f4"),
+    "slip_m": Column("m", "signed plastic slip of the closed contact, frozen while open, 0 while intact: the slip "
+                          "`accumulated`", "f4"),
+    "offset_m": Column("m", "signed offset of the two faces now, along the joint, less its elastic part (none while "
+                            "open), 0 while intact: the slip by `displacement`", "f4", since=3),
     "state": Column("bits: 1 broken, 2 has been at the shear limit", "1: the bond is gone; 2: has failed in shear or "
                     "slid, ever", "u1"),
 }
 EVENT_COLUMNS = {
     "time_s": Column("s", "negative in the static stage"),
     "joint": Column("index of joints", "row of `joints`", "i4"),
-    "kind": Column("code", "tension, shear (the bond is gone); opened, slipped (first passing of 0.1 mm)", "u1"),
+    "kind": Column("code", "tension, shear (the bond is gone); opened, slipped (first passing of 0.1 mm by "
+                   "`opening_m`, `slip_m`)", "u1"),
     "normal_stress_pa": Column("Pa", "trial stress at a break"),
     "shear_stress_pa": Column("Pa", "trial stress at a break"),
     "opening_m": Column("m", "at a first passing"), "slip_m": Column("m", "at a first passing"),
@@ -86,6 +92,14 @@ SNAPSHOTS = {
 GROWING = {"series": SERIES, "frames": FRAMES, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS}
 """Groups whose datasets grow during a run."""
 TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, **GROWING}
+
+
+def tables_of(version):
+    """TABLES as a file of a schema version has them."""
+    return {group: {name: column for name, column in columns.items() if column.since <= version}
+            for group, columns in TABLES.items()}
+
+
 SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "series": ("samples",),
           "frames": ("samples", "joints"), "events": ("events",), "snapshots": ("snapshots",),
           "snapshots/displacement": ("snapshots", "bodies", 3)}

@@ -19,6 +19,7 @@ def check_structure(file):
     Raises InputError where a dataset is missing, is none, or has another shape or type than the schema says.
     """
     _check_attributes(file)
+    tables = schema.tables_of(int(file.attrs["schema_version"]))
     sizes, n_bytes = {}, 0
     for name, column in schema.RUN.items():
         path = f"run/{name}"
@@ -26,7 +27,7 @@ def check_structure(file):
         _check_type(path, dataset, column)
         _check_shape(path, dataset, (), sizes, ended=True)
     ended = file["run/status"][()] != 0
-    for group, columns in schema.TABLES.items():
+    for group, columns in tables.items():
         for name, column in columns.items():
             path = f"{group}/{name}"
             dataset = _dataset(file, path)

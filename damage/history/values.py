@@ -42,8 +42,10 @@ def check_values(history):
                                     (events, "joint", 0, len(joints))):
         _refuse((table[name] < least) | (table[name] >= end), name, f"{least} to {end - 1}", table[name])
     _refuse(np.diff(series["time_s"], prepend=-np.inf) <= 0, "time_s", "a later time than before", series["time_s"])
-    for name in ("opening_m", "slip_m", "displacement"):
+    for name in ("opening_m", "slip_m", "offset_m", "displacement"):
         frames = getattr(history, name)
+        if frames is None:
+            continue
         fine = (np.abs(frames) < _HUGE).all(axis=tuple(range(1, frames.ndim)))
         if not fine.all():
             raise InputError(f"{name} is no number that can be in row {int(np.argmin(fine))}: its run "

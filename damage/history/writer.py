@@ -65,15 +65,16 @@ class HistoryWriter:
                 self._file["static"][name][()] = value
         self.flush()
 
-    def append(self, stage, row, opening, slip, state):
+    def append(self, stage, row, opening, slip, offset, state):
         """Add one sample.
 
         stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN;
-        opening [m], slip [m], state (bits BROKEN, AT_LIMIT): arrays (n_joints,).
+        opening, slip, offset [m], state (bits BROKEN, AT_LIMIT): arrays (n_joints,).
         """
         row = {"stage": schema.STAGES.index(stage), **row}
         self._rows["series"].append([row.get(name, np.nan) for name in schema.SERIES])
-        self._rows["frames"].append((np.array(opening, "f4"), np.array(slip, "f4"), np.array(state, "u1")))
+        self._rows["frames"].append((*(np.array(values, "f4") for values in (opening, slip, offset)),
+                                     np.array(state, "u1")))
         if len(self._rows["series"]) >= _CHUNK:
             self.flush()
 

@@ -21,7 +21,7 @@ import pandas as pd
 
 from damage.checks import check_positive
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
-from damage.measure.cracks import ENDS, close_pairs, crack_numbers, cracked, ends_of, mean_width, psi_value
+from damage.measure.cracks import ENDS, PSI_FROM, close_pairs, crack_numbers, cracked, ends_of, mean_width, psi_value
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -111,20 +111,20 @@ def _share_that_fits(table, joint_length):
 
 # --- index and Psi --------------------------------------------------------------------------------
 
-def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT):
+def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM):
     """The key numbers of one pattern and its MappedCracks, a dictionary: load_level, drift_pct (None where
     unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi, psi_drawn, and
     DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
 
-    Psi is that of the joints, as in `damage.measure.cracks`; psi_drawn that of the polylines as they were drawn,
-    through bricks too, with the file's own numbering of cracks.  Without a drift DI is that of the cracks
-    alone.  undecided_m: length over the threshold whose mode is open.
+    Psi is that of the joints whose width reaches psi_from [m], as in `damage.measure.cracks`; psi_drawn that of the
+    polylines as they were drawn, through bricks too, with the file's own numbering of cracks.  Without a drift DI is
+    that of the cracks alone.  undecided_m: length over the threshold whose mode is open.
     """
     check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches
     chosen = table[cracked(table["width_m"], threshold)]
-    count = crack_numbers(np.ones(len(chosen), bool), close_pairs(ends_of(chosen))).max(initial=0)
-    drawn = cracked(parts["width_m"].to_numpy(float), threshold)
+    in_psi = table[cracked(table["width_m"], psi_from)]
+    drawn = cracked(parts["width_m"].to_numpy(float), psi_from)
     known = not np.isnan(pattern.drift_ratio)
     drift = min(float(drift_component(pattern.drift_ratio, drift_limit)), 1.0) if known else 0.0
     bounds = index_bounds(table, layout.total_joint_length, drift, threshold)
@@ -132,14 +132,19 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
         bounds["DI_drift"] = None
     return {
         "load_level": pattern.level, "drift_pct": 100 * pattern.drift_ratio if known else None,
-        "cracks": int(count), "crack_length_m": float(chosen["length_m"].sum()),
+        "cracks": _count(chosen), "crack_length_m": float(chosen["length_m"].sum()),
         "unmapped_m": mapped.unmapped_m, "surplus_m": mapped.surplus_m,
         "undecided_m": float(chosen.loc[chosen["opening_m"].isna(), "length_m"].sum()),
         "max_width_mm": float(parts["width_m"].max() / MILLIMETRE) if len(parts) else 0.0,
-        "psi": float(psi_value(count, mean_width(chosen["width_m"], chosen["length_m"]))),
+        "psi": float(psi_value(_count(in_psi), mean_width(in_psi["width_m"], in_psi["length_m"]))),
         "psi_drawn": float(psi_value(parts["crack"][drawn].nunique(),
                                      mean_width(parts["width_m"][drawn], pattern.length_m[drawn]))),
         **bounds}
+
+
+def _count(table):
+    """How many cracks the rows of a table with ENDS make."""
+    return int(crack_numbers(np.ones(len(table), bool), close_pairs(ends_of(table))).max(initial=0))
 
 
 def index_bounds(table, total_length, drift, threshold=THRESHOLD):

@@ -13,7 +13,8 @@ from damage.laboratory.crack_file import patterns_of, read_cracks, write_cracks
 from damage.laboratory.crack_mapping import describe_level, largest, map_cracks
 from damage.laboratory.dic import measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
-from damage.measure.cracks import cracks_at, psi, psi_summary
+from damage.measure.cracks import PSI_FROM, cracks_at, psi, psi_summary
+from damage.measure.doubts import offset_doubts
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -22,8 +23,8 @@ SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""
 
 
-def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, threshold_mm=0.1, drift_limit_pct=2.0,
-                 tolerance_mm=None, margin_mm=None, out=None):
+def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, threshold_mm=0.1, psi_from_mm=0.02,
+                 drift_limit_pct=2.0, tolerance_mm=None, margin_mm=None, out=None):
     """(report, what `crack_pictures` draws) of the command's options: of a history, a crack file or a DIC field.
 
     Options that do not belong to what there is are refused; of a history nothing is drawn.
@@ -32,7 +33,8 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
                                       "margin-mm": margin_mm, "out": out}.items() if value is not None}
     if (source is None) == (dic is None):
         raise InputError("expected one of FILE and --dic FIELD.csv; give a history, a crack file or a field")
-    limits = {"threshold": threshold_mm * MILLIMETRE, "drift_limit": drift_limit_pct / 100}
+    limits = {"threshold": threshold_mm * MILLIMETRE, "drift_limit": drift_limit_pct / 100,
+              "psi_from": psi_from_mm * MILLIMETRE}
     if dic:
         _only_with("a DIC field", given, without=("at", "tolerance-mm"))
         margin = 10.0 if margin_mm is None else margin_mm
@@ -81,11 +83,12 @@ def choose_samples(history, moments):
     return samples
 
 
-def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, export=None):
+def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
     """What is told of the cracks of the history at `path`, a dictionary; written to `export` if it is given."""
     history = read_history(path)
     samples = choose_samples(history, moments)
     index, total = history.index(threshold, drift_limit), float(history.joints["length_m"].sum())
+    width = np.hypot(history.opening_m, history.slip_by("displacement"))
     levels = []
     for number, sample in enumerate(samples, start=1):
         table = cracks_at(history, sample, threshold)
@@ -93,39 +96,40 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
             "load_level": float(number), "time_s": float(history.series["time_s"].iloc[sample]),
             "drift_pct": 100 * float(history.series["drift_ratio"].iloc[sample]),
             "cracks": int(table["crack"].nunique()), "crack_length_m": float(table["length_m"].sum()),
-            "max_width_mm": float(np.hypot(history.opening_m[sample], history.slip_m[sample]).max() / MILLIMETRE),
-            "psi": psi(table),
+            "max_width_mm": float(width[sample].max() / MILLIMETRE),
+            "psi": psi(cracks_at(history, sample, psi_from)),
             **{name: (float(index[name].iloc[sample]),) * 2 for name in COMPONENTS}})
     if export:
         moments_s = ", ".join(f"{level['time_s']:.6g}" for level in levels)
-        write_cracks(export, patterns_of(history, samples, threshold), [
+        least = min(threshold, psi_from)
+        write_cracks(export, patterns_of(history, samples, least), [
             f"cracks of {history.wall}, {history.loading.name}, solver {history.solver}, at "
-            f"{moments_s} s", f"joints whose width reaches {threshold / MILLIMETRE:g} mm; docs/crack-format.md"])
+            f"{moments_s} s", f"joints whose width reaches {least / MILLIMETRE:g} mm; docs/crack-format.md"])
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
-            "total_joint_length_m": total, "levels": levels, "max": largest(levels),
-            "run": psi_summary(history, threshold), "notes": []}
+            "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": total, "levels": levels,
+            "max": largest(levels), "run": psi_summary(history, psi_from), "notes": offset_doubts(history)}
 
 
 # --- a crack file, a field --------------------------------------------------------------------------
 
-def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, tolerance=None):
+def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, tolerance=None):
     """What is told of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
     mapped = [map_cracks(pattern, layout, tolerance) for pattern in patterns]
-    levels = [describe_level(pattern, cracks, layout, threshold, drift_limit)
+    levels = [describe_level(pattern, cracks, layout, threshold, drift_limit, psi_from)
               for pattern, cracks in zip(patterns, mapped)]
     return {"wall": layout.wall.name, "source": "digitised cracks", "threshold_mm": threshold / MILLIMETRE,
-            "total_joint_length_m": layout.total_joint_length, "levels": levels, "max": largest(levels),
-            "notes": list(_notes(levels))}, mapped
+            "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": layout.total_joint_length,
+            "levels": levels, "max": largest(levels), "notes": list(_notes(levels))}, mapped
 
 
-def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, export=None):
+def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
     """`pattern_report` of the cracks that the DIC field at `path` shows, written to `export` if given."""
     fields, layout = read_field(path), lay_out(load_wall(wall))
-    measured = measure(fields, layout, margin, threshold)
-    patterns = patterns_of_fields(fields, measured, layout, threshold)
-    report, mapped = pattern_report(patterns, layout, threshold, drift_limit)
+    measured = measure(fields, layout, margin)
+    patterns = patterns_of_fields(fields, measured, layout, min(threshold, psi_from))
+    report, mapped = pattern_report(patterns, layout, threshold, drift_limit, psi_from)
     limits = dic_report(measured, layout)
-    notes = list(_dic_notes(limits, threshold))
+    notes = list(_dic_notes(limits, threshold, psi_from))
     report |= {"source": "DIC field", "dic": limits, "notes": notes + report["notes"]}
     if export:
         write_cracks(export, patterns, [f"cracks of {layout.wall.name} from the DIC field {Path(path).name}; "
@@ -149,7 +153,7 @@ def _notes(levels):
             yield where + f"{level['surplus_m']:.3f} m drawn over joints beyond the joints' own length: not counted"
 
 
-def _dic_notes(limits, threshold):
+def _dic_notes(limits, threshold, psi_from):
     millimetres = {name: value / MILLIMETRE for name, value in limits.items()}
     yield ("noise of a point {noise_m:.4f} mm, which leaves a standard deviation of {opening_deviation_m:.4f} mm "
            "to a joint's opening".format(**millimetres))
@@ -158,6 +162,10 @@ def _dic_notes(limits, threshold):
     if 3 * limits["opening_deviation_m"] > threshold:
         yield (f"warning: three standard deviations exceed the threshold of {threshold / MILLIMETRE:g} mm; noise "
                "counts as cracks: measure more finely, or raise --threshold-mm")
+    most = max(limits["elastic_opening_m"], limits["elastic_slip_m"]) + 3 * limits["opening_deviation_m"]
+    if most > psi_from:
+        yield (f"warning: noise and elastic deformation make up to {most / MILLIMETRE:.4f} mm, and Psi counts cracks "
+               f"from {psi_from / MILLIMETRE:g} mm: measure more finely, or raise --psi-from-mm")
     if limits["unseen_m"] > 0:
         yield f"{limits['unseen_m']:.3f} m of joints lie at bricks with too few points: they count as uncracked"
 
@@ -181,6 +189,7 @@ def describe(report):
         rows[-1][0] = "max"
     widths = [max(len(row[k]) for row in rows) for k in range(len(columns))]
     lines = [f"{report['wall']}: {report['source']}, threshold {report['threshold_mm']:g} mm, "
+             f"Psi from {report['psi_from_mm']:g} mm, "
              f"{report['total_joint_length_m']:.3f} m of joints"]
     lines += ["  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows]
     if "run" in report:

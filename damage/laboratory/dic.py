@@ -5,8 +5,8 @@ and shear of its joints follow from the motions of both bricks (`damage.wall.kin
 are told apart, which a picture of the cracks alone does not do.  `docs/crack-format.md` gives the file.
 
 What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without the
-stresses; `elastic_parts` bounds it.  Slip is that of closed joints, frozen while they are open, as in a
-simulation: shear displacement counts from one level to the next where the joint is closed at both.
+stresses; `elastic_parts` bounds it.  Slip is the offset of the two bricks along the joint, as by `displacement` in a
+simulation, whether the joint is open or closed.
 """
 
 from dataclasses import dataclass
@@ -30,9 +30,6 @@ OPTIONAL = ("load_level", "drift_pct")
 MARGIN = 10 * MILLIMETRE
 """Points closer to a brick's edge than this are left out [m]: their subset may reach over the joint."""
 LEAST_POINTS = 4
-CLOSED = 0.2
-"""Share of the threshold up to which an opening counts as closed, where that is above the noise."""
-_DEVIATIONS = 3  # standard deviations that count as noise
 
 
 @dataclass(frozen=True)
@@ -172,24 +169,16 @@ def opening_deviation(motions, layout):
 
 # --- joints ---------------------------------------------------------------------------------------
 
-def measure(fields, layout, margin=MARGIN, threshold=THRESHOLD):
-    """Opening and slip of the joints at each level, a list of Measured.
-
-    fields: in the order of loading from the unloaded wall on.
-    """
+def measure(fields, layout, margin=MARGIN):
+    """Opening and slip of the joints at each level, a list of Measured."""
     check_not_negative("margin [m]", margin)
     kinematics, n = ContactKinematics(layout), layout.n_joints
-    slip, shear_before, was_closed = np.zeros(n), np.zeros(n), np.ones(n, bool)
     levels = []
     for field in fields:
         motions = brick_motions(field, layout, margin)
         opening, shear = (part[:n] for part in kinematics.displacements(motions.motion))
         deviation = opening_deviation(motions, layout)
-        seen = np.isfinite(opening)
-        is_closed = np.where(seen, opening <= np.maximum(CLOSED * threshold, _DEVIATIONS * deviation), was_closed)
-        slip = slip + np.where(seen & is_closed & was_closed, shear - shear_before, 0.0)
-        shear_before, was_closed = np.where(seen, shear, shear_before), is_closed
-        levels.append(Measured(np.maximum(opening, 0.0), np.where(seen, slip, np.nan), deviation, motions.noise,
+        levels.append(Measured(np.maximum(opening, 0.0), shear, deviation, motions.noise,
                                _drift(field, motions, layout)))
     return levels
 

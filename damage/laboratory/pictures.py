@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.panels import add_heading, finish, grid, letter
+from damage.draw.panels import SLIP_LABELS, add_heading, finish, grid, letter
 from damage.draw.run import DRIFT_LIMITS_PCT
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, PURPLE, SKY, VERMILLION, save_figures, styled
 from damage.errors import InputError
@@ -36,7 +36,9 @@ def beside_test_picture(histories):
     right.set_xlim(0, 1.05 * max(100 * history.series["drift_ratio"].abs().max() for history in histories))
     letter(left, 0, "envelopes, and loops of cyclic runs" if cyclic else "pushed over")
     letter(right, 1, "damage index")
-    add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}")
+    old = any(history.offset_m is None for history in histories)
+    add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}",
+                SLIP_LABELS["accumulated"] if old else "")
     return finish(figure, handles, columns=3)
 
 

@@ -100,7 +100,8 @@ def pushed_report(history):
             sides[name] = pushed.bilinear(curve, height)
     cyclic = pushed.pushed_loading(history).cycles > 0
     return {"wall": history.wall, "solver": history.solver, "motion": history.loading.name,
-            "status": history.status, "cycles": pushed.cycles_table(history).to_dict("records") if cyclic else [],
+            "status": history.status, "slip": history.judged_by("displacement"),
+            "cycles": pushed.cycles_table(history).to_dict("records") if cyclic else [],
             "bilinear": sides, "first_crack_drift": pushed.drift_at_first_crack(history),
             "failure": pushed.mode_shares(history), "by_hand_n": pushed.hand_capacities(history),
             "beside_test": [dict(zip(("figure", "unit", "simulated", "measured"), row))
@@ -109,7 +110,7 @@ def pushed_report(history):
 
 def describe(found):
     """A `pushed_report` as lines for people."""
-    lines = [f"{found['wall']} / {found['motion']} / {found['solver']}: {found['status']}"]
+    lines = [f"{found['wall']} / {found['motion']} / {found['solver']}: {found['status']}; slip by {found['slip']}"]
     if found["cycles"]:
         columns = ("amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn", "dissipated_j",
                    "equivalent_damping", "DI_at_max", "DI_at_min")

@@ -11,12 +11,16 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.history.schema import Column
-from damage.index import COMPONENTS
+from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.limits import LIMITS
+from damage.units import MILLIMETRE
 from damage.wall.parameters import ModelOptions
 
-CRITERIA = {"displacement": "", "shear-limit": "shear_limit_"}
+CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
 """What counts as slipped, and what stands before a component's name in the columns for it."""
+
+WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default, str)}
+"""Columns that are words even where they look like numbers, as a lintel of "2" courses."""
 
 
 def made_by_words(table):
@@ -32,6 +36,12 @@ def _index(kind, slip):
     return ", ".join(f"{kind}_{CRITERIA[slip]}{name}" for name in COMPONENTS)
 
 
+def slip_criteria(table):
+    """The criteria of slip in the columns of a table that name none, a list: one, or both where rows differ."""
+    told = "; ".join(table["slip"].dropna()) if "slip" in table else ""
+    return sorted(set(told.split("; ")), reverse=True) if told else ["displacement"]
+
+
 PARAMETERS = {
     "point": Column("", "point of a study that the run belongs to"), "solver": Column("", "yade or reference"),
     "wall": Column("", "name of the wall"), "motion": Column("", "name of the loading"),
@@ -39,6 +49,7 @@ PARAMETERS = {
     "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
     "motion_period_s, amplitude_g": Column("s, g", "of a harmonic motion"),
     "cycles": Column("1", "of a harmonic motion, or at each drift of a pushed top"),
+    "speed_m_s": Column("m/s", "of a pushed top"),
     "scale": Column("1", "factor on the record"),
     "window_start_s, window_end_s": Column("s", "part of the record that was used"),
     "vertical": Column("1", "1 with the record's vertical component, else 0"),
@@ -51,7 +62,9 @@ PARAMETERS = {
     "mode_i_fracture_energy_j_m2, mode_ii_fracture_energy_j_m2": Column("J/m2", "of the joints, 0 where brittle"),
     "time_step_s": Column("s", "of the solver"),
     "eigen_period_s": Column("s", "first period of the intact wall, by its eigenvalues"),
-    "slip": Column("", "criterion of slip in the columns that name none"),
+    "slip": Column("", "criterion of slip in the columns that name none, cracks and Psi included: displacement, or "
+                   "accumulated of a history without offsets"),
+    "psi_from_mm": Column("mm", "width from which a crack counts in crack widths and Psi"),
     "total_joint_length_m": Column("m", "of all contact points"),
 }
 """What all runs of a point share."""
@@ -73,6 +86,8 @@ MEASURES = {
     "Index, drift": {
         _index("max", "displacement"): Column("1", "each its own maximum over the run, slip by displacement"),
         _index("residual", "displacement"): Column("1", "the last state of the settling stage, or of a collapse"),
+        _index("max", "accumulated"): Column("1", "the same with slip accumulated"),
+        _index("residual", "accumulated"): Column("1", "the same with slip accumulated"),
         _index("max", "shear-limit"): Column("1", "the same with slip by the shear limit"),
         _index("residual", "shear-limit"): Column("1", "the same with slip by the shear limit"),
         "max_drift_ratio, residual_drift_ratio": Column("1", "largest absolute drift ratio; drift ratio at the end, "
@@ -93,10 +108,12 @@ MEASURES = {
     },
     "Cracks": {
         "max_crack_width_mm, residual_crack_width_mm": Column(
-            "mm", "width of the widest crack, sqrt(opening² + slip²), where it reaches 0.1 mm; largest over the run, "
-            "and at its end"),
-        "max_psi, residual_psi": Column("1", "Korswagen's damage parameter Psi = 2 n^0.15 c_w^0.3"),
-        "max_opening_mm, max_slip_mm": Column("mm", "largest opening and slip of any contact point"),
+            "mm", "width of the widest crack, sqrt(opening² + slip²), where it reaches `psi_from_mm`; largest over the "
+            "run, and at its end"),
+        "max_psi, residual_psi": Column("1", "Korswagen's damage parameter Psi = 2 n^0.15 c_w^0.3 of the cracks from "
+                                        "`psi_from_mm` on"),
+        "max_opening_mm, max_slip_mm": Column("mm", "largest opening and accumulated slip of any contact point"),
+        "max_offset_mm": Column("mm", "largest offset of any contact point, empty of a history without offsets"),
         "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
     },
     "Energy": {
@@ -121,10 +138,33 @@ def one_spelling(table):
     """A table with the names of this version: older ones wrote max_DI_shear_limit for max_shear_limit_DI.
 
     >>> import pandas as pd
-    >>> list(one_spelling(pd.DataFrame(columns=["max_DI_slip_shear_limit", "DI_shear_limit", "max_DI"])))
-    ['max_shear_limit_DI_slip', 'shear_limit_DI', 'max_DI']
+    >>> list(one_spelling(pd.DataFrame(columns=["max_DI_slip_shear_limit", "DI_shear_limit"])))
+    ['max_shear_limit_DI_slip', 'shear_limit_DI']
     """
     return table.rename(columns=lambda name: re.sub(r"(DI|DI_slip)_shear_limit$", r"shear_limit_\1", name))
+
+
+def before_offsets(table):
+    """A table in which the rows that were made before histories had offsets, when slip was accumulated and cracks
+    counted from 0.1 mm, say so in `slip` and `psi_from_mm` and have their index by `accumulated`, too.
+
+    >>> import pandas as pd
+    >>> old = before_offsets(pd.DataFrame({"slip": ["displacement"], "max_DI": [0.2], "max_psi": [1.5]}))
+    >>> old.to_dict("records")
+    [{'slip': 'accumulated', 'max_DI': 0.2, 'max_psi': 1.5, 'max_accumulated_DI': 0.2, 'psi_from_mm': 0.1}]
+    """
+    by = {name: f"{kind}{CRITERIA['accumulated']}{rest}" for name in table
+          for kind, rest in re.findall(r"^((?:cumulative_)?max_|residual_|)(DI(?:_drift|_open|_slip)?(?:_min|_max)?)$",
+                                       name)}
+    if not by:
+        return table
+    lacking = table.reindex(columns=list(by.values())).isna().all(axis=1)
+    old = lacking & table[list(by)].notna().any(axis=1) if set(by.values()) & set(table) else lacking
+    said = {"slip": "accumulated"} | ({"psi_from_mm": THRESHOLD / MILLIMETRE} if "max_psi" in table else {})
+    then = {new: table[name] for name, new in by.items()} | {
+        name: pd.Series(value, table.index) for name, value in said.items()}
+    return table.assign(**{name: table[name].where(~old, values) if name in table else values
+                           for name, values in then.items()}) if old.any() else table
 
 
 def read_table(path, needed=()):
@@ -133,7 +173,7 @@ def read_table(path, needed=()):
     Raises InputError where it cannot be read or lacks one of the needed columns.
     """
     try:
-        table = one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""]))
+        table = before_offsets(one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=WORDS)))
     except (OSError, ValueError) as error:  # of the file, or of its text
         raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
                          "study, run it again with ./run_all.sh") from error

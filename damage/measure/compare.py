@@ -13,7 +13,7 @@ import pandas as pd
 from damage.errors import InputError
 from damage.history.moments import BREAKS, STATES, state_codes
 from damage.index import THRESHOLD
-from damage.measure.patterns import compare_patterns, describe_patterns
+from damage.measure.patterns import common_slip, compare_patterns, describe_patterns
 from damage.measure.summary import summarise
 from damage.measure.vibration import NOISE, upward_crossings
 
@@ -49,7 +49,8 @@ def compare(first, others):
 
     figures: {name: first, median, range of the others, allowed, agrees}; drift: RMS before the first
     failure, lag, instant of divergence; joints: Cohen's kappa and first-break times; patterns: fractions skill
-    scores; each of the last three with the first of the others.  agrees: figures and drift.
+    scores; each of the last three with the first of the others.  slip: the criterion of DI, `displacement` where all
+    have offsets, and else `accumulated`.  agrees: figures and drift.
     """
     for history in (first, *others):
         if len(history.series) == 0:
@@ -60,16 +61,17 @@ def compare(first, others):
     numbers = _compare_numbers(first, others)
     drift = compare_drift(first, others[0])
     judged = [row["agrees"] for row in numbers.values()] + [drift["agrees"]]
-    return {"first": str(first.path), "others": [str(other.path) for other in others], "figures": numbers,
+    return {"first": str(first.path), "others": [str(other.path) for other in others],
+            "slip": common_slip(first, *others), "figures": numbers,
             "drift": drift, "joints": compare_joints(first, others[0]), "patterns": compare_patterns(first, others[0]),
             "agrees": all(judged)}
 
 
 # --- numbers of the whole run -------------------------------------------------------------------
 
-def numbers_of(history):
-    """The numbers that TOLERANCES judge, None where a run has none of them."""
-    summary = summarise(history)
+def numbers_of(history, slip="displacement"):
+    """The numbers that TOLERANCES judge, None where a run has none of them; slip: criterion of DI."""
+    summary = summarise(history, slip=slip)
     return {"max_drift_ratio": summary["max_drift_ratio"], "cycle_length_s": cycle_length(history.series),
             "period_s": summary["period_s"], "peak_base_shear_n": summary["peak_base_shear_n"],
             "DI": summary["max"]["DI"], "DI_open": summary["max"]["DI_open"],
@@ -84,7 +86,8 @@ def cycle_length(series):
 
 
 def _compare_numbers(first, others):
-    mine, theirs = numbers_of(first), [numbers_of(other) for other in others]
+    slip = common_slip(first, *others)
+    mine, theirs = numbers_of(first, slip), [numbers_of(other, slip) for other in others]
     rows = {}
     for name, tolerance in TOLERANCES.items():
         values = [numbers[name] for numbers in theirs]
@@ -199,6 +202,8 @@ def cohens_kappa(here, there):
 def describe(result):
     """A comparison as lines for people."""
     lines = [f"first:  {result['first']}", *(f"others: {path}" for path in result["others"]),
+             *([] if result["slip"] == "displacement" else
+               ["slip in DI and in visible joints: accumulated, since not all histories have offsets"]),
              f"{'':22s}{'first':>12s}{'median':>12s}{'range':>26s}{'allowed':>12s}"]
     for name, row in result["figures"].items():
         low, high = row["range"]

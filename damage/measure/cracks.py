@@ -5,9 +5,10 @@ P. A. Korswagen's damage parameter for light damage of masonry (dissertation, TU
     Psi = 2 n^0.15 c_w^0.3,   c_w = sum(c_i^2 L_i) / sum(c_i L_i)  [mm],   c_i^2 = opening^2 + slip^2
 
 with the number n of cracks and the length L_i of each cracked point; Psi = 1 is one crack that is just
-visible (0.1 mm), about 2 is 1 mm, 3.5 the end of light damage (5 mm).  A contact point whose width c_i
-reaches 0.1 mm is cracked over its tributary length; cracked lengths closer than 10 mm are one crack, so
-that a stepped crack through bed and head joints counts once.  Criteria are met *now*, not ever.
+visible (0.1 mm), about 2 is 1 mm, 3.5 the end of light damage (5 mm).  Slip is the offset of the two faces, as
+one sees it (`History.slip_by`).  A contact point whose width c_i reaches 0.02 mm, below what an eye sees, so that
+values below 1 exist as Korswagen's do, is cracked over its tributary length; cracked lengths closer than 10 mm are
+one crack, so that a stepped crack through bed and head joints counts once.  Criteria are met *now*, not ever.
 """
 
 import numpy as np
@@ -24,6 +25,8 @@ from damage.wall.geometry import tributary_ends
 
 ENDS = ("x_start_m", "z_start_m", "x_end_m", "z_end_m")
 """Columns of every table of cracks: both ends of a straight part."""
+PSI_FROM = 0.02 * MILLIMETRE
+"""Width from which a crack counts in Psi [m]."""
 JOINING_GAP = 10 * MILLIMETRE
 """Cracked lengths closer than this are one crack [m] (Korswagen)."""
 _PRECISION = 1e-6  # histories store widths in single precision: 0.1 mm comes back as 0.09999999 mm
@@ -107,12 +110,14 @@ def ends_of(table):
 
 
 def cracks_at(history, sample, threshold=THRESHOLD):
-    """`crack_table` of a History at a sample (index into its series, negative ones from the end)."""
+    """`crack_table` of a History at a sample (index into its series, negative ones from the end), slip by
+    displacement."""
     n_times = len(history.series)
     if not -n_times <= sample < n_times:
         raise InputError(f"sample {sample!r}: expected a whole number from 0 to {n_times - 1}; "
                          "choose one of them")
-    return crack_table(tributary_ends(history.joints), history.opening_m[sample], history.slip_m[sample], threshold)
+    return crack_table(tributary_ends(history.joints), history.opening_m[sample],
+                       history.slip_by("displacement")[sample], threshold)
 
 
 def psi(table):
@@ -122,13 +127,13 @@ def psi(table):
 
 # --- over time ------------------------------------------------------------------------------------
 
-def psi_history(history, threshold=THRESHOLD):
-    """The cracks of a History over time.
+def psi_history(history, threshold=PSI_FROM):
+    """The cracks of a History over time, from this width on [m].
 
     Returns a DataFrame, a row a sample: time_s, psi [-], cracks (their number), crack_length_m,
     mean_width_m (c_w), max_width_m (0 without a crack).
     """
-    opening, slip = history.opening_m, history.slip_m
+    opening, slip = history.opening_m, history.slip_by("displacement")
     # A joint whose larger part stays below this never reaches the threshold: most joints do not.
     least = threshold * 0.7
     ever = (opening >= least).any(axis=0) | (np.abs(slip) >= least).any(axis=0)
@@ -163,8 +168,9 @@ def count_cracks(is_cracked, pairs):
     return np.bincount(sample[any_node], minlength=len(states))[np.cumsum(changed) - 1]
 
 
-def psi_summary(history, threshold=THRESHOLD):
-    """max_psi, residual_psi, max_crack_width_mm, residual_crack_width_mm of a History, a dictionary.
+def psi_summary(history, threshold=PSI_FROM):
+    """max_psi, residual_psi, max_crack_width_mm, residual_crack_width_mm of a History, and psi_from_mm, the width from
+    which cracks count [mm], a dictionary; threshold: that width [m].
 
     Each maximum is over the run; a residual is the last state, None for a run that did not come to
     its end, as in `damage.measure.summary.summarise`.
@@ -173,4 +179,4 @@ def psi_summary(history, threshold=THRESHOLD):
     measures = {"psi": over_time["psi"], "crack_width_mm": over_time["max_width_m"] / MILLIMETRE}
     return ({f"max_{name}": float(values.max()) for name, values in measures.items()}
             | {f"residual_{name}": float(values.iloc[-1]) if history.complete else None
-               for name, values in measures.items()})
+               for name, values in measures.items()} | {"psi_from_mm": threshold / MILLIMETRE})

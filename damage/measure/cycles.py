@@ -5,6 +5,7 @@ import pandas as pd
 
 from damage.history.moments import moving
 from damage.index import COMPONENTS
+from damage.measure.columns import CRITERIA
 from damage.measure.vibration import upward_crossings
 
 # --- cycles of the drift ----------------------------------------------------------------------------
@@ -44,16 +45,19 @@ def _motion_end(series):
 
 # --- the index cycle by cycle -----------------------------------------------------------------------
 
+BY_OTHERS = {f"{prefix}{component}": (slip, component) for slip, prefix in CRITERIA.items() if prefix
+             for component in ("DI_slip", "DI")}
+"""What differs by the other slip criteria: column -> (criterion, component)."""
 CYCLE_COLUMNS = ("shock", "cycle", "kind", "start_s", "end_s", "duration_s", "max_drift_ratio",
-                 *(f"max_{name}" for name in COMPONENTS), "max_shear_limit_DI_slip", "max_shear_limit_DI",
-                 "cumulative_max_DI", "cumulative_max_shear_limit_DI")
+                 *(f"max_{name}" for name in COMPONENTS), *(f"max_{name}" for name in BY_OTHERS),
+                 "cumulative_max_DI", "cumulative_max_accumulated_DI", "cumulative_max_shear_limit_DI", "slip")
 
 
-def index_by_both(history):
-    """The index of a History over time, COMPONENTS with slip by displacement, then what differs by the shear limit."""
-    latched = history.index(slip="shear-limit")
-    return history.index()[list(COMPONENTS)].assign(shear_limit_DI_slip=latched["DI_slip"],
-                                                    shear_limit_DI=latched["DI"])
+def index_by_all(history):
+    """The index of a History over time, COMPONENTS with slip by displacement, then BY_OTHERS."""
+    index = {slip: history.index(slip=slip) for slip in CRITERIA}
+    return index["displacement"][list(COMPONENTS)].assign(
+        **{name: index[slip][component] for name, (slip, component) in BY_OTHERS.items()})
 
 
 def cycles_table(history):
@@ -61,9 +65,10 @@ def cycles_table(history):
 
     Driven cycles are those of a harmonic motion, each one period long; free cycles lie between two
     upward zero crossings of the drift after the motion.  Columns CYCLE_COLUMNS: largest |drift ratio| and
-    index within the cycle, and the largest index from the shock's start to the cycle's end.
+    index within the cycle, and the largest index from the shock's start to the cycle's end; slip: the criterion of
+    the columns that name none.
     """
-    values = index_by_both(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
+    values = index_by_all(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
                                            time_s=history.series["time_s"])
     rows = []
     for shock, members in history.series.groupby("shock"):
@@ -74,7 +79,9 @@ def cycles_table(history):
             rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
                          "duration_s": end - start}
                         | {f"max_{name}": within[name] for name in values if name != "time_s"}
-                        | {f"cumulative_max_{name}": so_far[name] for name in ("DI", "shear_limit_DI")})
+                        | {f"cumulative_max_{name}": so_far[name]
+                           for name in ("DI", "accumulated_DI", "shear_limit_DI")}
+                        | {"slip": history.judged_by("displacement")})
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 
 

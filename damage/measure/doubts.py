@@ -12,7 +12,7 @@ up to 0.25 and 0.016; the bounds lie above the standing walls, and where the err
 
 def doubts(history, energy_error):
     """What is odd about a History, whose energy error is given, None where it has none: a list of str."""
-    return [*static_doubts(history), *energy_doubts(energy_error)]
+    return [*static_doubts(history), *energy_doubts(energy_error), *offset_doubts(history)]
 
 
 def static_doubts(history):
@@ -32,3 +32,11 @@ def energy_doubts(error):
         return []
     return [f"energy error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not trust "
             "this run; give a smaller --dt"]
+
+
+def offset_doubts(history):
+    """What is said of a run whose file has no offsets: everywhere where slip by displacement is shown."""
+    if history.offset_m is not None:
+        return []
+    return ["the history has no offsets of its joints (schema version 1 or 2): slip by displacement is judged by "
+            "accumulated, in crack widths and Psi, too; for offsets run the wall again"]

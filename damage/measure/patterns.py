@@ -28,8 +28,16 @@ def compare_patterns(first, second):
     {"broken", "visible": {"fss", "shuffled", "mirrored": number, "tells_sides": bool}, "window_m"}.
 
     broken: joints whose bond is gone; visible: that opened or slipped by more than 0.1 mm, whatever they do then.
+    slip: the criterion of both, `displacement` where both have offsets, and else `accumulated`.
     """
-    return {**{what: _scores(first, second, what) for what in ("broken", "visible")}, "window_m": WINDOW_M}
+    slip = common_slip(first, second)
+    return {**{what: _scores(first, second, what, slip) for what in ("broken", "visible")}, "window_m": WINDOW_M,
+            "slip": slip}
+
+
+def common_slip(*histories):
+    """The criterion of slip by which Histories can be compared: `displacement` where all have offsets."""
+    return "accumulated" if any(history.offset_m is None for history in histories) else "displacement"
 
 
 def fractions_skill_score(f, g):
@@ -42,13 +50,14 @@ def fractions_skill_score(f, g):
     return 1.0 - float(np.sum((f - g) ** 2)) / size if size > 0 else None
 
 
-def cracked(history, what):
+def cracked(history, what, slip="displacement"):
     """Which joints are cracked at the end of the (last) motion, bool (n_joints,); what: "broken" or "visible"."""
     moving = np.flatnonzero(history.series["stage"] == "motion")
     end = int(moving[-1]) + 1 if len(moving) else len(history.series)
     if what == "broken":
         return history.broken[end - 1]
-    return ((history.opening_m[:end] > THRESHOLD) | (np.abs(history.slip_m[:end]) > THRESHOLD)).any(axis=0)
+    slipped = np.abs(history.slip_by(slip)[:end]) > THRESHOLD
+    return ((history.opening_m[:end] > THRESHOLD) | slipped).any(axis=0)
 
 
 def fractions(history, flags, mirrored=False):
@@ -72,8 +81,8 @@ def _inside(places, extent):
     return (np.abs(places - middles[:, None]) <= WINDOW_M / 2 + 1e-9).astype(float)
 
 
-def _scores(first, second, what):
-    here, flags = fractions(first, cracked(first, what)), cracked(second, what)
+def _scores(first, second, what, slip):
+    here, flags = fractions(first, cracked(first, what, slip)), cracked(second, what, slip)
     score = fractions_skill_score(here, fractions(second, flags))
     if score is None:
         return {"fss": None, "shuffled": None, "mirrored": None, "tells_sides": None}

@@ -8,7 +8,6 @@ import pandas as pd
 from scipy.integrate import trapezoid
 
 from damage.errors import InputError
-from damage.history.moments import PASSINGS
 from damage.index import COMPONENTS, THRESHOLD
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
@@ -95,11 +94,11 @@ def bilinear(curve, height):
 
 
 def drift_at_first_crack(history):
-    """|Drift ratio| at which the first joint opens or slips by 0.1 mm, None where none does."""
-    visible = history.events[history.events["kind"].isin(PASSINGS)]
-    if len(visible) == 0:
-        return None
-    return float(np.interp(visible["time_s"].min(), history.series["time_s"], history.series["drift_ratio"].abs()))
+    """|Drift ratio| at which the first joint opens or slips, by displacement, by more than 0.1 mm, None where none
+    does: at the first sample in which one has."""
+    visible = (history.opening_m > THRESHOLD) | (np.abs(history.slip_by("displacement")) > THRESHOLD)
+    first = np.flatnonzero(visible.any(axis=1))
+    return float(history.series["drift_ratio"].abs().iloc[first[0]]) if len(first) else None
 
 
 # --- cycle by cycle -------------------------------------------------------------------------------
@@ -171,14 +170,14 @@ def hand_capacities(history):
 def mode_shares(history):
     """How a wall fails: lengths of its cracks at the largest |drift|, their areas, and the mode that they make.
 
-    opened_m2, slipped_m2: opening and |slip| of the bed joints, times length; stair_share: share of the slipped
-    length of bed joints that lies beside an opened head joint, as the treads of a stepped crack do.
+    opened_m2, slipped_m2: opening and |slip|, by displacement, of the bed joints, times length; stair_share: share of
+    the slipped length of bed joints that lies beside an opened head joint, as the treads of a stepped crack do.
     mode: "flexure" where more is opened than slipped, "shear, diagonal" where a third or more of the slipped length
     lies on stairs, else "shear, sliding"; None where no joint is over the threshold of 0.1 mm.
     """
     joints, brick = history.joints, history.masonry_wall.brick
     sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))
-    opening, slip = history.opening_m[sample], np.abs(history.slip_m[sample])
+    opening, slip = history.opening_m[sample], np.abs(history.slip_by("displacement")[sample])
     length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
     slipped, opened, risers = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD), ~bed & (opening > THRESHOLD)
     x, z = joints["x_m"].to_numpy(), joints["z_m"].to_numpy()

@@ -4,7 +4,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
-from damage.measure.cracks import psi_summary
+from damage.measure.cracks import PSI_FROM, psi_summary
 from damage.measure.cycles import cycle_measures
 from damage.measure.doubts import doubts
 from damage.measure.energy import energy_error_of, energy_measures
@@ -13,33 +13,36 @@ from damage.measure.pushed import first_loading
 from damage.measure.vibration import period_of
 
 
-def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
+def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM):
     """Key numbers of a History as a plain dictionary.
 
-    Each `max` is its own maximum over the run.  `residual` is the last state of the settling
+    threshold: of opening and slip [m]; psi_from: width from which a crack counts in Psi [m].  `slip` is the criterion
+    that `max` and `residual` were judged by (`History.judged_by`); those of `accumulated` and `shear-limit` stand
+    beside them.  Each `max` is its own maximum over the run.  `residual` is the last state of the settling
     stage, or of a collapse; None for a run that did not come to its end.  `warnings`: what is odd about the run.
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
     series, index = history.series, {}
-    for ending, criterion in (("", slip), ("_shear_limit", "shear-limit")):
+    for ending, criterion in (("", slip), ("_accumulated", "accumulated"), ("_shear_limit", "shear-limit")):
         over_time = history.index(threshold, drift_limit, criterion)[list(COMPONENTS)]
         index |= {f"max{ending}": over_time.max().to_dict(),
                   f"residual{ending}": over_time.iloc[-1].to_dict() if history.complete else None}
     max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
-    cracks = psi_summary(history, threshold)
+    cracks = psi_summary(history, psi_from)
     # Where YADE drives the top, the damping energy of the motion is what closes the balance: it tells no error.
     balance_is_closed = history.solver == "yade" and history.loading.drives_top
     energy_error = None if balance_is_closed else energy_error_of(history)
     return {
         "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
-        "slip": slip, **index, "max_drift_ratio": max_drift_ratio,
+        "slip": history.judged_by(slip), **index, "max_drift_ratio": max_drift_ratio,
         "residual_drift_ratio": float(series["drift_ratio"].iloc[-1]) if history.complete else None,
         "total_joint_length_m": float(history.joints["length_m"].sum()),
         "peak_base_shear_n": float(np.abs(series["base_shear_n"]).max()),
         "max_opening_mm": float(history.opening_m.max() * 1e3),
         "max_slip_mm": float(np.abs(history.slip_m).max() * 1e3),
+        "max_offset_mm": None if history.offset_m is None else float(np.abs(history.offset_m).max() * 1e3),
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "energy_error_fraction": energy_error, "warnings": doubts(history, energy_error),

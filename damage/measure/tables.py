@@ -5,7 +5,7 @@ sequence _shocks.csv, and STEM_info.json, which says what made them; `python3 -m
 --out FILE.csv` one row a history.
 """
 
-import json
+import re
 from dataclasses import asdict
 from pathlib import Path
 
@@ -13,11 +13,12 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.files import whole_or_nothing, write_text
+from damage.files import json_text, whole_or_nothing, write_text
 from damage.history.info import info, made_by
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
-from damage.measure.cycles import cycles_table, index_by_both
+from damage.measure.columns import slip_criteria
+from damage.measure.cycles import cycles_table, index_by_all
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
 
@@ -41,7 +42,7 @@ def summary_row(history, run="", point=""):
             for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
     row |= made_by(history)
     for key, value in numbers.items():
-        if key in ("max", "residual", "max_shear_limit", "residual_shear_limit"):
+        if re.fullmatch(r"(max|residual)(_accumulated|_shear_limit)?", key):
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
         else:
             row[key] = value
@@ -58,8 +59,9 @@ def _motion_columns(history):
         pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
     return {"record": told.get("horizontal", {}).get("record"), "pga_g": pga_g,
             "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, "motion_period_s": told.get("period_s"),
-            **{name: told.get(name) for name in ("amplitude_g", "cycles", "scale")}, "window_start_s": start,
-            "window_end_s": end, "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
+            **{name: told.get(name) for name in ("amplitude_g", "cycles", "speed_m_s", "scale")},
+            "window_start_s": start, "window_end_s": end,
+            "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
             "motion_duration_s": told.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
 
 
@@ -69,20 +71,22 @@ def summary_table(paths):
 
 
 def index_table(history):
-    """The damage index over time, with slip by displacement and, shear_limit_..., by its limit."""
+    """The damage index over time, with slip by displacement and, accumulated_..., shear_limit_..., by the other
+    criteria; `slip`: that of the columns that name none."""
     table = history.index()
     table.insert(1, "stage", history.series["stage"].astype(str))
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
-    return table.join(index_by_both(history)[["shear_limit_DI_slip", "shear_limit_DI"]])
+    others = index_by_all(history).drop(columns=list(COMPONENTS))
+    return table.join(others).assign(slip=history.judged_by("displacement"))
 
 
 def shocks_table(history):
-    """A row a shock: its factor on the motion, the largest index, by both slip criteria, and drift in it, and those
+    """A row a shock: its factor on the motion, the largest index, by each slip criterion, and drift in it, and those
     at its end.
 
     Residual values are those of the last sample of its settling stage, empty where it has none.
     """
-    index, rows = index_by_both(history), []
+    index, rows = index_by_all(history), []
     for shock, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
         row = {"shock": shock, "factor": history.sequence[shock - 1], "start_s": members["time_s"].iloc[0],
@@ -92,7 +96,7 @@ def shocks_table(history):
         for name in index:
             row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
         rows.append(row)
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows).assign(slip=history.judged_by("displacement"))
 
 
 def events_table(history):
@@ -103,13 +107,16 @@ def events_table(history):
 
 
 def joints_table(history):
-    """A row a contact point: where it is, its state at the end, its largest opening and slip."""
+    """A row a contact point: where it is, its state at the end, its largest opening, accumulated slip and offset,
+    which is empty of a history without offsets."""
     table = _with_first(history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m")
-    slip = np.abs(history.slip_m)
+    slip, offset = np.abs(history.slip_m), history.offset_m
     return table.assign(
         final_opening_m=history.opening_m[-1], max_opening_m=history.opening_m.max(axis=0),
         final_slip_m=history.slip_m[-1], max_abs_slip_m=slip.max(axis=0),
-        broken=history.broken[-1], at_shear_limit=history.at_limit[-1])
+        broken=history.broken[-1], at_shear_limit=history.at_limit[-1],
+        final_offset_m=np.nan if offset is None else offset[-1],
+        max_abs_offset_m=np.nan if offset is None else np.abs(offset).max(axis=0))
 
 
 def _with_first(table, *columns):
@@ -128,7 +135,7 @@ def write_run_tables(history, stem, names=RUN_TABLES):
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
     if history.series["shock"].iloc[-1] == 1:
         names = [name for name in names if name != "shocks"]
-    return [write_text(f"{stem}_info.json", json.dumps(info(history), indent=1)),
+    return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
             *(write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names)]
 
 
@@ -140,7 +147,8 @@ def write_table(table, path):
 
 
 def describe_table(table):
-    """The summary table as lines for people: the index and its largest components, run by run."""
+    """The summary table as lines for people: the index and its largest components, run by run, and how slip was judged
+    where it is not by displacement alone."""
     columns = {"max_DI": "DI", "max_DI_drift": "drift", "max_DI_open": "open", "max_DI_slip": "slip",
                "residual_DI": "residual"}
     width = max(len("run"), *table["run"].str.len())
@@ -149,4 +157,5 @@ def describe_table(table):
         status = row["status"] + (f", collapsed at {row['collapsed_at_s']:.2f} s"
                                   if pd.notna(row["collapsed_at_s"]) else "")
         lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns) + f"  {status}")
-    return "\n".join(lines)
+    judged = slip_criteria(table)
+    return "\n".join(lines + [f"slip by {' and '.join(judged)}"] * (judged != ["displacement"]))

@@ -91,6 +91,13 @@ elastic branch of a bilinear idealisation goes through 0.7 of the peak, so ours 
 SQUAT_PEAK_N = (76.7e3, 77.96e3)
 """Test COMP1_3, both directions."""
 
+CONVERGED_SPEED_M_S = 0.002
+"""Fastest pushed top whose secant stiffness counts: at 1 and 2 mm/s it is within 3 % of its middle whatever the
+damping, at 5 mm/s 3 % less, for waves of the first breaks come while the force still grows (docs/laboratory.md)."""
+BUILT_TO_MEET = ("P1", "P2a", "P13a", "P13b", "P13c", "P13d", "P13e", "P16")
+"""Claims that the model was built to meet, which are counted apart from what it predicts: the precompression is a mass
+for the sake of the periods, the records and their factors are input, and damping was left out."""
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -106,6 +113,11 @@ class Claim:
     def statement(self):
         """P9 of P9a."""
         return self.id.rstrip("abcdefghij")
+
+    @property
+    def predicted(self):
+        """Whether it is not among those that the model was built to meet."""
+        return self.id not in BUILT_TO_MEET
 
 
 CLAIMS = (
@@ -189,7 +201,8 @@ CLAIMS = (
           "dynamic run without --beta"),
     Claim("P17a", "squat wall: initial stiffness as in the test COMP1_3", "figure 4",
           "{:.0f} and {:.0f} kN/mm in the test".format(*(value / 1e6 for value in SQUAT_STIFFNESS_N_PER_M)),
-          f"secant to 0.7 of the peak between both directions of the test, less or more {PRINTED_TOLERANCE:.0%}"),
+          f"secant to 0.7 of the peak between both directions of the test, less or more {PRINTED_TOLERANCE:.0%}; "
+          f"pushed at {1e3 * CONVERGED_SPEED_M_S:g} mm/s or less"),
     Claim("P17b", "squat wall: peak force as in the test COMP1_3", "figure 4",
           "{:.1f} and {:.1f} kN in the test".format(*(value / 1e3 for value in SQUAT_PEAK_N)),
           f"between both directions of the test, less or more {PRINTED_TOLERANCE:.0%}"),

@@ -8,6 +8,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.measure.columns import CRITERIA, read_table
+from damage.paper.criteria import CONVERGED_SPEED_M_S
 from damage.wall.parameters import USUAL_MODEL
 
 SHAPE = {name: value for name, value in USUAL_MODEL.items() if name != "lintel"} \
@@ -21,9 +22,9 @@ BETA_S = 1e-6
 first mode by 1.6e-5."""
 SOFTENS = "mode_i_fracture_energy_j_m2"
 """Column that is above zero where the joints are not the paper's, which are brittle."""
-MEASURES = (*SHAPE, SOFTENS, "collapsed_at_s", "lintel", "beta_s", "time_step_s", "rest_s", "motion_period_s", "cycles",
-            "amplitude_g", "record", "scale", "eigen_period_s", "input_energy_j", "damping_energy_j",
-            "energy_error_fraction")
+MEASURES = (*SHAPE, SOFTENS, "slip", "collapsed_at_s", "lintel", "beta_s", "time_step_s", "rest_s", "motion_period_s",
+            "cycles", "speed_m_s", "amplitude_g", "record", "scale", "eigen_period_s", "input_energy_j",
+            "damping_energy_j", "energy_error_fraction")
 """Columns that are looked up in every run; empty where an older table lacks one."""
 OTHER_WALL = 1e-3
 """Share by which the period of an intact wall differs where it is another wall of the same name, as a copy is."""
@@ -145,6 +146,16 @@ class Evidence:
         if len(rows) == 0:
             raise NotThere(f"no run of the {wall} wall")
         return Point(rows, wall).plain("eigen_period_s")
+
+    def pushed_slowly(self, wall):
+        """The Point of a wall's runs pushed as a cantilever so slowly that its stiffness has converged."""
+        motion = self.runs["motion"].astype(str)
+        rows = self.runs[(self.runs["wall"] == wall) & motion.str.contains("^(?:cyclic|pushover).*cantilever")
+                         & (self.runs["speed_m_s"] <= CONVERGED_SPEED_M_S)]
+        if len(rows) == 0:
+            raise NotThere(f"no run of the {wall} wall pushed at {1e3 * CONVERGED_SPEED_M_S:g} mm/s or less, where its "
+                           "stiffness has converged")
+        return Point(rows, f"{wall} wall, pushed slowly")
 
     def cycled(self, wall):
         """The Point of a wall's runs pushed to and fro as a cantilever."""

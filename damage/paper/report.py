@@ -7,6 +7,8 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.files import write_text
+from damage.paper.criteria import BUILT_TO_MEET
+from damage.paper.margins import EDGE
 from damage.paper.verdict import DIFFERS, HOLDS, IN_PART, UNJUDGED, statement_verdict
 
 STATEMENTS = {
@@ -29,8 +31,10 @@ STATEMENTS = {
     "P17": "squat wall: stiffness and peak force very close to the test, unloading reasonable, cracks captured",
 }
 SOLVER_NAMES = {"yade": "YADE", "reference": "reference solver"}
-_LINTELS = {"elastic": "elastic lintel", "none": "no lintel"}
-_SLIPS = {"displacement": "slip by displacement", "shear-limit": "slip by shear limit"}
+_SLIPS = {"displacement": "slip by displacement", "accumulated": "slip accumulated",
+          "shear-limit": "slip by shear limit"}
+ON_EDGE = ", on the edge"
+"""What stands behind a verdict that hardly more or less would turn."""
 BEGIN, END = "<!-- paper verdict: begin, written by python3 -m damage paper -->", "<!-- paper verdict: end -->"
 
 
@@ -43,34 +47,41 @@ def merged(findings):
     """(solver, variants in words, value, verdict) of one claim, variants with the same outcome together."""
     lines = []
     for solver, members in _by(findings, "solver"):
-        outcomes = {}
+        outcomes, lintels = {}, _told(members, "lintel")
         for finding in members:
-            outcomes.setdefault((finding.value, finding.verdict), set()).add((finding.lintel, finding.slip))
-        lines += [(solver, _variants(pairs), *outcome) for outcome, pairs in outcomes.items()]
+            outcomes.setdefault((finding.value, _outcome(finding)), set()).add((finding.lintel, finding.slip))
+        lines += [(solver, variants_in_words(pairs, lintels), *outcome) for outcome, pairs in outcomes.items()]
     return lines
 
 
-def _variants(pairs):
-    """Words for a set of (lintel, slip criterion).
+def _outcome(finding):
+    return finding.verdict + ON_EDGE * finding.on_edge
 
-    >>> _variants({("elastic", "displacement"), ("elastic", "shear-limit")})
+
+def lintel_in_words(lintel):
+    """
+    >>> lintel_in_words("elastic"), lintel_in_words("2"), lintel_in_words("none")
+    ('elastic lintel', 'lintel of 2 courses', 'no lintel')
+    """
+    return {"elastic": "elastic lintel", "none": "no lintel", "1": "lintel of 1 course"}.get(
+        lintel, f"lintel of {lintel} courses")
+
+
+def variants_in_words(pairs, lintels):
+    """Words for a set of (lintel, slip criterion) of those that these lintels, a list, have in all.
+
+    >>> both = ["elastic", "none"]
+    >>> variants_in_words({("elastic", slip) for slip in _SLIPS}, both)
     'elastic lintel'
-    >>> _variants({("elastic", "displacement"), ("none", "displacement")})
+    >>> variants_in_words({("elastic", "displacement"), ("none", "displacement")}, both)
     'slip by displacement'
     """
-    if len(pairs) == len(_LINTELS) * len(_SLIPS):
-        return "all variants"
-    for slip, name in _SLIPS.items():
-        if pairs == {(lintel, slip) for lintel in _LINTELS}:
-            return name
-    words = []
-    for lintel, name in _LINTELS.items():
-        slips = [slip for slip in _SLIPS if (lintel, slip) in pairs]
-        if len(slips) == len(_SLIPS):
-            words.append(name)
-        else:
-            words += [f"{name}, {_SLIPS[slip]}" for slip in slips]
-    return "; ".join(words)
+    of = {lintel: [slip for slip in _SLIPS if (lintel, slip) in pairs] for lintel in lintels}
+    said = {lintel: "" if len(slips) == len(_SLIPS) else " and ".join(_SLIPS[slip] for slip in slips)
+            for lintel, slips in of.items() if slips}
+    if len(said) == len(lintels) and len(set(said.values())) == 1:
+        return said[lintels[0]] or "all variants"
+    return "; ".join(", ".join(filter(None, (lintel_in_words(lintel), words))) for lintel, words in said.items())
 
 
 # --- on the screen ----------------------------------------------------------------------------------
@@ -81,21 +92,49 @@ def describe(findings):
     for claim, members in _by(findings, "claim"):
         lines.append(f"{claim.id:5s}{claim.text} ({claim.figure})")
         lines.append(f"     paper: {claim.paper}; holds if {claim.criterion}")
-        lines += [f"     {verdict:17s}{solver:11s}{variants}: {value}"
+        lines += [f"     {verdict:22s}{solver:11s}{variants}: {value}"
                   for solver, variants, value, verdict in merged(members)]
-    return "\n".join([*lines, "", *_counts(findings)])
+    return "\n".join([*lines, "", *tallies(findings)])
 
 
-def _counts(findings):
-    """How many claims hold, a line a solver and lintel; a claim holds if it does by either slip criterion."""
-    lines = []
+def _without_offsets(findings):
+    """`before_offsets` of each solver that has such runs."""
+    return [before_offsets(solver) for solver in dict.fromkeys(
+        finding.solver for finding in findings if finding.before_offsets)]
+
+
+def before_offsets(solver):
+    """What is said of a solver whose runs, or some of them, lack the offsets that `displacement` needs."""
+    return (f"{SOLVER_NAMES[solver]}: there are runs from before histories had offsets of the joints; their slip by "
+            "displacement is judged by accumulated")
+
+
+def tallies(findings):
+    """How many claims hold, lines of a Markdown table with a row a solver and lintel, and notes below it.
+
+    By each criterion of slip alone, and by any of them; what the model was built to meet is counted apart.
+    """
+    head = ["predictions that hold", *_SLIPS.values(), "by any of these", "differ by all", "cannot be judged",
+            "built to meet", "on the edge"]
+    lines = ["| " + " | ".join(head) + " |", "| --- " * len(head) + "|"]
     for solver, lintel in _told(findings, "solver", "lintel"):
         mine = [finding for finding in findings if (finding.solver, finding.lintel) == (solver, lintel)]
-        best = [min((finding.verdict for finding in members), key=(HOLDS, DIFFERS, UNJUDGED).index)
-                for _, members in _by(mine, "claim")]
-        lines.append(f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}: {best.count(HOLDS)} claims hold by either slip "
-                     f"criterion, {best.count(DIFFERS)} differ, {best.count(UNJUDGED)} cannot be judged")
-    return lines
+        predicted, built = ([one for one in mine if one.claim.predicted == which] for which in (True, False))
+        best = _best(predicted)
+        edge = _told([one for one in mine if one.on_edge], "claim.id")
+        cells = [f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}", *(
+                     sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
+                 f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
+                 f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"]
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    notes = _without_offsets(findings)
+    return lines + ([""] if notes else []) + [f"- {note}" for note in notes]
+
+
+def _best(findings):
+    """The best verdict on each claim by any criterion of slip, a list."""
+    return [min((finding.verdict for finding in members), key=(HOLDS, DIFFERS, UNJUDGED).index)
+            for _, members in _by(findings, "claim")]
 
 
 def _told(findings, *names):
@@ -107,8 +146,8 @@ def _told(findings, *names):
 
 def as_json(findings):
     """The verdict as plain lists and dictionaries: claims with their findings, statements with their verdicts."""
-    claims = [{"id": claim.id, "statement": claim.statement, **asdict(claim), "findings": [
-                  {name: value for name, value in vars(finding).items() if name != "claim"} for finding in members]}
+    claims = [{"id": claim.id, "statement": claim.statement, "predicted": claim.predicted, **asdict(claim), "findings":
+               [vars(finding) | {"claim": claim.id, "on_edge": finding.on_edge} for finding in members]}
               for claim, members in _by(findings, "claim")]
     statements = [{"statement": statement, "text": STATEMENTS[statement],
                    "verdicts": [{"solver": solver, "lintel": lintel, "slip": slip,
@@ -126,7 +165,8 @@ def _variant(findings, solver, lintel, slip):
 
 def as_markdown(findings):
     """The verdict as a document: an overview, then a section a statement with its claims."""
-    parts = [_HEAD, "\n".join(overview(findings)), "\n".join(_tallies(findings))]
+    head = _HEAD.format(edge=EDGE, built=", ".join(BUILT_TO_MEET))
+    parts = [head, "\n".join(overview(findings)), "\n".join(tallies(findings))]
     for statement, members in _by(findings, "claim.statement"):
         parts.append(f"## {statement}: {STATEMENTS[statement]}")
         for claim, own in _by(members, "claim"):
@@ -147,26 +187,33 @@ stand in `damage/paper/criteria.py`, each with its reason, and were fixed before
 differs from the paper's, which stood. Where the results differ, `docs/underdetermined.md` says what in the model the
 paper leaves open and how much it matters. The Huizinge motion is a synthetic stand-in for the record.
 
-A statement holds (differs) when all (none) of its claims that could be judged hold; otherwise it says how many do. Two
-outcomes with a stroke between: slip by displacement / slip by the shear limit."""
+A statement holds (differs) when all (none) of its claims that could be judged hold; otherwise it says how many do.
+Three outcomes with strokes between: slip by displacement / accumulated / by the shear limit, which `docs/choices.md`
+defines. "On the edge": {edge:.0%} more or less of its criterion's limit (of R²: of the variance that a line leaves
+unexplained) and the claim would be judged otherwise. What the model was built to meet, {built},
+is counted apart from what it predicts."""
 
 
 def overview(findings):
     """Lines of the Markdown table with a row a statement."""
     heads = _told(findings, "solver", "lintel")
     lines = ["| | the paper | " + " | ".join(
-        f"{SOLVER_NAMES[solver]}, {_LINTELS[lintel]}" for solver, lintel in heads) + " |",
+        f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}" for solver, lintel in heads) + " |",
         "| --- " * (2 + len(heads)) + "|"]
     for statement, members in _by(findings, "claim.statement"):
-        cells = [" / ".join(dict.fromkeys(_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS))
+        cells = [_cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
                  for solver, lintel in heads]
         lines.append(f"| {statement} | {STATEMENTS[statement]} | " + " | ".join(cells) + " |")
     return lines
 
 
-def _tallies(findings):
-    """How many claims hold, as items of a Markdown list: a line a column of the overview."""
-    return [f"- {line}" for line in _counts(findings)]
+def _cell(outcomes):
+    """One outcome where all are the same, or each in the order of the criteria.
+
+    >>> _cell(["holds", "holds", "differs"]), _cell(["holds"] * 3)
+    ('holds / holds / differs', 'holds')
+    """
+    return " / ".join(outcomes if len(set(outcomes)) > 1 else outcomes[:1])
 
 
 def _short(findings):
@@ -179,7 +226,7 @@ def _short(findings):
 
 
 def update_readme(findings, path):
-    """Put the tallies, a line a column of the overview, between the two markers of a README; returns its path.
+    """Put the tallies, a row a column of the overview, between the two markers of a README; returns its path.
 
     Raises InputError where the markers are missing.
     """
@@ -192,5 +239,5 @@ def update_readme(findings, path):
     if not (begin and end):
         raise InputError(f"{path} lacks the line {BEGIN if not begin else END}; expected both markers around the "
                          "results")
-    block = "\n".join(_tallies(findings))
+    block = "\n".join(tallies(findings))
     return write_text(path, f"{before}{BEGIN}\n\n{block}\n\n{END}{after}")

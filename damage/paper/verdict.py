@@ -1,25 +1,26 @@
 """The verdict on the paper: each of its claims held against the tables of studies.
 
 `damage.paper.criteria` says what is claimed and when it holds, `damage.paper.evidence` picks the runs, and here
-one small function a claim decides.  A claim `holds`, `differs`, or `cannot be judged`, for each solver, lintel and
-slip criterion on its own.
+one small function a claim decides, by how much its value is inside of its criterion or outside (`margins`).  A claim
+`holds`, `differs`, or `cannot be judged`, for each solver, lintel and slip criterion on its own.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from damage.errors import InputError
-from damage.index import SLIP_CRITERIA
+from damage.measure.columns import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.paper import criteria
 from damage.paper.criteria import AMPLITUDES_G, CLAIMS, SCALES, Claim
 from damage.paper.evidence import Evidence, Fell, NotThere, comparable, gather, load_runs
+from damage.paper.margins import EDGE, above, at_least, at_most, within
 
 HOLDS, DIFFERS, UNJUDGED, IN_PART = "holds", "differs", "cannot be judged", "in part"
 SOLVERS = ("yade", "reference")
-LINTELS = ("elastic", "none")
 RECORD_NAMES = {"zeerijp": "BGAR_HGE", "huizinge": "MID1_N_synthetic"}
 """The shipped records; the second is synthetic."""
 
@@ -34,6 +35,16 @@ class Finding:
     slip: str
     value: str
     verdict: str
+    margin: float | None = None
+    """Of the criterion, as a share of its limit, below zero outside; None where nothing could be compared."""
+    before_offsets: bool = False
+    """Whether the solver has runs from before histories had offsets: judged by `accumulated` where `displacement` is
+    asked for."""
+
+    @property
+    def on_edge(self):
+        """Whether hardly more or less would turn the verdict."""
+        return self.margin is not None and abs(self.margin) <= EDGE
 
 
 def judge(folder):
@@ -49,18 +60,26 @@ def judge(folder):
                          "studies, as ./run_all.sh harmonic writes them")
     points = {solver: gather(mine) for solver, mine in of.items()}
     return [_finding(claim, solver, Evidence(of[solver], points[solver], lintel, slip, records))
-            for claim in CLAIMS for solver in of for lintel in LINTELS for slip in SLIP_CRITERIA]
+            for claim in CLAIMS for solver in of for lintel in _lintels(of[solver]) for slip in CRITERIA]
+
+
+def _lintels(runs):
+    """The lintels to judge: of all courses, of every number that some runs have, of none."""
+    numbers = {int(lintel) for lintel in runs["lintel"].dropna().unique() if lintel.isdigit()}
+    return ["elastic", *map(str, sorted(numbers, reverse=True)), "none"]
 
 
 def _finding(claim, solver, evidence):
+    margin = None
     try:
-        value, agrees = JUDGES[claim.id](evidence)
-        verdict = HOLDS if agrees else DIFFERS
+        value, margin = JUDGES[claim.id](evidence)
+        verdict = HOLDS if margin >= 0 else DIFFERS
     except Fell as fell:
         value, verdict = str(fell), DIFFERS
     except NotThere as missing:
         value, verdict = str(missing), UNJUDGED
-    return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict)
+    return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict, margin,
+                   bool((evidence.runs["slip"] == "accumulated").any()))
 
 
 def statement_verdict(findings):
@@ -69,7 +88,7 @@ def statement_verdict(findings):
     return UNJUDGED if not judged else judged.pop() if len(judged) == 1 else IN_PART
 
 
-# --- judges: each returns what we find, in words, and whether the claim holds -------------------------
+# --- judges: each returns what we find, in words, and the margin of its criterion ---------------------
 
 def _period(wall, paper_s):
     def judged(evidence):
@@ -79,7 +98,7 @@ def _period(wall, paper_s):
 
 
 def _near(value, target, share):
-    return abs(value - target) <= share * target
+    return within(value, target, share * target)
 
 
 def _all_at_most(limit, wall, periods_s, needs, kind="max"):
@@ -91,11 +110,10 @@ def _all_at_most(limit, wall, periods_s, needs, kind="max"):
             raise NotThere(f"no harmonic run of the {wall} wall")
         worst = max(points, key=lambda point: point.value(column))
         text = f"{_number(worst, column)} at most, {worst.label}; {len(points)} motions"
-        if worst.value(column) > limit:
-            return text, False
-        for period, amplitude in needs:
+        margin = at_most(worst.value(column), limit)
+        for period, amplitude in needs if margin >= 0 else ():
             evidence.harmonic_at(wall, period, [amplitude])
-        return text, True
+        return text, margin
     return judged
 
 
@@ -106,17 +124,17 @@ def _number(point, column):
     return text if spread is None else f"{text} ({spread[0]:.3f} to {spread[1]:.3f})"
 
 
-def _of_one_point(kind, component, agrees, find, *where):
-    """Whether one value of the index agrees; find, where: a method of Evidence and what it takes."""
+def _of_one_point(kind, component, margin, find, *where):
+    """The margin of one value of the index; find, where: a method of Evidence and what it takes."""
     def judged(evidence):
         [point] = find(evidence, *where)
         column = evidence.column(kind, component)
-        return _number(point, column), agrees(point.value(column))
+        return _number(point, column), margin(point.value(column))
     return judged
 
 
 def _close_to(target):
-    return lambda di: abs(di - target) <= criteria.DI_TOLERANCE
+    return lambda di: within(di, target, criteria.DI_TOLERANCE)
 
 
 def _list(values, digits=3, unit=""):
@@ -124,39 +142,40 @@ def _list(values, digits=3, unit=""):
 
 
 def _rises(values, factor=criteria.GROWS):
-    """Whether each value is at least this multiple of the one before."""
-    return bool((np.asarray(values[1:]) >= factor * np.asarray(values[:-1])).all())
+    """Each value is at least this multiple of the one before."""
+    return min((at_least(value, factor * before) for before, value in zip(values[:-1], values[1:])), default=math.inf)
 
 
-def _cycle_by_cycle(period_s, amplitude_g, agrees):
+def _cycle_by_cycle(period_s, amplitude_g, margin):
     def judged(evidence):
         [point] = evidence.harmonic_at("symmetric", period_s, [amplitude_g])
         cycles = point.cycles(evidence.column("max", "DI"))
-        return _list(cycles), agrees(cycles)
+        return _list(cycles), margin(cycles)
     return judged
 
 
 def _first_is_not_exceeded(cycles):
-    return bool((cycles[1:] <= criteria.NOT_EXCEEDED * cycles[0]).all())
+    return min((at_most(cycle, criteria.NOT_EXCEEDED * cycles[0]) for cycle in cycles[1:]), default=math.inf)
 
 
 def _asymmetric_is_similar(evidence):
     column = evidence.column("max", "DI")
-    pairs, apart = [], []
+    pairs, margins, apart = [], [math.inf], []
     for period in criteria.PERIODS_S:
         symmetric, asymmetric = (evidence.harmonic(wall, period) for wall in ("symmetric", "asymmetric"))
         for amplitude in sorted(symmetric.keys() & asymmetric.keys()):
             both = symmetric[amplitude].value(column), asymmetric[amplitude].value(column)
             pairs.append(both)
-            if max(both) > max(criteria.SLIGHT_DI, criteria.SIMILAR * min(both)):
+            margins.append(at_most(max(both), max(criteria.SLIGHT_DI, criteria.SIMILAR * min(both))))
+            if margins[-1] < 0:
                 apart.append(f"{both[1]:.3f} against {both[0]:.3f} at {symmetric[amplitude].label}")
     if apart:
-        return "; ".join(apart), False
+        return "; ".join(apart), min(margins)
     for period, amplitude in ((0.2, 0.1), (0.33, 0.05)):
         evidence.harmonic_at("asymmetric", period, [amplitude])
         evidence.harmonic_at("symmetric", period, [amplitude])
     factors = [max(both) / min(both) for both in pairs if max(both) > criteria.SLIGHT_DI]
-    return f"{len(pairs)} motions, up to a factor of {max(factors, default=1.0):.2f} where not slight", True
+    return f"{len(pairs)} motions, up to a factor of {max(factors, default=1.0):.2f} where not slight", min(margins)
 
 
 def _linear(period_s, amplitudes_g):
@@ -164,13 +183,18 @@ def _linear(period_s, amplitudes_g):
         column = evidence.column("max", "DI")
         values = [point.value(column) for point in evidence.harmonic_at("symmetric", period_s, amplitudes_g)]
         r2 = _r_squared(amplitudes_g, values)
-        return f"R² {r2:.4f} of {_list(values)}", r2 >= criteria.LINEAR_R2
+        return f"R² {r2:.4f} of {_list(values)}", _is_linear(r2)
     return judged
 
 
 def _r_squared(x, y):
     """Share of the variance of y (n,) that a straight line of x (n,) explains, by least squares."""
     return float(np.corrcoef(x, y)[0, 1] ** 2) if np.ptp(y) > 0 else 1.0
+
+
+def _is_linear(r2):
+    """The margin of R², by the share of the variance that it leaves unexplained."""
+    return at_most(1 - r2, 1 - criteria.LINEAR_R2)
 
 
 HIGHER_G = AMPLITUDES_G[2:]
@@ -185,42 +209,43 @@ def _substantially_higher(evidence):
         others = [points[amplitude] for period in criteria.PERIODS_S if period != 0.2
                   if amplitude in (points := evidence.harmonic("symmetric", period))]
         ratios.append(at_resonance.value(column) / max(point.value(column) for point in others))
-    return f"ratios {_list(ratios, 2)}", min(ratios) >= criteria.SUBSTANTIALLY_HIGHER
+    return f"ratios {_list(ratios, 2)}", at_least(min(ratios), criteria.SUBSTANTIALLY_HIGHER)
 
 
-def _component_at_resonance(component, agrees):
+def _component_at_resonance(component, margin):
     def judged(evidence):
         column = evidence.column("max", component)
         values = [point.value(column) for point in evidence.harmonic_at("symmetric", 0.2, HIGHER_G)]
-        return _list(values), agrees(values)
+        return _list(values), margin(values)
     return judged
 
 
 def _same(values):
-    return float(np.ptp(values)) <= criteria.SAME_VALUES * float(np.mean(values))
+    return at_most(float(np.ptp(values)), criteria.SAME_VALUES * float(np.mean(values)))
 
 
 def _residual_cracks(evidence):
     points = evidence.harmonic_at("symmetric", 0.2, [0.05, 0.075])
     whole, drift = ([point.value(evidence.column("residual", name)) for point in points] for name in ("DI", "DI_drift"))
-    return f"{_list(whole)}, of drift {_list(drift)}", all(
-        di > criteria.NEGLIGIBLE_DI and of_drift <= criteria.MOSTLY_CRACKS * di for di, of_drift in zip(whole, drift))
+    return f"{_list(whole)}, of drift {_list(drift)}", min(
+        min(above(di, criteria.NEGLIGIBLE_DI), at_most(of_drift, criteria.MOSTLY_CRACKS * di))
+        for di, of_drift in zip(whole, drift))
 
 
-def _cycle_lengths(column, cycles, agrees):
+def _cycle_lengths(column, cycles, margin):
     def judged(evidence):
         points = evidence.harmonic_at("symmetric", 0.2, AMPLITUDES_G, cycles)
         lengths = [point.value(column) for point in points]
-        return _list(lengths, 3, " s"), agrees(lengths)
+        return _list(lengths, 3, " s"), margin(lengths)
     return judged
 
 
 def _lengthen(lengths):
-    return _rises(lengths, criteria.NOT_FALLING) and lengths[-1] >= criteria.ELONGATION * lengths[0]
+    return min(_rises(lengths, criteria.NOT_FALLING), at_least(lengths[-1], criteria.ELONGATION * lengths[0]))
 
 
 def _as_in_figure_9(lengths):
-    return all(_near(ours, paper, criteria.PRINTED_TOLERANCE) for ours, paper in zip(lengths, criteria.CYCLE_LENGTHS_S))
+    return min(_near(ours, paper, criteria.PRINTED_TOLERANCE) for ours, paper in zip(lengths, criteria.CYCLE_LENGTHS_S))
 
 
 def _of_the_record(name, measure, target, share):
@@ -241,13 +266,13 @@ def _scales_were_run(evidence):
     text = ", ".join(f"{count} of {len(SCALES)} with {name}" for name, count in zip(RECORD_NAMES, counts))
     if min(counts) < len(SCALES):
         raise NotThere(text)
-    return text, True
+    return text, math.inf
 
 
 def _residual_is_negligible_at_low_pga(evidence):
     column = evidence.column("residual", "DI")
     values = [point.value(column) for point in evidence.shaken_at("huizinge", SCALES[:2])]
-    return _list(values), max(values) <= criteria.NEGLIGIBLE_DI
+    return _list(values), at_most(max(values), criteria.NEGLIGIBLE_DI)
 
 
 def _cracks_without_drift(record):
@@ -256,11 +281,12 @@ def _cracks_without_drift(record):
         whole, drift = (evidence.column("residual", name) for name in ("DI", "DI_drift"))
         largest_drift = max((point.value(drift) for point in points), default=0.0)
         text = f"DI_drift at most {largest_drift:.4f}"
-        if largest_drift > criteria.INSIGNIFICANT_DI_DRIFT:
-            return text, False
+        margin = at_most(largest_drift, criteria.INSIGNIFICANT_DI_DRIFT)
+        if margin < 0:
+            return text, margin
         [strongest] = evidence.shaken_at(record, [2.0])
         text += f", DI {_number(strongest, whole)} at twice the record"
-        return text, strongest.value(whole) > criteria.NEGLIGIBLE_DI
+        return text, min(margin, above(strongest.value(whole), criteria.NEGLIGIBLE_DI))
     return judged
 
 
@@ -275,7 +301,7 @@ def _ida_points(evidence, column):
 def _maximum_is_linear(evidence):
     drift, index = _ida_points(evidence, evidence.column("max", "DI"))
     r2 = _r_squared(drift, index)
-    return f"R² {r2:.4f}, {len(drift)} runs", r2 >= criteria.LINEAR_R2
+    return f"R² {r2:.4f}, {len(drift)} runs", _is_linear(r2)
 
 
 def _residual_levels_off(evidence):
@@ -283,7 +309,7 @@ def _residual_levels_off(evidence):
     slope = np.polyder(np.polyfit(drift, index, 2))
     first, last = np.polyval(slope, [drift.min(), drift.max()])
     text = f"slope {first / 100:.3f}, then {last / 100:.3f} per % of drift, {len(drift)} runs"
-    return text, bool(first > 0 and last <= criteria.PLATEAU * first)
+    return text, min(above(first, 0.0), at_most(last, criteria.PLATEAU * first))
 
 
 def _no_damping(evidence):
@@ -296,14 +322,15 @@ def _no_damping(evidence):
     share = float((rows["damping_energy_j"].abs() / rows["input_energy_j"]).max())
     error = float(rows["energy_error_fraction"].max())
     text = f"damping takes at most {share:.1g} of the input, imbalance at most {error:.2%}, {len(rows)} runs"
-    return text, share <= criteria.NO_DAMPING and error <= criteria.ENERGY_ERROR
+    return text, min(at_most(share, criteria.NO_DAMPING), at_most(error, criteria.ENERGY_ERROR))
 
 
-def _squat(column, bounds, unit, name):
+def _squat(column, bounds, unit, name, find):
+    """find: a method of Evidence that gives the Point of the squat wall."""
     def judged(evidence):
-        point = evidence.cycled("squat")
+        value = find(evidence, "squat").value(column)
         low, high = min(bounds) * (1 - criteria.PRINTED_TOLERANCE), max(bounds) * (1 + criteria.PRINTED_TOLERANCE)
-        return f"{point.value(column) / unit:.1f} {name}", low <= point.value(column) <= high
+        return f"{value / unit:.1f} {name}", min(at_least(value, low), at_most(value, high))
     return judged
 
 
@@ -319,7 +346,7 @@ JUDGES = {
     "P2a": _period("symmetric", criteria.PERFORATED_PERIOD_S),
     "P2b": _period("asymmetric", criteria.PERFORATED_PERIOD_S),
     "P3": _all_at_most(criteria.SLIGHT_DI, "solid", criteria.PERIODS_S, [(0.06, 0.1), (0.2, 0.1)]),
-    "P4": _of_one_point("max", "DI", lambda di: di <= criteria.NEGLIGIBLE_DI,
+    "P4": _of_one_point("max", "DI", lambda di: at_most(di, criteria.NEGLIGIBLE_DI),
                         Evidence.harmonic_at, "symmetric", 0.33, [0.025]),
     "P5": _cycle_by_cycle(0.33, 0.1, _first_is_not_exceeded),
     "P6a": _cycle_by_cycle(0.2, 0.025, _rises), "P6b": _cycle_by_cycle(0.2, 0.1, _rises),
@@ -336,7 +363,7 @@ JUDGES = {
     "P11a": _all_at_most(criteria.NEGLIGIBLE_DI, "symmetric", [0.06, 0.33, 1.0],
                          [(0.06, 0.1), (0.33, 0.1), (1.0, 0.1)], "residual"),
     "P11b": _residual_cracks,
-    "P11c": _of_one_point("residual", "DI_drift", lambda di: di > criteria.INSIGNIFICANT_DI_DRIFT,
+    "P11c": _of_one_point("residual", "DI_drift", lambda di: above(di, criteria.INSIGNIFICANT_DI_DRIFT),
                           Evidence.harmonic_at, "symmetric", 0.2, [0.1]),
     **{f"P12{letter}": _cycle_lengths(*which, _lengthen) for letter, which in _CYCLE_READINGS.items()},
     **{f"P12{letter}": _cycle_lengths(*which, _as_in_figure_9)
@@ -352,8 +379,9 @@ JUDGES = {
     "P14c": _cracks_without_drift("huizinge"), "P14d": _cracks_without_drift("zeerijp"),
     "P15a": _maximum_is_linear, "P15b": _residual_levels_off,
     "P16": _no_damping,
-    "P17a": _squat("secant_stiffness_n_per_m", criteria.SQUAT_STIFFNESS_N_PER_M, 1e6, "kN/mm"),
-    "P17b": _squat("peak_force_n", criteria.SQUAT_PEAK_N, 1e3, "kN"),
+    "P17a": _squat("secant_stiffness_n_per_m", criteria.SQUAT_STIFFNESS_N_PER_M, 1e6, "kN/mm",
+                  Evidence.pushed_slowly),
+    "P17b": _squat("peak_force_n", criteria.SQUAT_PEAK_N, 1e3, "kN", Evidence.cycled),
     "P17c": _undecidable("no force-displacement curve of the test is published as numbers"),
     "P17d": _undecidable("compare the pictures of the validation study with figure 5"),
 }

@@ -74,6 +74,15 @@ class ReferenceWall:
         return self._of_joints(self.system.joints["slip"])
 
     @property
+    def offset(self):
+        """Shear displacement less its elastic part (n_joints,) [m] of what has broken or softened, zero elsewhere; of
+        fibres by their shares, each with its own stress."""
+        joints, fibres = self.system.joints, self.layout.fibres
+        stiffness = self.layout.contacts.shear_stiffness[slice(None) if fibres is None else fibres.contact]
+        failed = joints["broken"] | (joints["kappa"] > 0)
+        return self._of_joints(np.where(failed, joints["shear"] - joints["tau"] / stiffness, 0.0))
+
+    @property
     def state(self):
         """Bits BROKEN and AT_LIMIT (n_joints,)."""
         joints = self.system.joints

@@ -104,10 +104,11 @@ def add_model_options(group, names):
     """Add the named fields of ModelOptions to a parser, or a group of one."""
     for one in fields(ModelOptions):
         metavar, told = one.metadata["metavar"], one.metadata["help"]
+        usual = one.default if isinstance(one.default, str) else f"{one.default:g}"
         if one.name in names:
             group.add_argument(f"--{one.name.replace('_', '-')}", default=one.default, type=type(one.default),
                                choices=one.metadata["choices"], metavar=metavar,
-                               help=f"{told} (default {one.default:g})" if metavar else told)
+                               help=f"{told} (default {usual})")
 
 
 def model_of(parsed):

@@ -43,18 +43,22 @@ def describe(summary):
     """The summary as lines for people."""
     lines = [f"{summary['wall']} / {summary['motion']} / {summary['solver']}: {summary['status']}"
              + (f", collapsed at {summary['collapsed_at_s']:.3f} s" if summary["collapsed_at_s"] else "")]
-    lines.append(f"{'':22s}{'DI':>8s}{'drift':>8s}{'open':>8s}{'slip':>8s}")
+    lines.append(f"{'slip by ' + summary['slip']:22s}{'DI':>8s}{'drift':>8s}{'open':>8s}{'slip':>8s}")
     for key, label in (("max", "maximum"), ("residual", "residual"),
+                       ("max_accumulated", "maximum, accumulated"),
+                       ("residual_accumulated", "residual, accumulated"),
                        ("max_shear_limit", "maximum, shear limit"),
                        ("residual_shear_limit", "residual, shear limit")):
         if summary[key] is not None:
             lines.append(f"{label:22s}" + "".join(f"{value:8.4f}" for value in summary[key].values()))
     lines.append(f"drift ratio up to {100 * summary['max_drift_ratio']:.4f} %, base shear up to "
                  f"{summary['peak_base_shear_n'] / 1e3:.2f} kN, opening up to "
-                 f"{summary['max_opening_mm']:.3f} mm, slip up to {summary['max_slip_mm']:.3f} mm")
+                 f"{summary['max_opening_mm']:.3f} mm, "
+                 + ("" if summary["max_offset_mm"] is None else f"offset up to {summary['max_offset_mm']:.3f} mm, ")
+                 + f"accumulated slip up to {summary['max_slip_mm']:.3f} mm")
     lines.append(f"{summary['tension_breaks']} tension and {summary['shear_breaks']} shear breaks, Psi up to "
-                 f"{summary['max_psi']:.2f} ({summary['psi_class']}), friction and fracture took "
-                 f"{summary['dissipated_energy_j']:.3g} J")
+                 f"{summary['max_psi']:.2f} ({summary['psi_class']}; cracks from {summary['psi_from_mm']:g} mm), "
+                 f"friction and fracture took {summary['dissipated_energy_j']:.3g} J")
     if summary["period_elongation"] is not None:
         lines.append(f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
                      f"{summary['period_elongation']:.2f} of the intact wall's period")

@@ -48,7 +48,7 @@ class Run:
     def index(self):
         """The damage index of the last sample."""
         return index_now(self.layout, self._top(self._last) / self.layout.drift_height, self._last.opening,
-                         self._last.slip)
+                         self._last.offset)
 
     @property
     def energy_error(self):
@@ -171,8 +171,9 @@ class Run:
             "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
             "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
             "base_shear_n": now.base_shear_n, **self._energies(now, motion)}
-        self._check_finite({**row, "motion": motion, "opening": now.opening, "slip": now.slip})
-        self.writer.append(self.stage, {**row, "top_force_n": now.top_force_n}, now.opening, now.slip, now.state)
+        self._check_finite({**row, "motion": motion, "opening": now.opening, "slip": now.slip, "offset": now.offset})
+        self.writer.append(self.stage, {**row, "top_force_n": now.top_force_n}, now.opening, now.slip, now.offset,
+                           now.state)
         if self.stage != "settling":
             self._balance.add(row)
         if self._samples % SNAPSHOT_SAMPLES == 0:

@@ -20,6 +20,7 @@ from damage.run.run import Run
 from damage.run.schedule import check_size, choose_time_step, softening_warnings
 from damage.run.settings import Softening
 from damage.start import is_of_output
+from damage.wall.caps import describe_top
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
@@ -102,7 +103,7 @@ def _run(backend, wall_file, make_wall, arguments, prog):
     _announce(layout, settings, modes, time_step)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
-                  "eigen_period_s": float(modes.period_s[0])}
+                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress}
     writer = HistoryWriter(out, layout, solver=backend.name, parameters=parameters,
                            versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
     print(f"history: {out}", flush=True)
@@ -119,7 +120,7 @@ def _announce(layout, settings, modes, time_step):
     wall = layout.wall
     print(f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses} courses, "
           f"{layout.n_bricks} bricks, {layout.n_joints} contact points on "
-          f"{layout.total_joint_length:.2f} m of joints\n"
+          f"{layout.total_joint_length:.2f} m of joints\n" + "\n".join(describe_top(layout)) + "\n"
           f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
           f"({time_step / modes.critical_time_step_s:.2f} of the critical)\n"
           f"motion: {settings.loading.name}", flush=True)

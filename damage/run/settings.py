@@ -18,7 +18,7 @@ SAMPLE_S = 2e-3
 RAMP_S, HOLD_S, HOLD_AT_MOST_S = 0.2, 0.2, 3.0
 """Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
 LONGEST_S, MOST_STEPS, MOST_STATES = 2000.0, 10**8, 10**9
-"""What a run may have: length [s], time steps, and states of contact points in all of its samples, eleven bytes each
+"""What a run may have: length [s], time steps, and states of contact points in all of its samples, fifteen bytes each
 when the history is read."""
 SETTLE_S = 0.5
 """Length of the settling stage [s] and its local damping [-]: the residual is its last state."""

@@ -11,7 +11,7 @@ NO_MOTION = np.zeros((0, 2))
 class Instant(NamedTuple):
     """A wall at one instant, positions and forces of the same time.
 
-    displacement: (n_bodies, 3) since the wall was built [m, m, rad]; opening, slip: (n_joints,) [m];
+    displacement: (n_bodies, 3) since the wall was built [m, m, rad]; opening, slip, offset: (n_joints,) [m];
     state: (n_joints,) bits BROKEN and AT_LIMIT; base_shear_n [N]; top_force_n [N], NaN where nothing is held;
     energies [J]: kinetic and elastic, and those that came in or were dissipated since `start`;
     damping_j: None where the solver cannot tell it: then the run infers it from the balance.
@@ -20,6 +20,7 @@ class Instant(NamedTuple):
     displacement: np.ndarray
     opening: np.ndarray
     slip: np.ndarray
+    offset: np.ndarray
     state: np.ndarray
     base_shear_n: float
     top_force_n: float

@@ -6,11 +6,11 @@ from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.units import GRAVITY
 
 
-def index_now(layout, drift_ratio, opening, slip):
-    """The damage index of one instant, displacement criterion; opening, slip: (n_joints,) [m]."""
+def index_now(layout, drift_ratio, opening, offset):
+    """The damage index of one instant, slip by displacement; opening, offset: (n_joints,) [m]."""
     length = layout.contacts.length[:layout.n_joints]
     return float(combine(min(1.0, drift_component(drift_ratio)), length_fraction(opening > THRESHOLD, length),
-                         length_fraction(np.abs(slip) > THRESHOLD, length)))
+                         length_fraction(np.abs(offset) > THRESHOLD, length)))
 
 
 def has_collapsed(layout, motion):

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.panels import SLIP_LABELS, add_heading, describe_members, finish, grid, letter, motion_label
+from damage.draw.panels import add_heading, describe_members, finish, grid, letter, motion_label, slip_label
 from damage.draw.style import BLACK, BLUE, LIGHT, VERMILLION, styled
 from damage.motion.loading import Harmonic
 from damage.run.settings import RunSettings
@@ -11,11 +11,11 @@ from damage.studies.results import REFERENCE, Missing
 from damage.wall.parameters import USUAL_MODEL
 
 _WORDS = {"cycles": "{:g} cycles", "contacts": "contacts at {}", "cells": "{:g} contacts a half brick",
-          "top": "top mass: {}", "lintel": "lintel: {}", "beta_s": "β = {:g} s"}
+          "top": "top mass: {}", "load": "load over the {}", "lintel": "lintel: {}",
+          "beta_s": "β = {:g} s"}
 DEFAULTS = dict.fromkeys(_WORDS) | USUAL_MODEL | {"cycles": Harmonic.cycles, "beta_s": RunSettings.beta_s}
 """Columns that are varied, and what stands in them where they are not."""
-_STYLES = {"max_DI": (BLACK, "D", SLIP_LABELS["displacement"]),
-           "max_shear_limit_DI": (BLUE, "o", SLIP_LABELS["shear-limit"])}
+_STYLES = {"max_DI": (BLACK, "D", "displacement"), "max_shear_limit_DI": (BLUE, "o", "shear-limit")}
 
 
 @styled
@@ -41,8 +41,8 @@ def choices(points):
     default = [words.format(DEFAULTS[name]) for name, words in _WORDS.items() if name not in ("cells", "beta_s")]
     add_heading(figure, f"Maximum damage index by modelling choice: {' and '.join(points['wall'].unique())} wall",
                 f"reference solver, {describe_members(points)}; default: {', '.join(default)}")
-    handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=label)
-               for colour, marker, label in _STYLES.values()]
+    handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=slip_label(points, slip))
+               for colour, marker, slip in _STYLES.values()]
     if fell:
         handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5, label="fell"))
     return finish(figure, handles, columns=3)

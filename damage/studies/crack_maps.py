@@ -1,6 +1,6 @@
 """Crack maps of a study: the wall at the largest index and at the end, a row a motion."""
 
-from damage.draw.panels import add_heading, finish, grid, letter, motion_label
+from damage.draw.panels import add_heading, finish, grid, letter, motion_label, slip_note
 from damage.draw.run import draw_wall, joint_handles
 from damage.draw.style import styled
 from damage.draw.wall import wall_shape
@@ -32,5 +32,6 @@ def crack_maps(results, variant):
             letter(ax, number, f"{name}\n{when}: DI {shapes[-1].index:.3f}, displacements × "
                    f"{shapes[-1].magnification:g}")
     widest = max(shapes, key=lambda shape: shape.crack_width_m.max(initial=0))
-    add_heading(figure, f"Cracks, {variant.title}: the most damaging motions, first run of each, {solver}")
+    add_heading(figure, f"Cracks, {variant.title}: the most damaging motions, first run of each, {solver}",
+                slip_note(points))
     return finish(figure, joint_handles(widest), columns=5)

@@ -12,7 +12,7 @@ import pandas as pd
 
 from damage.draw.style import save_figures
 from damage.errors import InputError
-from damage.measure.columns import CRITERIA, made_by_words
+from damage.measure.columns import made_by_words
 from damage.studies.choices_figure import choices
 from damage.studies.crack_maps import crack_maps
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
@@ -20,7 +20,8 @@ from damage.studies.ida_figures import against_drift, records, residual_against_
 from damage.studies.results import REFERENCE, YADE, Missing, variants
 from damage.studies.sequence_figure import sequences
 
-_SLIP_PARTS = {slip: f"_{slip}" if prefix else "" for slip, prefix in CRITERIA.items()}
+_SLIP_PARTS = {"displacement": "", "shear-limit": "_shear-limit"}
+"""Criteria of slip that have figures of their own, and what stands for them in a file's name."""
 
 
 def make_figures(results, folder):

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.draw.panels import add_heading, finish, grid, letter, record_label
+from damage.draw.panels import add_heading, finish, grid, letter, record_label, slip_note
 from damage.draw.style import BLUE, GREEN, ORANGE, styled
 from damage.studies.fragility import CONFIDENCE, INTENSITIES, exceeding
 
@@ -32,7 +32,8 @@ def fragility_picture(wall, runs, fits, intensity="pga_g"):
     axes[0, 0].set_ylabel("probability of exceeding")
     n_walls, records = runs["strength_seed"].nunique(), runs["record"].dropna().unique()
     add_heading(figure, f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
-                f"variation {runs['strength_cov'].iloc[0]:g}", "; ".join(record_label(name) for name in records))
+                f"variation {runs['strength_cov'].iloc[0]:g}", "; ".join(record_label(name) for name in records),
+                slip_note(runs))
     return finish(figure, [
         Line2D([], [], color="0.3", label="lognormal fit"), Patch(color="0.3", alpha=0.2, lw=0, label=(
             f"{100 * CONFIDENCE:.0f} % confidence, over draws")),

@@ -74,7 +74,8 @@ def evolution(results, variant):
         handles.append(Patch(color="0.8", label="range of DI over runs"))
     handles.append(Patch(color=LIGHT, label="settling"))
     panels.add_heading(figure, f"Damage index over time: {variant.title}",
-                f"components: first run of each motion, {'reference solver' if len(variant.reference) else 'YADE'}")
+                f"components: first run of each motion, {'reference solver' if len(variant.reference) else 'YADE'}",
+                panels.slip_note(variant.points))
     return panels.finish(figure, handles)
 
 
@@ -119,7 +120,8 @@ def against_amplitude(results, variant, slip="displacement"):
         panels.from_zero(row[0], panels.NOTHING)
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
-    panels.add_heading(figure, f"Damage index against amplitude: {variant.title}", panels.SLIP_LABELS[slip])
+    panels.add_heading(figure, f"Damage index against amplitude: {variant.title}",
+                       panels.slip_label(variant.points, slip))
     return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed), columns=7)
 
 

@@ -87,8 +87,8 @@ def residual_against_pga(variant, slip="displacement"):
     axes[0, 0].set_xlim(left=0)  # of all panels, once all is drawn
     panels.from_zero(axes[0, 0], panels.NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
-    panels.add_heading(figure, f"Residual damage index against PGA: {variant.title}", panels.SLIP_LABELS[slip],
-                _synthetic_note(names))
+    panels.add_heading(figure, f"Residual damage index against PGA: {variant.title}",
+                       panels.slip_label(variant.points, slip), _synthetic_note(names))
     return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed), columns=7)
 
 
@@ -113,8 +113,8 @@ def against_drift(variant, slip="displacement"):
         panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
         panels.from_zero(ax, panels.NOTHING)
-    panels.add_heading(figure, f"Damage index against maximum drift: {variant.title}", panels.SLIP_LABELS[slip],
-                _synthetic_note(names))
+    panels.add_heading(figure, f"Damage index against maximum drift: {variant.title}",
+                       panels.slip_label(variant.points, slip), _synthetic_note(names))
     return panels.finish(figure, _record_handles(variant, names, markers, hollow), columns=2)
 
 

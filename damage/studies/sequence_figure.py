@@ -4,7 +4,17 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
-from damage.draw.panels import NOTHING, add_heading, describe_members, finish, from_zero, grid, letter, motion_label
+from damage.draw.panels import (
+    NOTHING,
+    add_heading,
+    describe_members,
+    finish,
+    from_zero,
+    grid,
+    letter,
+    motion_label,
+    slip_note,
+)
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, styled
 from damage.measure.tables import shocks_table
 from damage.studies.results import REFERENCE
@@ -39,7 +49,8 @@ def sequences(results, points):
         ax.set_axis_off()
     solver = "reference solver" if points["solver"].iloc[0] == REFERENCE else "YADE"
     add_heading(figure, f"Damage index shock by shock: {' and '.join(points['wall'].unique())} wall",
-                f"{solver}, {describe_members(points)}; residual: after each shock's rest and settling")
+                f"{solver}, {describe_members(points)}; residual: after each shock's rest and settling",
+                slip_note(points))
     handles = [Line2D([], [], ms=3.2, lw=0.9, label=label, **style) for label, style in _LINES.values()]
     return finish(figure, handles, columns=3)
 

@@ -18,7 +18,7 @@ from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
 from damage.history.apart import apart
 from damage.history.reader import read_history
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN, names
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, names, slip_criteria
 from damage.measure.tables import summary_row, write_table
 
 
@@ -63,7 +63,7 @@ def summary_of(study, folder, jobs=1):
             rows = list(pool.map(row_of, [folder] * len(there), names, points, chunksize=4))
     else:
         rows = [row_of(folder, *one) for one in zip(names, points)]
-    table = pd.DataFrame(rows)
+    table = before_offsets(pd.DataFrame(rows))  # rows that were kept may be older than this version
     table.insert(table.columns.get_loc("solver") + 1, "members", [len(names) for names in members])
     return table
 
@@ -81,6 +81,8 @@ def _point(runs):
     first, fallen = runs.iloc[0], runs["collapsed_at_s"].astype(float).dropna()
     row = {name: first[name] for name in names(PARAMETERS) if name in runs}
     ended = runs["status"] == "complete"
+    if "slip" in runs:
+        row["slip"] = "; ".join(slip_criteria(runs))
     row |= {"members": len(runs), "status": "complete" if ended.all() else runs.loc[~ended, "status"].iloc[0],
             "collapsed": len(fallen), "collapsed_at_s": fallen.median() if 2 * len(fallen) >= len(runs) else None}
     row |= {name: "; ".join(sorted(set(runs[name].dropna()))) for name in MADE_BY if name in runs}
@@ -120,8 +122,9 @@ def read_study_table(path, table="runs"):
     """DataFrame of one table, "runs" or "points", of a study's study.h5."""
     def read(path, believe):
         with h5py.File(path, "r") as file:
-            return pd.DataFrame({name: (column.asstr()[:] if column.dtype == object else column[:])
-                                 for name, column in file[table].items()})
+            return before_offsets(pd.DataFrame({
+                name: (column.asstr()[:] if column.dtype == object else column[:])
+                for name, column in file[table].items()}))
 
     try:
         return apart(path, read)

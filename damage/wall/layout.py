@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
+from damage.units import GRAVITY
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.parameters import ModelOptions, Wall
 
@@ -92,7 +93,7 @@ class Layout:
 
     n_joints: the first n_joints contacts are joints, the rest is the caps' glue.
     drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
-    piers: (left, right) [m] of each pier.
+    piers: (left, right) [m] of each pier, the parts of the length that carry the top.
     fibres: of the contacts where `options` ask for them, else None.
     """
 
@@ -123,6 +124,16 @@ class Layout:
     def pushed_height(self):
         """Height of their centres [m]."""
         return float(self.bodies.z[self.pushed_bodies].mean())
+
+    @property
+    def top_mass(self):
+        """Mass of the precompression [kg]."""
+        return _top_mass(self.wall, self.options, self.piers)
+
+    @property
+    def pier_stress(self):
+        """Vertical stress in the piers by that mass [Pa], without the bricks above."""
+        return self.top_mass * GRAVITY / (_length(self.piers) * self.wall.brick.thickness)
 
     @property
     def total_mass(self):
@@ -194,15 +205,40 @@ def _lay_segment(wall, course, left, right):
 
 
 def _find_piers(wall):
-    """The parts of the wall's length that no opening takes, left to right."""
+    """What carries the top: the parts of the length where no opening of the top storey stands, left to right."""
     piers, start = [], 0.0
-    for opening in sorted(wall.openings, key=lambda o: o.left):
+    for opening in sorted(_top_storey(wall), key=lambda o: o.left):
         if opening.left > start + _TINY:
             piers.append((start, opening.left))
         start = max(start, opening.right)
     if start < wall.length - _TINY:
         piers.append((start, wall.length))
     return tuple(piers)
+
+
+def _top_storey(wall):
+    """The openings between the top and the first full course below an opening.
+
+    Over those farther down stands a pier, or a full course and all above it, which carry.
+    """
+    storey, sill = [], 0
+    for opening in sorted(wall.openings, key=lambda o: -wall.opening_courses(o)[1]):
+        first, above = wall.opening_courses(opening)
+        if storey and above < sill:
+            break
+        sill = min(sill, first) if storey else first
+        storey.append(opening)
+    return storey
+
+
+def _length(spans):
+    """Length of all spans (left, right) together [m]."""
+    return sum(right - left for left, right in spans)
+
+
+def _top_mass(wall, options, piers):
+    """Mass of the precompression over the length, or over the piers [kg]."""
+    return wall.top_mass * (_length(piers) / wall.length if options.load == "piers" else 1.0)
 
 
 def _make_bodies(wall, options, courses, piers):
@@ -215,26 +251,27 @@ def _make_bodies(wall, options, courses, piers):
     inertia = mass * (length**2 + height**2) / 12
     bricks = Bodies(edges.mean(axis=1), (course + 0.5) * height, length,
                     np.full(len(length), height), mass, inertia, course)
-    if wall.top_mass == 0:
+    top_mass = _top_mass(wall, options, piers)
+    if top_mass == 0:
         return bricks, len(bricks)
     if options.top == "uniform":
-        return _with_spread_mass(bricks, wall), len(bricks)
+        return _with_spread_mass(bricks, wall, top_mass), len(bricks)
     spans = piers if options.top == "piers" else ((0.0, wall.length),)
-    return _with_caps(bricks, wall, np.array(spans)), len(bricks)
+    return _with_caps(bricks, wall, np.array(spans), top_mass), len(bricks)
 
 
-def _with_spread_mass(bricks, wall):
+def _with_spread_mass(bricks, wall, top_mass):
     """The top mass added to the top course in proportion to length, inertia growing with mass."""
     top = bricks.course == wall.courses - 1
-    factor = np.where(top, 1 + wall.top_mass * bricks.length / wall.length / bricks.mass, 1.0)
+    factor = np.where(top, 1 + top_mass * bricks.length / wall.length / bricks.mass, 1.0)
     return Bodies(bricks.x, bricks.z, bricks.length, bricks.height,
                   bricks.mass * factor, bricks.inertia * factor, bricks.course)
 
 
-def _with_caps(bricks, wall, spans):
+def _with_caps(bricks, wall, spans, top_mass):
     """One rigid cap a span, mass shared by length, I = m (w^2 + h^2) / 12."""
     width = spans[:, 1] - spans[:, 0]
-    mass = wall.top_mass * width / width.sum()
+    mass = top_mass * width / width.sum()
     n = len(width)
     return Bodies(
         x=np.append(bricks.x, spans.mean(axis=1)),
@@ -298,7 +335,10 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks, scatter):
     kind, first, second, first_cell, second_cell, x, z, length = (
         np.array(column) for column in zip(*rows))
     normal, shear = _effective_stiffness(wall, bodies, kind, first, second)
-    elastic = (kind == CAP) | _in_lintel(wall, options, kind, x, z)
+    head = kind == HEAD
+    middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
+    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie on the edges of its courses
+    elastic = (kind == CAP) | _in_lintel(wall, options, middle_x, middle_z)
     factors = _strength_factors(first, second, options.strength_cov, options.strength_seed)
     factors = factors * _strength_factors(first, second, *scatter)
     strengths = [np.where(elastic, np.inf, strength * factors)
@@ -339,7 +379,8 @@ def _head_pairs(bodies, n_bricks, cells):
 
 
 def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
-    """Contact points of one pair of facing cells, one in the middle or two at the ends."""
+    """Contact points of one pair of facing cells, one in the middle or two at the ends; of a cap's glue one in the
+    middle of each cell, or two under a cap of a single cell."""
     second = cells.body[second_cell]
     first = GROUND if first_cell == GROUND else cells.body[first_cell]
     bottom = bodies.z[second] - bodies.height[second] / 2
@@ -349,7 +390,8 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
     end = start + along
     length = float(np.sum(end - start))
     head = (kind, first, second, first_cell, second_cell)
-    if options.contacts == "interior" or kind == CAP:
+    hinge = kind == CAP and np.count_nonzero(cells.body == second) == 1  # on one point a cap could turn freely
+    if (options.contacts == "interior" or kind == CAP) and not hinge:
         return [(*head, *((start + end) / 2), length)]
     return [(*head, *start, length / 2), (*head, *end, length / 2)]
 
@@ -381,24 +423,27 @@ def _strength_factors(first, second, variation, seed):
     return np.exp(spread * normal - spread**2 / 2)[number]
 
 
-def _in_lintel(wall, options, kind, x, z):
-    """Which joints lie strictly inside a lintel: in the courses over an opening, one brick of
-    bearing on each side; the bed joint under the bearing is not inside."""
-    inside = np.zeros(len(kind), dtype=bool)
-    if options.lintel == "none":
-        return inside
+def _in_lintel(wall, options, x, z):
+    """Which joints lie strictly inside a lintel: in the courses over an opening, or the lowest of them, one brick of
+    bearing on each side; the bed joints under the bearing and over the highest of these courses are not inside.
+
+    x, z: middles of the joints' parts between two bricks [m].
+    """
+    inside = np.zeros(len(x), dtype=bool)
     for opening in wall.openings:
-        bottom = wall.opening_courses(opening)[1] * wall.brick.height
-        top = _lintel_top(wall, opening)
+        bottom, top = _lintel_courses(wall, options.lintel, opening)
         inside |= ((x > opening.left - wall.brick.length + _TINY)
                    & (x < opening.right + wall.brick.length - _TINY)
-                   & (z > bottom + _TINY) & (z < top - _TINY))
-    return inside & (kind != CAP)
+                   & (z > bottom * wall.brick.height + _TINY) & (z < top * wall.brick.height - _TINY))
+    return inside
 
 
-def _lintel_top(wall, opening):
-    """The sill of the next opening above, or the wall's top [m]."""
+def _lintel_courses(wall, lintel, opening):
+    """The first course of an opening's lintel and the first above it: up to the sill of the next opening above, or to
+    the wall's top, unless `lintel` (of ModelOptions) says fewer."""
     above = wall.opening_courses(opening)[1]
     sills = [wall.opening_courses(other)[0] for other in wall.openings
              if other.left < opening.right and other.right > opening.left]
-    return min([sill for sill in sills if sill >= above] + [wall.courses]) * wall.brick.height
+    top = min([sill for sill in sills if sill >= above] + [wall.courses])
+    most = {"elastic": wall.courses, "none": 0}.get(lintel)
+    return above, min(top, above + (int(lintel) if most is None else most))

@@ -13,6 +13,9 @@ from scipy.sparse.linalg import eigsh
 from damage.errors import InputError
 from damage.wall.layout import GROUND, HEAD
 
+_ROUNDING = 100 * np.finfo(float).eps
+"""A squared frequency below this share of the highest is rounding, of a part that can move freely."""
+
 
 @dataclass(frozen=True)
 class Modes:
@@ -79,7 +82,7 @@ def natural_modes(layout, n_modes=6):
         if "alloc" in str(error).lower():
             raise MemoryError(f"for the modes of {layout.n_bricks} bricks") from error
         raise _no_modes(layout, error) from error
-    if not (values.min() > 0 and np.isfinite(highest)):
+    if not (values.min() > _ROUNDING * highest and np.isfinite(highest)):
         raise _no_modes(layout, f"squared frequency {values.min():.3g}")
     order = np.argsort(values)
     shapes = (vectors * scale[:, None]).T[order].reshape(n_modes, -1, 3)
@@ -91,4 +94,5 @@ def natural_modes(layout, n_modes=6):
 
 def _no_modes(layout, problem):
     return InputError(f"wall {layout.wall.name} has no natural modes ({problem}): expected stiffnesses and masses of "
-                      "masonry, and every brick held by others; mend the wall")
+                      "masonry, and no part that can move freely, as bricks do that stand on one contact point each; "
+                      "mend the wall, or give more --cells")

@@ -139,7 +139,8 @@ class Wall:
 
     name: short, used in file names.
     length, height [m]: the height is built in whole courses (the nearest number of them).
-    precompression [Pa]: vertical stress at the top, carried as mass and its weight.
+    precompression [Pa]: vertical stress at the top, carried as mass and its weight; over the whole length, or in the
+        piers alone, as `ModelOptions.load` says.
     base_course: the base course starts on the left with a "whole" or a "half" brick.
     """
 
@@ -181,7 +182,7 @@ class Wall:
 
     @property
     def top_mass(self):
-        """Mass that carries the precompression [kg]: sigma * length * thickness / g."""
+        """Mass of the precompression over the whole length [kg]: sigma * length * thickness / g."""
         return self.precompression * self.length * self.brick.thickness / GRAVITY
 
     def opening_courses(self, opening):
@@ -251,9 +252,12 @@ def _option(default, help_, **more):
 class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
 
-    lintel: "elastic" keeps the joints of the courses over an opening elastic, "none" lets them break.
+    lintel: "elastic" keeps the joints of all courses over an opening elastic, "none" lets them break; a number, those
+        of so many of the lowest courses (as a word: 2 becomes "2", 0 becomes "none").
     top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
         the top course, or is one rigid "beam".
+    load: that mass is the precompression over the wall's whole "length", so that the piers beside openings have more,
+        or over its "piers" alone, which then have just that stress.
     cells: contact points per half brick of a bed joint.
     contacts: where the points of a bed joint lie: "interior" of the cells, or at the "corners"
         (ends) of each overlap; head joints have one at mid-height, or one at each end.
@@ -264,10 +268,12 @@ class ModelOptions:
         which YADE does not have: there 16.
     """
 
-    lintel: str = _option("elastic", "joints over an opening stay elastic, or break like any other",
-                          choices=("elastic", "none"), tag="lintel-{lintel}")
+    lintel: str = _option("elastic", "joints over an opening are elastic, or break like any other (none), or are "
+                          "elastic in the N lowest courses", metavar="elastic|none|N", tag="lintel-{lintel}")
     top: str = _option("piers", "where the precompression's mass sits", choices=("piers", "uniform", "beam"),
                        tag="top-{top}")
+    load: str = _option("length", "the precompression is the stress over the whole length, or in the piers",
+                        choices=("length", "piers"), tag="load-{load}")
     cells: int = _option(2, "contact points per half brick", metavar="N")
     contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
                             tag="{contacts}")
@@ -283,6 +289,7 @@ class ModelOptions:
         for one in fields(self):
             if one.metadata["choices"]:
                 check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
+        object.__setattr__(self, "lintel", _lintel_word(self.lintel))
         check_whole("cells", self.cells, 1, 16)
         check_range("strength_cov", self.strength_cov, 0, 2)
         check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
@@ -292,6 +299,22 @@ class ModelOptions:
         """What tells this model from the default in a file's name, a list of words."""
         return [one.metadata["tag"].format(**asdict(self)) for one in fields(self)
                 if one.metadata["tag"] and getattr(self, one.name) != one.default]
+
+
+def _lintel_word(lintel):
+    """"elastic", "none", or a number of courses as its shortest word; 0 is "none", so that equal models are called so.
+
+    >>> _lintel_word(2), _lintel_word("02"), _lintel_word(0), _lintel_word("elastic")
+    ('2', '2', 'none', 'elastic')
+    """
+    if lintel in ("elastic", "none"):
+        return lintel
+    try:
+        check_whole("lintel", int(lintel) if isinstance(lintel, str) else lintel, 0, MOST_BRICKS)
+    except (InputError, ValueError) as error:
+        raise InputError(f"lintel = {lintel!r}: expected elastic, none, or how many courses stay elastic, 0 to "
+                         f"{MOST_BRICKS}; choose one of them") from error
+    return str(int(lintel)) if int(lintel) else "none"
 
 
 USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]}

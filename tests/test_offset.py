@@ -1,0 +1,232 @@
+"""The offset of two bricks now, and what they slid while closed: both solvers along a path that is known by hand."""
+
+import math
+from functools import partial
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+from small_history import as_version_2, make_history, small_layout
+
+from damage import Joint, ModelOptions, Opening, Wall
+from damage.__main__ import main
+from damage.draw.panels import SLIP_LABELS, slip_label, slip_note
+from damage.draw.run import index_picture, wall_picture
+from damage.measure.columns import before_offsets
+from damage.measure.compare import compare, describe
+from damage.measure.cracks import psi_summary, psi_value
+from damage.measure.patterns import cracked
+from damage.measure.pushed import drift_at_first_crack
+from damage.measure.summary import summarise
+from damage.measure.tables import cycles_table, describe_table, index_table, summary_row
+from damage.reference.solver import ReferenceSolver
+from damage.studies.tables import points_of
+from damage.wall.joint_law import ContactState, LawParameters, advance, material_of
+from damage.wall.layout import BED, lay_out
+
+PAIR = Wall("pair", length=0.1125, height=0.15, precompression=0.0)
+SOFT = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
+CONTACTS = lay_out(PAIR).contacts
+BETWEEN = np.flatnonzero((CONTACTS.kind == BED) & (CONTACTS.first >= 0))
+KN, KS, MU = CONTACTS.normal_stiffness[BETWEEN[0]], CONTACTS.shear_stiffness[BETWEEN[0]], math.tan(math.radians(32))
+PRESSED, HELD = -0.3e6 / KN, MU * 0.3e6 / KS  # [m]: pressed together by 0.3 MPa; sheared elastically up to friction
+
+PATH = [  # opening, shear displacement; slip accumulated, offset [m]
+    ((3e-4, 0.0), (0.0, 0.0)),  # the bond breaks
+    ((3e-4, 5e-4), (0.0, 5e-4)),  # moved sideways while open
+    ((PRESSED, 5e-4), (0.0, 5e-4)),  # closed, without shear
+    ((PRESSED, 5e-4 + HELD / 2), (0.0, 5e-4)),  # friction holds: what is elastic is taken off
+    ((PRESSED, 6e-4), (1e-4 - HELD, 6e-4 - HELD)),  # slid
+    ((PRESSED, 6e-4 - HELD), (1e-4 - HELD, 6e-4 - HELD)),  # let go: what is elastic comes back
+    ((3e-4, 6e-4 - HELD), (1e-4 - HELD, 6e-4 - HELD)),  # open: the whole offset
+    ((3e-4, 0.0), (1e-4 - HELD, 0.0)),  # moved back
+    ((PRESSED, 0.0), (1e-4 - HELD, 0.0)),  # closed where it was: nothing to be seen
+    ((PRESSED, -2e-4), (1e-4 - 2e-4, -2e-4 + HELD)),  # slid the other way
+]
+
+
+class Pair:
+    """Two bricks of the reference solver, the upper one put where it is told."""
+
+    def __init__(self, joint=None, model=None):
+        self.layout = lay_out(PAIR if joint is None else Wall("pair", 0.1125, 0.15, precompression=0.0, joint=joint),
+                              model or ModelOptions())
+        self.solver, self.here = ReferenceSolver(self.layout, 1e-5), np.zeros(2)
+
+    def go(self, there, steps=200):
+        for opening, shear in np.linspace(self.here, there, steps + 1)[1:]:
+            place = self.solver.system.place
+            place["x"][1], place["z"][1] = shear, opening
+            self.solver.refresh()
+        self.here = np.array(there)
+        return self.solver.instant(np.zeros(2))
+
+
+def test_the_offset_is_what_one_sees_now_and_slip_what_added_up():
+    pair = Pair()
+    for there, (slip, offset) in PATH:
+        now = pair.go(there)
+        assert_allclose(now.slip[BETWEEN], slip, atol=1e-12)
+        assert_allclose(now.offset[BETWEEN], offset, atol=1e-12)
+        assert np.all(now.offset[now.state == 0] == 0.0)
+
+
+@pytest.mark.yade
+def test_yade_agrees_along_the_path(yade_command, tmp_path):
+    """But for the tilt by which an elastic shear s turns the line between a bond's members: 0.2 % of friction."""
+    np.save(tmp_path / "corners.npy", [there for there, _ in PATH])
+    done = yade_command(REPOSITORY / "tests/yade_checks/offset_of_two_bricks.py", tmp_path / "corners.npy",
+                        tmp_path / "results.npy")
+    assert done.returncode == 0, done.stdout + done.stderr
+    expected = [(max(opening, 0.0), *sizes) for (opening, _), sizes in PATH]
+    assert_allclose(np.load(tmp_path / "results.npy"), expected, atol=2e-3 * HELD)
+
+
+def test_a_bond_that_breaks_in_shear_keeps_what_friction_does_not_hold():
+    pair, peak = Pair(), (0.24e6 + MU * 0.3e6) / KS
+    whole = pair.go((PRESSED, 0.99 * peak))
+    assert np.all(whole.offset == 0.0)
+    now = pair.go((PRESSED, 1.01 * peak))
+    assert_allclose(now.offset[BETWEEN], 1.01 * peak - HELD)
+    assert_allclose(now.slip[BETWEEN], 1.01 * peak - HELD)
+    assert_allclose(pair.go((1e-5, 1.01 * peak)).offset[BETWEEN], 1.01 * peak)  # opens: friction holds nothing
+
+
+SOFT_PATH = [(PRESSED, 4e-5), (1e-5, 4e-5), (2e-5, 8e-5), (PRESSED, 8e-5), (PRESSED, -1e-4), (3e-4, -2e-4),
+             (PRESSED, -2e-4), (PRESSED, 1e-4)]
+
+
+def by_law(path, strengths, energies):
+    """u_s - tau / k_s of the law where its bond has softened or is gone, at each corner."""
+    law = LawParameters(KN, KS, *strengths, material_of(SOFT), *energies)
+    state, here, found = ContactState(), np.zeros(2), []
+    for there in path:
+        for opening, shear in np.linspace(here, there, 201)[1:]:
+            state, _ = advance(opening, shear - here[1], state, law)
+            here = np.array([opening, shear])
+        found.append(here[1] - state.shear_stress / KS if state.broken or state.kappa > 0 else 0.0)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("number", [0, 8])
+def test_a_bond_that_softens_and_its_fibres(number):
+    """The bond holds a part of its cohesion and opens and closes; of fibres each has its own stress."""
+    pair = Pair(SOFT, ModelOptions(fibres=number))
+    ours = [pair.go(there).offset[BETWEEN[0]] for there in SOFT_PATH]
+    if number == 0:
+        expected = by_law(SOFT_PATH, (SOFT.tensile_strength, SOFT.cohesion), (5.0, 50.0))
+    else:
+        fibres = pair.layout.fibres
+        mine = np.flatnonzero(fibres.contact == BETWEEN[0])
+        expected = sum(fibres.share[k] * by_law(SOFT_PATH, (fibres.tensile_strength[k], fibres.cohesion[k]), (0.0, 0.0))
+                       for k in mine)
+    assert_allclose(ours, expected, atol=1e-11)
+    assert 0 < ours[0] < 4e-5 and abs(ours[-2]) > 1e-4
+
+
+def test_a_joint_of_the_lintel_has_no_offset():
+    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),))
+    solver = ReferenceSolver(lay_out(wall), 1e-6)
+    random = np.random.default_rng(1)
+    solver.shift(random.normal(0, 2e-4, (len(solver.layout.bodies), 2)))
+    elastic = solver.layout.contacts.elastic[:solver.layout.n_joints]
+    now = solver.instant(np.zeros(2))
+    assert elastic.any() and np.all(now.offset[elastic] == 0.0) and np.all(now.offset[now.state > 0] != 0.0)
+
+
+def test_a_rocking_brick_has_no_offset_and_one_that_turned_far_keeps_within_its_motion():
+    """About a toe both faces stay in line along the joint's mean axes; whatever bricks do, a point counts once."""
+    pair = Pair()
+    pair.go((3e-4, 0.0))
+    place, toe = pair.solver.system.place, np.array([-0.05625, -0.0375])  # from the upper brick's centre
+    for turn in (1e-3, 0.1, 1.0, 3.0):
+        cos, sin = math.cos(turn), math.sin(turn)
+        place["x"][1], place["z"][1] = toe[0] - (cos * toe[0] - sin * toe[1]), toe[1] - (sin * toe[0] + cos * toe[1])
+        place["cos1"][1], place["sin"][1], place["turn"][1] = cos - 1.0, sin, turn
+        pair.solver.refresh()
+        assert_allclose(pair.solver.offset[BETWEEN], 0.0, atol=1e-12)
+
+
+# --- measures --------------------------------------------------------------------------------------
+
+@pytest.fixture
+def rattled(tmp_path):
+    """A joint that slid to and fro by 0.3 mm and is back, one that is 0.15 mm off and slid by nothing."""
+    ramp = np.minimum(np.arange(21), 10) / 10
+    return partial(make_history, tmp_path / "rattled.h5", slip={3: 3e-4 * ramp, 5: 0.0}, offset={5: 1.5e-4 * ramp},
+                   broken=(5,), drift=1e-4 * np.arange(21), overwrite=True)
+
+
+def test_each_measure_says_which_slip_it_shows(rattled):
+    history = rattled()
+    length = small_layout().contacts.length
+    share = {joint: length[joint] / history.joints["length_m"].sum() for joint in (3, 5)}
+    row = summary_row(history)
+    assert row["max_DI_slip"] == pytest.approx(share[5]) and row["max_accumulated_DI_slip"] == pytest.approx(share[3])
+    assert (row["slip"], row["max_slip_mm"], row["max_offset_mm"]) == (
+        "displacement", pytest.approx(0.3), pytest.approx(0.15))
+    assert row["max_psi"] == pytest.approx(float(psi_value(1, 1.5e-4)), rel=1e-6) and row["psi_from_mm"] == 0.02
+    assert summarise(history, slip="accumulated")["max"]["DI_slip"] == pytest.approx(share[3])
+    assert list(np.flatnonzero(cracked(history, "visible"))) == [5]
+    table = index_table(history)
+    assert table["accumulated_DI_slip"].iloc[-1] == pytest.approx(share[3])
+    assert table["DI_slip"].iloc[-1] == pytest.approx(share[5]) and set(table["slip"]) == {"displacement"}
+    assert drift_at_first_crack(history) == pytest.approx(7e-4)  # 0.105 mm
+
+
+def test_psi_below_one_and_its_option(rattled, capsys):
+    """A crack of 0.05 mm is none to the eye: 2 x 0.05^0.3 = 0.81."""
+    history = rattled(slip={}, offset={5: 0.5e-4})
+    assert psi_summary(history)["max_psi"] == pytest.approx(2 * 0.05**0.3, rel=1e-6)
+    for command in ("index", "cracks"):
+        assert main([command, str(history.path)]) == 0
+        assert "0.81" in capsys.readouterr().out
+        assert main([command, str(history.path), "--psi-from-mm", "0.1"]) == 0
+        assert "0.81" not in capsys.readouterr().out
+
+
+def test_a_history_without_offsets_is_judged_by_accumulated_and_says_so(rattled, capsys):
+    new = rattled()
+    accumulated = summarise(new, slip="accumulated")
+    old = as_version_2(new.path)
+    assert old.offset_m is None and old.complete
+    summary = summarise(old)
+    assert summary["max"] == summary["max_accumulated"] == accumulated["max"] and summary["slip"] == "accumulated"
+    assert summary["max_offset_mm"] is None and any("no offsets" in warning for warning in summary["warnings"])
+    for table in (index_table(old), cycles_table(old)):
+        assert set(table["slip"]) <= {"accumulated"}
+    result = compare(old, [old])
+    assert result["slip"] == result["patterns"]["slip"] == "accumulated"
+    assert "accumulated" in describe(result)
+    for picture in (wall_picture, index_picture):
+        labels = [text.get_text() for text in picture(old).legends[0].get_texts()]
+        assert any("accumulated" in label for label in labels)
+    assert main(["index", str(old.path)]) == 0
+    told = capsys.readouterr()
+    assert "slip by accumulated" in told.out and "no offsets" in told.err
+    assert main(["cracks", str(old.path)]) == 0
+    assert "no offsets" in capsys.readouterr().out
+
+
+def test_tables_from_before_offsets_say_so(rattled, tmp_path):
+    """A study that goes on keeps the rows of then; its points are of both kinds."""
+    new = summary_row(rattled(), run="new", point="p")
+    old = {name: value for name, value in new.items() if "accumulated" not in name and name != "psi_from_mm"}
+    mixed = before_offsets(pd.DataFrame([new, old | {"run": "old", "max_DI": 0.2}]))
+    assert list(mixed["slip"]) == ["displacement", "accumulated"] and list(mixed["psi_from_mm"]) == [0.02, 0.1]
+    assert list(mixed["max_accumulated_DI"]) == [new["max_accumulated_DI"], 0.2]
+    points = points_of(mixed)
+    assert points["slip"].item() == "displacement; accumulated"
+    assert slip_note(mixed) == slip_label(points) == f"{SLIP_LABELS['displacement']}; {SLIP_LABELS['accumulated']}"
+    assert slip_note(mixed[:1]) == "" and slip_label(mixed, "shear-limit") == SLIP_LABELS["shear-limit"]
+    assert "accumulated" in describe_table(mixed) and "accumulated" not in describe_table(mixed[:1])
+
+
+def test_histories_with_and_without_offsets_are_compared_by_accumulated(rattled, tmp_path):
+    new = rattled()
+    old = make_history(tmp_path / "old.h5", slip={3: 3e-4}, drift=1e-4 * np.arange(21))
+    result = compare(new, [as_version_2(old.path)])
+    assert result["slip"] == "accumulated"
+    assert result["figures"]["DI"]["first"] == pytest.approx(result["figures"]["DI"]["median"])
