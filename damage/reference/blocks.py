@@ -102,9 +102,10 @@ def copy_fields(table, bodies, first, lanes, into):
 
 @compiled
 def pack(tables, blocks, lanes):
-    """Copy places and motions of the bodies from the tables into their blocks."""
+    """Copy places and motions of the bodies, and what leaves pairs whole, from the tables into their blocks."""
     copy_fields(tables.place, blocks.bodies, X, lanes, True)
     copy_fields(tables.motion, blocks.bodies, VX, lanes, True)
+    pack_limits(tables, blocks, lanes)
 
 
 @compiled

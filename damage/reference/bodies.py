@@ -4,7 +4,7 @@ import numpy as np
 
 from damage.reference import blocks as at
 from damage.reference.blocks import INDEX, NONE, ONE, WIDTH
-from damage.reference.compiled import compiled, inlined
+from damage.reference.compiled import block_loop, compiled, inlined
 from damage.reference.tables import DAMPING, INPUT
 
 SMALL = 0.01
@@ -70,7 +70,7 @@ def clear(sums, start, stop):
         start += ONE
 
 
-@compiled
+@block_loop
 def move_free(bodies, k, bench, sums, part, width):
     """Move eight bodies whose fields begin at k by a step, undamped; add to the parts of the sums at `part` what moves
     them."""
@@ -86,7 +86,7 @@ def move_free(bodies, k, bench, sums, part, width):
         k += ONE
 
 
-@compiled
+@block_loop
 def move_damped(bodies, k, bench, sums, part, width):
     """The same with damping, and what that takes."""
     i = NONE
@@ -136,7 +136,7 @@ def resistance(velocity, rate, alpha, local):
     return alpha * velocity + local * abs(rate) * sign
 
 
-@compiled
+@block_loop
 def turn_far(bodies, k):
     """cos(angle) - 1 and sin(angle) of those of eight bodies that have turned by more than is small."""
     for _ in range(8):
@@ -164,7 +164,7 @@ def adapt(tables, blocks, lanes, controls):
         tables.relaxation[lane, 0], tables.relaxation[lane, 1] = min(wanted, 0.5 / dt), kinetic
 
 
-@compiled
+@block_loop
 def kinetic_block(bodies, k, sums, part, width):
     """Add the kinetic energy [J] of eight bodies, whose velocities are those half a step ago."""
     i = NONE

@@ -29,7 +29,10 @@ def _forget_what_is_older():
 _forget_what_is_older()
 # They make no arrays: without numba's counting of references to those that they are given, which would cost more than
 # a contact does.
-compiled = njit(cache=True, error_model="numpy", nogil=True, _nrt=False)
+compiled = njit(cache=True, error_model="numpy", nogil=True, _nrt=False, fastmath={"contract"})
 # Put into its callers by numba itself, before anything is made of them: so that a loop over eight elements is seen
 # whole where vectors are made.  For what does no more than arithmetic: nested deeply it takes minutes.
-inlined = njit(inline="always", error_model="numpy", nogil=True, _nrt=False)
+inlined = njit(inline="always", error_model="numpy", nogil=True, _nrt=False, fastmath={"contract"})
+# The loops of eight themselves: vectors are made of them before they are put into their callers, which saves handing on
+# some forty words.
+block_loop = njit(forceinline=True, cache=True, error_model="numpy", nogil=True, _nrt=False, fastmath={"contract"})

@@ -17,7 +17,7 @@ import numpy as np
 from damage.reference import blocks as at
 from damage.reference.blocks import INDEX, NONE, ONE, WIDTH, pack, place_of, unpack
 from damage.reference.bodies import adapt, clear, integrate, total
-from damage.reference.compiled import compiled
+from damage.reference.compiled import block_loop, compiled
 from damage.reference.contacts import joint_forces, read_joints, remember, springs, sum_of_stresses
 from damage.reference.pairs import (
     Gap,
@@ -179,7 +179,7 @@ def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
             push_pair(bodies, a, b, push(frame, forces))
 
 
-@compiled
+@block_loop
 def push_pair(bodies, a, b, pushed):
     """Add what one pair does to its bodies."""
     bodies[a + at.FX] += pushed.x
@@ -190,7 +190,7 @@ def push_pair(bodies, a, b, pushed):
     bodies[b + at.MOMENT] -= pushed.moment_b
 
 
-@compiled
+@block_loop
 def fetch(bodies, first, second, row, bench):
     """Bring the places of the bodies of eight pairs on the bench, of the rows from this one on."""
     i = NONE
@@ -203,7 +203,7 @@ def fetch(bodies, first, second, row, bench):
         i += ONE
 
 
-@compiled
+@block_loop
 def push_rows(bodies, first, second, row, bench):
     """Add what eight pairs do to their bodies."""
     i = NONE
@@ -218,7 +218,7 @@ def push_rows(bodies, first, second, row, bench):
         i += ONE
 
 
-@compiled
+@block_loop
 def push_lanes(bodies, a, b, bench, width):
     """Add what a pair does to its bodies in eight lanes."""
     i = NONE
@@ -235,7 +235,7 @@ def push_lanes(bodies, a, b, bench, width):
         i += ONE
 
 
-@compiled
+@block_loop
 def add_work(bench, sums, part, width):
     """Add the work of damping of eight pairs to its sum."""
     i = NONE

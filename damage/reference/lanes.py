@@ -12,7 +12,7 @@ import numpy as np
 
 from damage.index import THRESHOLD
 from damage.reference import kernel, tables
-from damage.reference.blocks import make_blocks, pack_limits
+from damage.reference.blocks import make_blocks
 
 MOST_LANES = 8
 """Walls that one block holds; more are moved in groups of so many."""
@@ -53,7 +53,6 @@ class Lanes:
         self._width = 1 if len(self.walls) == 1 else MOST_LANES
         self._law = kernel.Law(self.walls[0].material, THRESHOLD)
         self._blocks = make_blocks(self.tables.pairs[0], self.tables.place.shape[1], self._width)
-        pack_limits(self.tables, self._blocks, self._width)
 
     def _check(self):
         """Raise ValueError of walls that differ in what lanes share."""

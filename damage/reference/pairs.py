@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from damage.reference import blocks as at
 from damage.reference.blocks import NONE, ONE
-from damage.reference.compiled import compiled, inlined
+from damage.reference.compiled import block_loop, inlined
 from damage.wall import joint_law
 
 
@@ -153,7 +153,7 @@ def put(bench, i, whole, pushed):
 
 
 # `while`, here and wherever eight elements are done: of numba's ranges over constants the compiler makes no vectors.
-@compiled
+@block_loop
 def whole_rows(pairs, p, bodies, a, b, limits, m, bench, width):
     """What eight pairs do that are whole, and whether they are, on the bench; p, a, b, m: where the first fields of
     the first one are."""
@@ -166,7 +166,7 @@ def whole_rows(pairs, p, bodies, a, b, limits, m, bench, width):
         i += ONE
 
 
-@compiled
+@block_loop
 def whole_lanes(pairs, p, bodies, a, b, limits, m, bench, width):
     """`whole_rows` of one pair in eight lanes."""
     i = NONE
@@ -178,7 +178,7 @@ def whole_lanes(pairs, p, bodies, a, b, limits, m, bench, width):
         i += ONE
 
 
-@compiled
+@block_loop
 def damped_rows(pairs, p, bodies, a, b, limits, m, last, k, bench, width):
     """`whole_rows` with damping proportional to stiffness, and its work; k: where the first fields of `last` are."""
     i = NONE
@@ -193,7 +193,7 @@ def damped_rows(pairs, p, bodies, a, b, limits, m, last, k, bench, width):
         i += ONE
 
 
-@compiled
+@block_loop
 def damped_lanes(pairs, p, bodies, a, b, limits, m, last, k, bench, width):
     """`damped_rows` of one pair in eight lanes."""
     i = NONE
