@@ -11,7 +11,6 @@ from itertools import product
 
 import numpy as np
 
-from damage.reference import kernel
 from damage.reference.tables import FRACTURE, FRICTION
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import BED, GROUND, lay_out
@@ -74,12 +73,11 @@ class Driven:
         layout = pair(fibres)
         area = layout.contacts.area[between(layout)]
         wall = ReferenceWall(layout, 1e-5)
-        upper, constants, forces = wall.system.place[1], wall._constants(), []
+        upper, forces = wall.system.place[1], []
         for opening, shear in path:
             upper["z"], upper["x"] = opening, shear
-            kernel.contact_forces(wall.system, constants, 0, True)
+            wall.lanes.find_forces(singly=True)
             forces.append((-upper["fz"], -upper["fx"]))
-        kernel.read_joints(wall.system)
         self.normal_stress, self.shear_stress = np.array(forces).T / area
         moved, mean = np.diff(path, axis=0), (np.array(forces)[1:] + np.array(forces)[:-1]) / 2 / area
         self.work = np.concatenate([[0.0], np.cumsum(np.sum(moved * mean, axis=1))])

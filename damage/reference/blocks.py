@@ -51,6 +51,7 @@ class Blocks(NamedTuple):
     last: np.ndarray
     bench: np.ndarray
     sums: np.ndarray
+    broken: np.ndarray
     first: np.ndarray
     second: np.ndarray
     width: int
@@ -71,7 +72,7 @@ def make_blocks(pairs, n_bodies, lanes):
         bodies=np.zeros(blocks_of(n_bodies * lanes, BODY)), pairs=shared.ravel(),
         limits=np.full(blocks_of(len(pairs) * lanes, LIMIT), np.inf),
         last=np.zeros(blocks_of(len(pairs) * lanes, LAST)), bench=np.zeros(int(BENCH)),
-        sums=np.zeros(int(SUMS)), first=_first(a, lanes), second=_first(b, lanes), width=8)
+        sums=np.zeros(int(SUMS)), broken=np.zeros(8 * -(-len(pairs) // 16)), first=_first(a, lanes), second=_first(b, lanes), width=8)
 
 
 def _first(row, lanes):

@@ -35,6 +35,10 @@ from damage.reference.tables import DAMPING
 from damage.wall.joint_law import Material
 
 
+CHUNK = INDEX(16)
+"""Pairs that are passed by together where all are whole."""
+
+
 class Law(NamedTuple):
     """material: of the joint law; threshold [m] of first passings."""
 
@@ -86,6 +90,7 @@ def all_forces(tables, blocks, lanes, law, clock, step, singly, damped):
     clear_forces(blocks.bodies)
     clear(blocks.sums, at.DAMPED, at.KINETIC)
     if not singly:
+        clear(blocks.broken, NONE, INDEX(len(blocks.broken)))
         if lanes == 1:
             forces_of_one(blocks, damped)
         else:
@@ -110,7 +115,7 @@ def clear_forces(bodies):
 def forces_of_one(blocks, damped):
     """Forces of the pairs of one wall that are whole: eight pairs are a block."""
     pairs, bodies, bench, limits, last = blocks.pairs, blocks.bodies, blocks.bench, blocks.limits, blocks.last
-    first, second, sums, width = blocks.first, blocks.second, blocks.sums, INDEX(blocks.width)
+    first, second, sums, broken, width = blocks.first, blocks.second, blocks.sums, blocks.broken, INDEX(blocks.width)
     block = NONE
     while block < INDEX(len(limits)) // at.LIMIT:
         row, p, m, k = block * WIDTH, block * at.PAIR, block * at.LIMIT, block * at.LAST
@@ -120,6 +125,7 @@ def forces_of_one(blocks, damped):
             add_work(bench, sums, NONE, width)
         else:
             whole_rows(pairs, p, bench, at.OF_A, at.OF_B, limits, m, bench, width)
+        note_broken(broken, row // CHUNK * WIDTH, limits, m, width)
         push_rows(bodies, first, second, row, bench)
         block += ONE
 
@@ -128,7 +134,7 @@ def forces_of_one(blocks, damped):
 def forces_of_lanes(blocks, damped):
     """Forces of the pairs of several walls that are whole: a pair in eight lanes is a block."""
     pairs, bodies, bench, limits, last = blocks.pairs, blocks.bodies, blocks.bench, blocks.limits, blocks.last
-    first, second, sums, width = blocks.first, blocks.second, blocks.sums, INDEX(blocks.width)
+    first, second, sums, broken, width = blocks.first, blocks.second, blocks.sums, blocks.broken, INDEX(blocks.width)
     row = NONE
     while row < INDEX(len(limits)) // at.LIMIT:
         a, b, p, m, k = first[row], second[row], place_of(row, at.PAIR), row * at.LIMIT, row * at.LAST
@@ -138,6 +144,7 @@ def forces_of_lanes(blocks, damped):
         else:
             whole_lanes(pairs, p, bodies, a, b, limits, m, bench, width)
         push_lanes(bodies, a, b, bench, width)
+        note_broken(broken, row // CHUNK * WIDTH, limits, m, width)
         row += ONE
 
 
@@ -147,36 +154,59 @@ def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
     whether a wall is alone or among others."""
     shared, bodies, limits, last, sums = blocks.pairs, blocks.bodies, blocks.limits, blocks.last, blocks.sums
     pairs, contacts, joints = tables.pairs, tables.contacts, tables.joints
-    for p in range(pairs.shape[1]):
+    for chunk in range(len(blocks.broken) // 8):
         for lane in range(pairs.shape[0]):
-            slot = INDEX(p * lanes + lane)
-            m, k = place_of(slot, at.LIMIT), place_of(slot, at.LAST)
-            if not singly and limits[m + at.WHOLE] > 0.0:
+            if not singly and not any_broken(blocks.broken, chunk, lane, lanes):
                 continue
-            pair, a, b = pairs[lane, p], blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane)
-            frame, gap = relative_motion(shared, place_of(INDEX(p), at.PAIR), bodies, a, b)
-            before = Gap(last[k + at.MIDDLE], last[k + at.SHEAR], last[k + at.TURNED])
-            forces, elastic = springs(contacts, lane, pair.start, pair.stop, gap, law.material)
-            steady = forces
-            if not elastic:
-                forces, steady, failed = joint_forces(tables, law, lane, p, clock[lane] + step, gap, before, damped)
-                if failed:
-                    pair.broken = 1
-                    limits[m + at.OPENING] = -np.inf
-            else:
+            for p in range(16 * chunk, min(16 * chunk + 16, pairs.shape[1])):
+                slot = INDEX(p * lanes + lane)
+                m, k = place_of(slot, at.LIMIT), place_of(slot, at.LAST)
+                if not singly and limits[m + at.WHOLE] > 0.0:
+                    continue
+                pair, a, b = pairs[lane, p], blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane)
+                frame, gap = relative_motion(shared, place_of(INDEX(p), at.PAIR), bodies, a, b)
+                forces, elastic = springs(contacts, lane, pair.start, pair.stop, gap, law.material)
+                steady = forces
+                if not elastic:
+                    before = Gap(last[k + at.MIDDLE], last[k + at.SHEAR], last[k + at.TURNED])
+                    forces, steady, failed = joint_forces(tables, law, lane, p, clock[lane] + step, gap, before, damped)
+                    if failed:
+                        pair.broken = 1
+                        limits[m + at.OPENING] = -np.inf
+                else:
+                    if damped:
+                        steady = change(last, k, forces)
+                    if pair.broken:
+                        remember(contacts, lane, pair.start, pair.stop, gap.shear)
+                if singly:
+                    read_joints(contacts, joints, lane, pair.start, pair.stop, gap)
                 if damped:
-                    steady = change(last, k, forces)
-                if pair.broken:
-                    remember(contacts, lane, pair.start, pair.stop, gap.shear)
-            if singly:
-                read_joints(contacts, joints, lane, pair.start, pair.stop, gap)
-            if damped:
-                rate = blocks.bench[at.RATE + (INDEX(lane) if lanes > 1 else NONE)]
-                damped_forces, work = damp(last, k, rate, gap, forces, steady)
-                keep_last(last, k, gap, forces)
-                sums[at.DAMPED + INDEX(p % 8) * (INDEX(lanes)) + INDEX(lane)] += work
-                forces = damped_forces
-            push_pair(bodies, a, b, push(frame, forces))
+                    rate = blocks.bench[at.RATE + INDEX(lane)]
+                    damped_forces, work = damp(last, k, rate, gap, forces, steady)
+                    keep_last(last, k, gap, forces)
+                    sums[at.DAMPED + INDEX(p % 8 * lanes + lane)] += work
+                    forces = damped_forces
+                push_pair(bodies, a, b, push(frame, forces))
+
+
+@block_loop
+def note_broken(broken, c, limits, m, width):
+    """Note in the eight numbers of a chunk whether a pair of a block is not whole."""
+    i = NONE
+    while i < width:
+        broken[c + i] += 1.0 - limits[m + i + at.WHOLE]
+        i += ONE
+
+
+@compiled
+def any_broken(broken, chunk, lane, lanes):
+    """Whether a pair of a chunk is not whole, in this lane."""
+    if lanes > 1:
+        return broken[8 * chunk + lane] > 0.0
+    total = 0.0
+    for i in range(8 * chunk, 8 * chunk + 8):
+        total += broken[i]
+    return total > 0.0
 
 
 @block_loop

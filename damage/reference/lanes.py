@@ -58,7 +58,8 @@ class Lanes:
         """Raise ValueError of walls that differ in what lanes share."""
         first = self.tables.pairs[0]
         for lane, wall in enumerate(self.walls):
-            same = all(np.array_equal(first[name], self.tables.pairs[lane][name]) for name in tables.SHARED)
+            same = all(np.array_equal(first[name], self.tables.pairs[lane][name], equal_nan=True)
+                       for name in tables.SHARED)
             if not same or wall.material != self.walls[0].material:
                 raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
                                  "wall 0; step it by itself")
