@@ -46,11 +46,11 @@ def integrate(tables, blocks, lanes, controls, field, step):
 @compiled
 def set_bench(bench, lane, lanes, field, controls, alpha):
     """Put what acts on all bodies of a lane, or of the one wall, on the bench."""
-    dt, local, beta = controls[0], controls[1], controls[3]
+    dt, local, rate = controls[0], controls[1], controls[3] / controls[0]
     for i in range(lane, lane + 1) if lanes > 1 else range(8):
-        bench[at.BASE_X + INDEX(i)], bench[at.BASE_Z + INDEX(i)] = field[0], field[1] + field[2]
-        bench[at.STEP + INDEX(i)], bench[at.ALPHA + INDEX(i)], bench[at.LOCAL + INDEX(i)] = dt, alpha, local
-        bench[at.RATE + INDEX(i)] = beta / dt
+        k = INDEX(i)
+        bench[at.BASE_X + k], bench[at.BASE_Z + k], bench[at.STEP + k] = field[0], field[1] + field[2], dt
+        bench[at.ALPHA + k], bench[at.LOCAL + k], bench[at.RATE + k] = alpha, local, rate
 
 
 @compiled

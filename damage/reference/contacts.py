@@ -84,7 +84,7 @@ def remember(contacts, lane, start, stop, shear):
     against the last one."""
     for i in range(start, stop):
         contact = contacts[lane, i]
-        if contact.tensile_force == 0.0 or contact.soft:
+        if contact.idle >= 0.0 or contact.soft:
             contact.tau0, contact.shear0 = contact.tau0 + contact.ks * (shear - contact.shear0), shear
 
 

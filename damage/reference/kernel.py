@@ -153,7 +153,7 @@ def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
     """Forces of the pairs that are not whole, or of all, contact by contact: after the others, in the same order
     whether a wall is alone or among others."""
     shared, bodies, limits, last, sums = blocks.pairs, blocks.bodies, blocks.limits, blocks.last, blocks.sums
-    pairs, contacts, joints = tables.pairs, tables.contacts, tables.joints
+    pairs, contacts, joints, first, second = tables.pairs, tables.contacts, tables.joints, blocks.first, blocks.second
     for chunk in range(len(blocks.broken) // 8):
         for lane in range(pairs.shape[0]):
             if not singly and not any_broken(blocks.broken, chunk, lane, lanes):
@@ -163,23 +163,23 @@ def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
                 m, k = place_of(slot, at.LIMIT), place_of(slot, at.LAST)
                 if not singly and limits[m + at.WHOLE] > 0.0:
                     continue
-                pair, a, b = pairs[lane, p], blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane)
+                start, stop = pairs[0, p].start, pairs[0, p].stop  # of all lanes: fewer to fetch from memory
+                a, b = first[p] + INDEX(lane), second[p] + INDEX(lane)
                 frame, gap = relative_motion(shared, place_of(INDEX(p), at.PAIR), bodies, a, b)
-                forces, elastic = springs(contacts, lane, pair.start, pair.stop, gap, law.material)
+                forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
                 steady = forces
                 if not elastic:
                     before = Gap(last[k + at.MIDDLE], last[k + at.SHEAR], last[k + at.TURNED])
                     forces, steady, failed = joint_forces(tables, law, lane, p, clock[lane] + step, gap, before, damped)
                     if failed:
-                        pair.broken = 1
+                        pairs[lane, p].broken = 1
                         limits[m + at.OPENING] = -np.inf
                 else:
                     if damped:
                         steady = change(last, k, forces)
-                    if pair.broken:
-                        remember(contacts, lane, pair.start, pair.stop, gap.shear)
+                    remember(contacts, lane, start, stop, gap.shear)
                 if singly:
-                    read_joints(contacts, joints, lane, pair.start, pair.stop, gap)
+                    read_joints(contacts, joints, lane, start, stop, gap)
                 if damped:
                     rate = blocks.bench[at.RATE + INDEX(lane)]
                     damped_forces, work = damp(last, k, rate, gap, forces, steady)
