@@ -29,9 +29,9 @@ X, Z, COS1, SIN, FX, FZ, MOMENT, TURN, VX, VZ, SPIN, MASS, INERTIA, INVERSE_X, I
     _fields(0, 17)
 # of pairs, those of PAIR that all lanes share;
 AX, AZ, BX, BZ, KN, KS, KN_OFFSET, KN_OFFSET2, REACH, SLIDE_LOSS, HEAD, PAIR = _fields(0, 12)
-# of their limits in each lane, with whether they stayed within, and of what damping compares them with;
-OPENING, SLIDE, WHOLE, LIMIT = _fields(0, 4)
-MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, LAST = _fields(0, 7)
+# of what each lane has of its own of them: limits, whether they stayed within, and how far the bodies had moved apart
+# and the forces were in the last step, with which damping compares them;
+OPENING, SLIDE, WHOLE, MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, OWN = _fields(0, 10)
 # and of the bench, where one block is worked on.
 OF_A, OF_B = _fields(0, 2, 32)  # x, z, cos1, sin of both bodies
 PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B, WORK = _fields(8, 5)
@@ -47,8 +47,7 @@ class Blocks(NamedTuple):
 
     bodies: np.ndarray
     pairs: np.ndarray
-    limits: np.ndarray
-    last: np.ndarray
+    own: np.ndarray
     bench: np.ndarray
     sums: np.ndarray
     broken: np.ndarray
@@ -70,9 +69,16 @@ def make_blocks(pairs, n_bodies, lanes):
         shared[:, number].flat[:len(pairs)] = pairs[name]
     return Blocks(
         bodies=np.zeros(blocks_of(n_bodies * lanes, BODY)), pairs=shared.ravel(),
-        limits=np.full(blocks_of(len(pairs) * lanes, LIMIT), np.inf),
-        last=np.zeros(blocks_of(len(pairs) * lanes, LAST)), bench=np.zeros(int(BENCH)),
-        sums=np.zeros(int(SUMS)), broken=np.zeros(8 * -(-len(pairs) // 16)), first=_first(a, lanes), second=_first(b, lanes), width=8)
+        own=_own(blocks_of(len(pairs) * lanes, 1)), bench=np.zeros(int(BENCH)), sums=np.zeros(int(SUMS)),
+        broken=np.zeros(8 * -(-len(pairs) // 16)),
+        first=_first(a, lanes), second=_first(b, lanes), width=8)
+
+
+def _own(n):
+    """Blocks of pairs that no opening and no slide takes out of their limits."""
+    own = np.zeros((n, int(OWN) // 8, 8))
+    own[:, :2] = np.inf
+    return own.ravel()
 
 
 def _first(row, lanes):
@@ -121,6 +127,6 @@ def pack_limits(tables, blocks, lanes):
     """Copy what leaves pairs whole into their blocks: nothing where a contact is broken."""
     for lane in range(tables.pairs.shape[0]):
         for p in range(tables.pairs.shape[1]):
-            pair, at = tables.pairs[lane, p], place_of(INDEX(p * lanes + lane), LIMIT)
-            blocks.limits[at + OPENING] = -np.inf if pair.broken else pair.largest_opening
-            blocks.limits[at + SLIDE] = pair.largest_slide
+            pair, at = tables.pairs[lane, p], place_of(INDEX(p * lanes + lane), OWN)
+            blocks.own[at + OPENING] = -np.inf if pair.broken else pair.largest_opening
+            blocks.own[at + SLIDE] = pair.largest_slide

@@ -114,18 +114,18 @@ def clear_forces(bodies):
 @compiled
 def forces_of_one(blocks, damped):
     """Forces of the pairs of one wall that are whole: eight pairs are a block."""
-    pairs, bodies, bench, limits, last = blocks.pairs, blocks.bodies, blocks.bench, blocks.limits, blocks.last
+    pairs, bodies, bench, own = blocks.pairs, blocks.bodies, blocks.bench, blocks.own
     first, second, sums, broken, width = blocks.first, blocks.second, blocks.sums, blocks.broken, INDEX(blocks.width)
     block = NONE
-    while block < INDEX(len(limits)) // at.LIMIT:
-        row, p, m, k = block * WIDTH, block * at.PAIR, block * at.LIMIT, block * at.LAST
+    while block < INDEX(len(own)) // at.OWN:
+        row, p, m = block * WIDTH, block * at.PAIR, block * at.OWN
         fetch(bodies, first, second, row, bench)
         if damped:
-            damped_rows(pairs, p, bench, at.OF_A, at.OF_B, limits, m, last, k, bench, width)
+            damped_rows(pairs, p, bench, at.OF_A, at.OF_B, own, m, bench, width)
             add_work(bench, sums, NONE, width)
         else:
-            whole_rows(pairs, p, bench, at.OF_A, at.OF_B, limits, m, bench, width)
-        note_broken(broken, row // CHUNK * WIDTH, limits, m, width)
+            whole_rows(pairs, p, bench, at.OF_A, at.OF_B, own, m, bench, width)
+        note_broken(broken, row // CHUNK * WIDTH, own, m, width)
         push_rows(bodies, first, second, row, bench)
         block += ONE
 
@@ -133,18 +133,18 @@ def forces_of_one(blocks, damped):
 @compiled
 def forces_of_lanes(blocks, damped):
     """Forces of the pairs of several walls that are whole: a pair in eight lanes is a block."""
-    pairs, bodies, bench, limits, last = blocks.pairs, blocks.bodies, blocks.bench, blocks.limits, blocks.last
+    pairs, bodies, bench, own = blocks.pairs, blocks.bodies, blocks.bench, blocks.own
     first, second, sums, broken, width = blocks.first, blocks.second, blocks.sums, blocks.broken, INDEX(blocks.width)
     row = NONE
-    while row < INDEX(len(limits)) // at.LIMIT:
-        a, b, p, m, k = first[row], second[row], place_of(row, at.PAIR), row * at.LIMIT, row * at.LAST
+    while row < INDEX(len(own)) // at.OWN:
+        a, b, p, m = first[row], second[row], place_of(row, at.PAIR), row * at.OWN
         if damped:
-            damped_lanes(pairs, p, bodies, a, b, limits, m, last, k, bench, width)
+            damped_lanes(pairs, p, bodies, a, b, own, m, bench, width)
             add_work(bench, sums, row % WIDTH * WIDTH, width)
         else:
-            whole_lanes(pairs, p, bodies, a, b, limits, m, bench, width)
+            whole_lanes(pairs, p, bodies, a, b, own, m, bench, width)
         push_lanes(bodies, a, b, bench, width)
-        note_broken(broken, row // CHUNK * WIDTH, limits, m, width)
+        note_broken(broken, row // CHUNK * WIDTH, own, m, width)
         row += ONE
 
 
@@ -152,16 +152,15 @@ def forces_of_lanes(blocks, damped):
 def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
     """Forces of the pairs that are not whole, or of all, contact by contact: after the others, in the same order
     whether a wall is alone or among others."""
-    shared, bodies, limits, last, sums = blocks.pairs, blocks.bodies, blocks.limits, blocks.last, blocks.sums
+    shared, bodies, own, sums = blocks.pairs, blocks.bodies, blocks.own, blocks.sums
     pairs, contacts, joints, first, second = tables.pairs, tables.contacts, tables.joints, blocks.first, blocks.second
     for chunk in range(len(blocks.broken) // 8):
         for lane in range(pairs.shape[0]):
             if not singly and not any_broken(blocks.broken, chunk, lane, lanes):
                 continue
             for p in range(16 * chunk, min(16 * chunk + 16, pairs.shape[1])):
-                slot = INDEX(p * lanes + lane)
-                m, k = place_of(slot, at.LIMIT), place_of(slot, at.LAST)
-                if not singly and limits[m + at.WHOLE] > 0.0:
+                m = place_of(INDEX(p * lanes + lane), at.OWN)
+                if not singly and own[m + at.WHOLE] > 0.0:
                     continue
                 start, stop = pairs[0, p].start, pairs[0, p].stop  # of all lanes: fewer to fetch from memory
                 a, b = first[p] + INDEX(lane), second[p] + INDEX(lane)
@@ -169,32 +168,32 @@ def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
                 forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
                 steady = forces
                 if not elastic:
-                    before = Gap(last[k + at.MIDDLE], last[k + at.SHEAR], last[k + at.TURNED])
+                    before = Gap(own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED])
                     forces, steady, failed = joint_forces(tables, law, lane, p, clock[lane] + step, gap, before, damped)
                     if failed:
                         pairs[lane, p].broken = 1
-                        limits[m + at.OPENING] = -np.inf
+                        own[m + at.OPENING] = -np.inf
                 else:
                     if damped:
-                        steady = change(last, k, forces)
+                        steady = change(own, m, forces)
                     remember(contacts, lane, start, stop, gap.shear)
                 if singly:
                     read_joints(contacts, joints, lane, start, stop, gap)
                 if damped:
                     rate = blocks.bench[at.RATE + INDEX(lane)]
-                    damped_forces, work = damp(last, k, rate, gap, forces, steady)
-                    keep_last(last, k, gap, forces)
+                    damped_forces, work = damp(own, m, rate, gap, forces, steady)
+                    keep_last(own, m, gap, forces)
                     sums[at.DAMPED + INDEX(p % 8 * lanes + lane)] += work
                     forces = damped_forces
                 push_pair(bodies, a, b, push(frame, forces))
 
 
 @block_loop
-def note_broken(broken, c, limits, m, width):
+def note_broken(broken, c, own, m, width):
     """Note in the eight numbers of a chunk whether a pair of a block is not whole."""
     i = NONE
     while i < width:
-        broken[c + i] += 1.0 - limits[m + i + at.WHOLE]
+        broken[c + i] += 1.0 - own[m + i + at.WHOLE]
         i += ONE
 
 
@@ -282,5 +281,5 @@ def remember_all(tables, blocks, lanes):
             pair, here = tables.pairs[lane, p], INDEX(lane)
             _, gap = relative_motion(blocks.pairs, place_of(INDEX(p), at.PAIR), blocks.bodies, blocks.first[p] + here,
                                      blocks.second[p] + here)
-            keep_last(blocks.last, place_of(INDEX(p * lanes + lane), at.LAST), gap,
+            keep_last(blocks.own, place_of(INDEX(p * lanes + lane), at.OWN), gap,
                       sum_of_stresses(tables.contacts, lane, pair.start, pair.stop, gap))

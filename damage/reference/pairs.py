@@ -84,10 +84,10 @@ def relative_motion(pairs, p, bodies, a, b):
 
 
 @inlined
-def stays_whole(pairs, p, limits, m, gap):
+def stays_whole(pairs, p, own, m, gap):
     """Whether the outermost opening [m] leaves all contacts of a pair within their strengths."""
     widest = gap.middle + pairs[p + at.REACH] * abs(gap.turn)
-    return joint_law.stays_elastic(widest, gap.shear, limits[m + at.OPENING], limits[m + at.SLIDE],
+    return joint_law.stays_elastic(widest, gap.shear, own[m + at.OPENING], own[m + at.SLIDE],
                                    pairs[p + at.SLIDE_LOSS])
 
 
@@ -109,39 +109,39 @@ def push(frame, forces):
 
 
 @inlined
-def change(last, k, forces):
+def change(own, m, forces):
     """How the forces of a pair [N, N m] have changed since the last step."""
-    return Forces(forces.normal - last[k + at.NORMAL], forces.along - last[k + at.ALONG],
-                  forces.couple - last[k + at.COUPLE])
+    return Forces(forces.normal - own[m + at.NORMAL], forces.along - own[m + at.ALONG],
+                  forces.couple - own[m + at.COUPLE])
 
 
 @inlined
-def damp(last, k, rate, gap, forces, steady):
+def damp(own, m, rate, gap, forces, steady):
     """The forces of a pair [N, N m] with damping proportional to stiffness, and its work [J], which is lost.
 
     rate: beta over the time step [-]; steady: what is damped, the change of its elastic forces since the last step."""
-    work = (steady.normal * (gap.middle - last[k + at.MIDDLE]) + steady.along * (gap.shear - last[k + at.SHEAR])
-            + steady.couple * (gap.turn - last[k + at.TURNED]))
+    work = (steady.normal * (gap.middle - own[m + at.MIDDLE]) + steady.along * (gap.shear - own[m + at.SHEAR])
+            + steady.couple * (gap.turn - own[m + at.TURNED]))
     return Forces(forces.normal + rate * steady.normal, forces.along + rate * steady.along,
                   forces.couple + rate * steady.couple), rate * work
 
 
 @inlined
-def keep_last(last, k, gap, forces):
+def keep_last(own, m, gap, forces):
     """Write how far the bodies of a pair have moved apart [m] and its forces [N, N m] for the next step."""
-    last[k + at.MIDDLE], last[k + at.SHEAR], last[k + at.TURNED] = gap.middle, gap.shear, gap.turn
-    last[k + at.NORMAL], last[k + at.ALONG], last[k + at.COUPLE] = forces.normal, forces.along, forces.couple
+    own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED] = gap.middle, gap.shear, gap.turn
+    own[m + at.NORMAL], own[m + at.ALONG], own[m + at.COUPLE] = forces.normal, forces.along, forces.couple
 
 
 @inlined
-def keep_last_of(last, k, whole, gap, forces):
+def keep_last_of(own, m, whole, gap, forces):
     """`keep_last` where the pair is whole; where not, what was there stays for what is done then."""
-    last[k + at.MIDDLE] = gap.middle if whole else last[k + at.MIDDLE]
-    last[k + at.SHEAR] = gap.shear if whole else last[k + at.SHEAR]
-    last[k + at.TURNED] = gap.turn if whole else last[k + at.TURNED]
-    last[k + at.NORMAL] = forces.normal if whole else last[k + at.NORMAL]
-    last[k + at.ALONG] = forces.along if whole else last[k + at.ALONG]
-    last[k + at.COUPLE] = forces.couple if whole else last[k + at.COUPLE]
+    own[m + at.MIDDLE] = gap.middle if whole else own[m + at.MIDDLE]
+    own[m + at.SHEAR] = gap.shear if whole else own[m + at.SHEAR]
+    own[m + at.TURNED] = gap.turn if whole else own[m + at.TURNED]
+    own[m + at.NORMAL] = forces.normal if whole else own[m + at.NORMAL]
+    own[m + at.ALONG] = forces.along if whole else own[m + at.ALONG]
+    own[m + at.COUPLE] = forces.couple if whole else own[m + at.COUPLE]
 
 
 @inlined
@@ -154,55 +154,55 @@ def put(bench, i, whole, pushed):
 
 # `while`, here and wherever eight elements are done: of numba's ranges over constants the compiler makes no vectors.
 @block_loop
-def whole_rows(pairs, p, bodies, a, b, limits, m, bench, width):
+def whole_rows(pairs, p, bodies, a, b, own, m, bench, width):
     """What eight pairs do that are whole, and whether they are, on the bench; p, a, b, m: where the first fields of
     the first one are."""
     i = NONE
     while i < width:
         frame, gap = relative_motion(pairs, p + i, bodies, a + i, b + i)
-        whole = stays_whole(pairs, p + i, limits, m + i, gap)
+        whole = stays_whole(pairs, p + i, own, m + i, gap)
         put(bench, i, whole, push(frame, whole_pair(pairs, p + i, gap)))
-        limits[m + i + at.WHOLE] = 1.0 if whole else 0.0
+        own[m + i + at.WHOLE] = 1.0 if whole else 0.0
         i += ONE
 
 
 @block_loop
-def whole_lanes(pairs, p, bodies, a, b, limits, m, bench, width):
+def whole_lanes(pairs, p, bodies, a, b, own, m, bench, width):
     """`whole_rows` of one pair in eight lanes."""
     i = NONE
     while i < width:
         frame, gap = relative_motion(pairs, p, bodies, a + i, b + i)
-        whole = stays_whole(pairs, p, limits, m + i, gap)
+        whole = stays_whole(pairs, p, own, m + i, gap)
         put(bench, i, whole, push(frame, whole_pair(pairs, p, gap)))
-        limits[m + i + at.WHOLE] = 1.0 if whole else 0.0
+        own[m + i + at.WHOLE] = 1.0 if whole else 0.0
         i += ONE
 
 
 @block_loop
-def damped_rows(pairs, p, bodies, a, b, limits, m, last, k, bench, width):
-    """`whole_rows` with damping proportional to stiffness, and its work; k: where the first fields of `last` are."""
+def damped_rows(pairs, p, bodies, a, b, own, m, bench, width):
+    """`whole_rows` with damping proportional to stiffness, and its work."""
     i = NONE
     while i < width:
         frame, gap = relative_motion(pairs, p + i, bodies, a + i, b + i)
-        whole, forces = stays_whole(pairs, p + i, limits, m + i, gap), whole_pair(pairs, p + i, gap)
-        damped, work = damp(last, k + i, bench[at.RATE + i], gap, forces, change(last, k + i, forces))
-        keep_last_of(last, k + i, whole, gap, forces)
+        whole, forces = stays_whole(pairs, p + i, own, m + i, gap), whole_pair(pairs, p + i, gap)
+        damped, work = damp(own, m + i, bench[at.RATE + i], gap, forces, change(own, m + i, forces))
+        keep_last_of(own, m + i, whole, gap, forces)
         put(bench, i, whole, push(frame, damped))
         bench[at.WORK + i] = work if whole else 0.0
-        limits[m + i + at.WHOLE] = 1.0 if whole else 0.0
+        own[m + i + at.WHOLE] = 1.0 if whole else 0.0
         i += ONE
 
 
 @block_loop
-def damped_lanes(pairs, p, bodies, a, b, limits, m, last, k, bench, width):
+def damped_lanes(pairs, p, bodies, a, b, own, m, bench, width):
     """`damped_rows` of one pair in eight lanes."""
     i = NONE
     while i < width:
         frame, gap = relative_motion(pairs, p, bodies, a + i, b + i)
-        whole, forces = stays_whole(pairs, p, limits, m + i, gap), whole_pair(pairs, p, gap)
-        damped, work = damp(last, k + i, bench[at.RATE + i], gap, forces, change(last, k + i, forces))
-        keep_last_of(last, k + i, whole, gap, forces)
+        whole, forces = stays_whole(pairs, p, own, m + i, gap), whole_pair(pairs, p, gap)
+        damped, work = damp(own, m + i, bench[at.RATE + i], gap, forces, change(own, m + i, forces))
+        keep_last_of(own, m + i, whole, gap, forces)
         put(bench, i, whole, push(frame, damped))
         bench[at.WORK + i] = work if whole else 0.0
-        limits[m + i + at.WHOLE] = 1.0 if whole else 0.0
+        own[m + i + at.WHOLE] = 1.0 if whole else 0.0
         i += ONE
