@@ -122,6 +122,7 @@ def advance(bodies, k, dt, rate_x, rate_z, rate_turn, sums, part):
     bodies[k + at.VX], bodies[k + at.VZ], bodies[k + at.SPIN] = vx, vz, spin
     bodies[k + at.X], bodies[k + at.Z] = bodies[k + at.X] + dt * vx, bodies[k + at.Z] + dt * vz
     bodies[k + at.TURN] = turn
+    bodies[k + at.FX] = bodies[k + at.FZ] = bodies[k + at.MOMENT] = 0.0  # for those of the next places
     # cos(turn) - 1 and sin(turn) by series, whose remainder is below 1e-17 while the angle is SMALL.
     square = turn * turn
     bodies[k + at.COS1] = -0.5 * square * (1.0 - square * (1 / 12) * (1.0 - square * (1 / 30)))

@@ -76,18 +76,18 @@ def find_forces(tables, blocks, lanes, law, clock, step, singly, damped):
     """Forces [N, N m] on every body at the present places; calling it twice changes nothing.  As `all_forces`, with
     step 0 and not damped: constants from within would have each compiled once more."""
     pack(tables, blocks, lanes)
+    clear_forces(blocks.bodies)
     all_forces(tables, blocks, lanes, law, clock, step, singly, damped)
     unpack(tables, blocks, lanes)
 
 
 @compiled
 def all_forces(tables, blocks, lanes, law, clock, step, singly, damped):
-    """Forces of the contacts on all bodies, into the blocks.
+    """Forces of the contacts on all bodies, into the blocks, where they are zero.
 
     singly: no pair as one spring, so that forces are the sums of the stresses of its contacts, to the last bit; these
     are written then, too.
     """
-    clear_forces(blocks.bodies)
     clear(blocks.sums, at.DAMPED, at.KINETIC)
     if not singly:
         clear(blocks.broken, NONE, INDEX(len(blocks.broken)))

@@ -46,23 +46,13 @@ class Lanes:
 
     def __init__(self, walls):
         self.walls = list(walls)
+        _check(self.walls)
         self.tables = _join([wall.system for wall in self.walls])
         for lane, wall in enumerate(self.walls):
             wall.system, wall.lanes = _lane(self.tables, lane), self
-        self._check()
         self._width = 1 if len(self.walls) == 1 else MOST_LANES
         self._law = kernel.Law(self.walls[0].material, THRESHOLD)
         self._blocks = make_blocks(self.tables.pairs[0], self.tables.place.shape[1], self._width)
-
-    def _check(self):
-        """Raise ValueError of walls that differ in what lanes share."""
-        first = self.tables.pairs[0]
-        for lane, wall in enumerate(self.walls):
-            same = all(np.array_equal(first[name], self.tables.pairs[lane][name], equal_nan=True)
-                       for name in tables.SHARED)
-            if not same or wall.material != self.walls[0].material:
-                raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
-                                 "wall 0; step it by itself")
 
     def are_of(self, walls):
         """Whether these are the walls, in this order, and still bound to these tables."""
@@ -88,6 +78,17 @@ class Lanes:
 
     def _clock(self):
         return np.array([wall.step - wall.first_step for wall in self.walls])
+
+
+def _check(walls):
+    """Raise ValueError of walls that differ in what lanes share."""
+    first, material = walls[0].system, walls[0].material
+    for lane, wall in enumerate(walls[1:], 1):
+        same = wall.material == material and len(wall.system.contacts) == len(first.contacts) and all(
+            np.array_equal(first.pairs[name], wall.system.pairs[name], equal_nan=True) for name in tables.SHARED)
+        if not same:
+            raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
+                             "wall 0; step it by itself")
 
 
 def _join(systems):
