@@ -34,8 +34,8 @@ def everything(wall):
     """What a wall is and has told, as bytes."""
     system, events = wall.system, wall.drain_events()
     instant = wall.instant((0.0, 0.0))
-    parts = [np.ascontiguousarray(table[name]) for table in (system.place, system.motion, system.joints, system.contacts)
-             for name in table.dtype.names]
+    rows = (system.place, system.motion, system.joints, system.contacts)
+    parts = [np.ascontiguousarray(table[name]) for table in rows for name in table.dtype.names]
     return [part.tobytes() for part in (*parts, system.energy, np.array(events, dtype=object).astype(str))], \
         [np.asarray(value).tobytes() for value in instant if value is not None]
 
@@ -51,7 +51,7 @@ def members():
     """Ten walls, of strengths, motions and dampings of their own: more than one group of lanes."""
     walls = [make(seed) for seed in range(len(CASES))]
     walls[3].shift(np.random.default_rng(3).normal(0, 1e-7, (len(walls[3].layout.bodies), 2)))
-    for wall, case in zip(walls, CASES):
+    for wall in walls:
         wall.damp(local=0.7)
     return walls
 
@@ -85,7 +85,7 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_lane_among_any_others(alone):
 def test_a_lane_that_ends_or_fails_does_not_disturb_the_others(alone):
     """One is left out after a while, one blows up by too large a step, one is run by itself in between."""
     walls = [make(seed) for seed in (0, 1, 2, 0)]
-    for wall, case in zip(walls, [*CASES[:3], CASES[0]]):
+    for wall in walls:
         wall.damp(local=0.7)
     run_together(walls, 200)
     for wall, case in zip(walls, [*CASES[:3], CASES[0]]):

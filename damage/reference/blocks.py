@@ -93,33 +93,28 @@ def place_of(slot, size):
 
 
 @compiled
-def copy_fields(table, bodies, first, lanes, into):
-    """Between a table (lanes in use, rows, fields) and the blocks of the bodies, whose first of these fields is
-    `first`."""
-    for lane in range(table.shape[0]):
-        for row in range(table.shape[1]):
-            at = place_of(INDEX(row * lanes + lane), BODY) + first
-            for field in range(table.shape[2]):
-                if into:
-                    bodies[at] = table[lane, row, field]
-                else:
-                    table[lane, row, field] = bodies[at]
-                at += WIDTH
-
-
-@compiled
 def pack(tables, blocks, lanes):
     """Copy places and motions of the bodies, and what leaves pairs whole, from the tables into their blocks."""
-    copy_fields(tables.place, blocks.bodies, X, lanes, True)
-    copy_fields(tables.motion, blocks.bodies, VX, lanes, True)
+    place, motion, bodies = tables.place, tables.motion, blocks.bodies
+    for lane in range(place.shape[0]):
+        for row in range(place.shape[1]):
+            k = place_of(INDEX(row * lanes + lane), BODY)
+            for field in range(8):
+                bodies[k + X + INDEX(8 * field)] = place[lane, row, field]
+                bodies[k + VX + INDEX(8 * field)] = motion[lane, row, field]
     pack_limits(tables, blocks, lanes)
 
 
 @compiled
 def unpack(tables, blocks, lanes):
     """Copy places and motions of the bodies from their blocks into the tables."""
-    copy_fields(tables.place, blocks.bodies, X, lanes, False)
-    copy_fields(tables.motion, blocks.bodies, VX, lanes, False)
+    place, motion, bodies = tables.place, tables.motion, blocks.bodies
+    for lane in range(place.shape[0]):
+        for row in range(place.shape[1]):
+            k = place_of(INDEX(row * lanes + lane), BODY)
+            for field in range(8):
+                place[lane, row, field] = bodies[k + X + INDEX(8 * field)]
+                motion[lane, row, field] = bodies[k + VX + INDEX(8 * field)]
 
 
 @compiled

@@ -3,11 +3,11 @@
 Units are SI.  Bodies move by (u_x, u_z, rotation x towards z) since the wall was built, in the frame
 of the base; the last body is the ground and never moves.
 
-A step is: `integrate` (bodies.py); `contact_forces`, which asks for the relative motion of all pairs and what they do
-as one spring each (pairs.py), eight at a time (blocks.py), does those again that are not whole, contact by contact
-(contacts.py), and pushes both bodies.  It is one wall's, or that of up to eight walls side by side, its lanes, which
-share the bricks and the stiffnesses of the joints; a wall's bits are the same either way, as each of its numbers is
-made by the same operations in the same order.
+A step is: `integrate` (bodies.py); `all_forces`, which asks for the relative motion of all pairs and what they do as
+one spring each (pairs.py), eight at a time (blocks.py), and then does those that are not whole, contact by contact
+(contacts.py), whose stresses are read after the last step.  It is one wall's, or that of up to eight walls side by
+side, its lanes, which share the bricks and the stiffnesses of the joints; a wall's bits are the same either way, as
+each of its numbers is made by the same operations in the same order.
 """
 
 from typing import NamedTuple
@@ -33,7 +33,6 @@ from damage.reference.pairs import (
 )
 from damage.reference.tables import DAMPING
 from damage.wall.joint_law import Material
-
 
 CHUNK = INDEX(16)
 """Pairs that are passed by together where all are whole."""
@@ -152,40 +151,46 @@ def forces_of_lanes(blocks, damped):
 def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
     """Forces of the pairs that are not whole, or of all, contact by contact: after the others, in the same order
     whether a wall is alone or among others."""
-    shared, bodies, own, sums = blocks.pairs, blocks.bodies, blocks.own, blocks.sums
-    pairs, contacts, joints, first, second = tables.pairs, tables.contacts, tables.joints, blocks.first, blocks.second
     for chunk in range(len(blocks.broken) // 8):
-        for lane in range(pairs.shape[0]):
-            if not singly and not any_broken(blocks.broken, chunk, lane, lanes):
-                continue
-            for p in range(16 * chunk, min(16 * chunk + 16, pairs.shape[1])):
-                m = place_of(INDEX(p * lanes + lane), at.OWN)
-                if not singly and own[m + at.WHOLE] > 0.0:
-                    continue
-                start, stop = pairs[0, p].start, pairs[0, p].stop  # of all lanes: fewer to fetch from memory
-                a, b = first[p] + INDEX(lane), second[p] + INDEX(lane)
-                frame, gap = relative_motion(shared, place_of(INDEX(p), at.PAIR), bodies, a, b)
-                forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
-                steady = forces
-                if not elastic:
-                    before = Gap(own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED])
-                    forces, steady, failed = joint_forces(tables, law, lane, p, clock[lane] + step, gap, before, damped)
-                    if failed:
-                        pairs[lane, p].broken = 1
-                        own[m + at.OPENING] = -np.inf
-                else:
-                    if damped:
-                        steady = change(own, m, forces)
-                    remember(contacts, lane, start, stop, gap.shear)
-                if singly:
-                    read_joints(contacts, joints, lane, start, stop, gap)
-                if damped:
-                    rate = blocks.bench[at.RATE + INDEX(lane)]
-                    damped_forces, work = damp(own, m, rate, gap, forces, steady)
-                    keep_last(own, m, gap, forces)
-                    sums[at.DAMPED + INDEX(p % 8 * lanes + lane)] += work
-                    forces = damped_forces
-                push_pair(bodies, a, b, push(frame, forces))
+        for lane in range(tables.pairs.shape[0]):
+            if singly or any_broken(blocks.broken, chunk, lane, lanes):
+                forces_of_chunk(tables, blocks, lanes, law, clock[lane] + step, lane, chunk, singly, damped)
+
+
+@block_loop
+def forces_of_chunk(tables, blocks, lanes, law, step, lane, chunk, singly, damped):
+    """The same of the pairs of a chunk, in one lane."""
+    for p in range(16 * chunk, min(16 * chunk + 16, tables.pairs.shape[1])):
+        m = place_of(INDEX(p * lanes + lane), at.OWN)
+        if singly or blocks.own[m + at.WHOLE] == 0.0:
+            forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped)
+
+
+@block_loop
+def forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped):
+    """The same of one pair, whose own fields begin at m; `singly` writes what its contacts do, too."""
+    own, bodies, contacts = blocks.own, blocks.bodies, tables.contacts
+    start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop  # of all lanes: fewer to fetch from memory
+    a, b = blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane)
+    frame, gap = relative_motion(blocks.pairs, place_of(INDEX(p), at.PAIR), bodies, a, b)
+    forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
+    steady = change(own, m, forces)
+    if elastic:
+        remember(contacts, lane, start, stop, gap.shear)
+    else:
+        before = Gap(own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED])
+        forces, steady, failed = joint_forces(tables, law, lane, p, step, gap, before, damped)
+        if failed:
+            tables.pairs[lane, p].broken = 1
+            own[m + at.OPENING] = -np.inf
+    if singly:
+        read_joints(contacts, tables.joints, lane, start, stop, gap)
+    if damped:
+        with_damping, work = damp(own, m, blocks.bench[at.RATE + INDEX(lane)], gap, forces, steady)
+        keep_last(own, m, gap, forces)
+        blocks.sums[at.DAMPED + INDEX(p % 8 * lanes + lane)] += work
+        forces = with_damping
+    push_pair(bodies, a, b, push(frame, forces))
 
 
 @block_loop

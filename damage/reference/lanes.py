@@ -3,9 +3,9 @@
     run_together([wall, another, ...], n_steps)     # each as wall.run(n_steps) would, to the same bits
 
 Walls are ReferenceWalls of any state, motion, strength, damping and time step that share bricks, joints' places and
-stiffnesses, and friction.  Each stays a wall of its own: its tables are views on those of its lanes, and it may be read,
-changed and run alone at any time.  Lanes are made anew where the walls that are asked for are not those of the last
-time, so that a wall that has ended is simply left out.
+stiffnesses, and friction.  Each stays a wall of its own: its tables are views on those of its lanes, and it may be
+read, changed and run alone at any time.  Lanes are made anew where the walls that are asked for are not those of the
+last time, so that a wall that has ended is simply left out.
 """
 
 import numpy as np
