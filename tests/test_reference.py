@@ -7,7 +7,6 @@ from numpy.testing import assert_allclose
 import damage
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
-from damage.reference import kernel
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
@@ -288,8 +287,7 @@ def test_a_whole_pair_as_one_spring_is_its_contacts_one_by_one():
                 solver.system.place[name][:-1] = column
             solver.system.place["cos1"][:-1] = np.cos(motion[:, 2]) - 1
             solver.system.place["sin"][:-1] = np.sin(motion[:, 2])
-            kernel.contact_forces(solver.system, solver._constants(), 0, singly)
-            kernel.read_joints(solver.system)
+            solver.lanes.find_forces(singly)
         scale = np.abs(by_contact.force).max(axis=0)
         assert_allclose(shortcut.force / scale, by_contact.force / scale, rtol=0, atol=1e-9)
         assert np.array_equal(shortcut.system.joints["broken"], by_contact.system.joints["broken"])

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.reference import kernel
 from damage.reference.tables import FRACTURE, FRICTION
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import BED, GROUND, lay_out
@@ -102,12 +101,11 @@ def drive(path, fibres=0):
     layout = pair(fibres)
     area = layout.contacts.area[between(layout)]
     wall = ReferenceWall(layout, 1e-5)
-    upper, constants, forces = wall.system.place[1], wall._constants(), []
+    upper, forces = wall.system.place[1], []
     for opening, shear in path:
         upper["z"], upper["x"] = opening, shear
-        kernel.contact_forces(wall.system, constants, 0, True)
+        wall.lanes.find_forces(singly=True)
         forces.append((-upper["fz"], -upper["fx"]))
-    kernel.read_joints(wall.system)
     energies = wall.energy[FRICTION], wall.energy[FRACTURE], wall.elastic_energy()
     return Driven(path, np.array(forces) / area, np.array(energies) / area)
 

@@ -4,8 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.wall.joint_law import Material
-
 OPENED, SLIPPED = 3, 4  # event kinds beside joint_law's TENSION and SHEAR
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)  # entries of `energy` [J]
 REAL, INDEX, FLAG, BITS = np.float64, np.uint32, np.bool_, np.uint8
@@ -17,6 +15,7 @@ def _row(*fields):
 
 
 PAIR = _row(
+    # What walls that step together share, in the order of `blocks.PAIR`:
     ("ax", REAL, "m", "arm from the centre of body a to the middle of the contacts, along x"),
     ("az", REAL, "m", "the same along z"),
     ("bx", REAL, "m", "arm from the centre of body b, along x"),
@@ -26,16 +25,18 @@ PAIR = _row(
     ("kn_offset", REAL, "N", "sum of kn offset over the contacts"),
     ("kn_offset2", REAL, "N m", "sum of kn offset^2"),
     ("reach", REAL, "m", "offset of the outermost contact"),
-    ("largest_opening", REAL, "m", "opening at the reach up to which no contact can break"),
-    ("largest_slide", REAL, "m", "shear displacement below which none can, at no opening"),
     ("slide_loss", REAL, "-", "by how much an opening at the reach lowers the largest slide"),
+    ("head", REAL, "-", "1 for a head joint, 0 for a bed joint"),
     ("a", INDEX, "-", "row of body a"),
     ("b", INDEX, "-", "row of body b"),
     ("start", INDEX, "-", "row of the first contact"),
     ("stop", INDEX, "-", "row after the last one"),
-    ("head", INDEX, "-", "1 for a head joint, 0 for a bed joint"),
-    ("broken", INDEX, "-", "1 once a contact is broken"),
+    # and what each has of its own:
+    ("broken", INDEX, "-", "1 once a contact is broken, or has softened"),
+    ("largest_opening", REAL, "m", "opening at the reach up to which no contact can break"),
+    ("largest_slide", REAL, "m", "shear displacement below which none can, at no opening"),
 )
+SHARED = PAIR.names[:15]
 CONTACT = _row(
     ("offset", REAL, "m", "from the pair's middle, along +x in bed and -z in head joints"),
     ("kn", REAL, "N/m", "normal stiffness times area"),
@@ -65,14 +66,6 @@ JOINT = _row(  # beside its contact; the first four are those of a run's last st
     ("kappa", REAL, "-", "how far its bond has softened"),
     ("gap", REAL, "m", "largest inelastic opening of a bond that softens"),
 )
-LAST = _row(  # of a pair: what damping proportional to stiffness compares the present with
-    ("middle", REAL, "m", "opening of the middle in the last step"),
-    ("shear", REAL, "m", "shear displacement in the last step"),
-    ("turn", REAL, "-", "sine of the rotation of b against a in the last step"),
-    ("normal", REAL, "N", "normal force in the last step, without damping"),
-    ("along", REAL, "N", "shear force in the last step"),
-    ("couple", REAL, "N m", "couple in the last step"),
-)
 PLACE = _row(  # of a body
     ("x", REAL, "m", "displacement since the wall was built"),
     ("z", REAL, "m", "the same, upwards"),
@@ -97,18 +90,19 @@ MOTION = _row(  # of a body; velocities are those half a step ago
 
 class System(NamedTuple):
     """Tables of one wall, a row each: pairs (PAIR), contacts (CONTACT) in the order of their pairs,
-    joints (JOINT) beside contacts, last (LAST) beside pairs, place (PLACE) and motion (MOTION) of the bodies and
-    the ground.
+    joints (JOINT) beside contacts, place (PLACE) and motion (MOTION) of the bodies and the ground.
 
     energy: (4,); events: (capacity, 3) step, joint, kind; values: (capacity, 4) normal and shear
     stress [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the mass-proportional damping that
     adapts itself [1/s], and the kinetic energy of the last step [J].
+
+    The compiled step takes those of several walls at once, which have one more axis before all others: the lane; and
+    rows of place and motion are eight plain numbers there.
     """
 
     pairs: np.ndarray
     contacts: np.ndarray
     joints: np.ndarray
-    last: np.ndarray
     place: np.ndarray
     motion: np.ndarray
     energy: np.ndarray
@@ -116,17 +110,3 @@ class System(NamedTuple):
     values: np.ndarray
     n_events: np.ndarray
     relaxation: np.ndarray
-
-
-class Constants(NamedTuple):
-    """dt [s]; material: of the joint law; threshold [m] of first passings; local: Cundall's damping [-];
-    alpha [1/s], beta [s]: damping proportional to mass, to stiffness; adaptive: share of the change of
-    kinetic energy that adaptive damping takes [-]."""
-
-    dt: float
-    material: Material
-    threshold: float
-    local: float
-    alpha: float
-    beta: float
-    adaptive: float

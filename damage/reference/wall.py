@@ -1,14 +1,16 @@
 """The built-in reference solver: a wall of rigid blocks, explicit in time, in the plane.
 
 The same layout, joint law, stages, loading and history file as the walls in YADE; the time step itself
-is `damage.reference.kernel`.
+is `damage.reference.kernel`.  Walls that share bricks and stiffnesses can step together, `run_together` of
+`damage.reference.lanes`.
 """
 
 import numpy as np
 
 from damage.history.schema import AT_LIMIT, BROKEN
 from damage.index import THRESHOLD
-from damage.reference import kernel, tables
+from damage.reference import bodies, tables
+from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
 from damage.wall.joint_law import LawParameters, elastic_energy, elastic_range, material_of
 from damage.wall.layout import GROUND, HEAD
@@ -30,6 +32,7 @@ class ReferenceWall:
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
+        self.lanes = None  # those that the wall was last moved in
         self._held = None
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
@@ -103,32 +106,32 @@ class ReferenceWall:
 
     def run(self, n_steps):
         """Advance; before and afterwards forces and stresses belong to the present places."""
-        step = self.step - self.first_step
-        kernel.run_steps(self.system, self._constants(), self.base, self.gravity, step, n_steps)
-        self.step += n_steps
-        if not np.isfinite(self.system.place["fx"].sum()):
-            raise FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
-                                     f"{self.time_step:.3g} s is too large for this wall")
+        (failure,) = run_together([self], n_steps)
+        if failure is not None:
+            raise failure
 
     def refresh(self):
         """Forces and stresses, to be called where places or contacts were changed by hand."""
-        constants, contacts = self._constants(), self.system.contacts
+        contacts = self.system.contacts
         contacts["kt"] = np.where(contacts["soft"], contacts["kt"], contacts["kn"])
-        _sum_springs(self.system.pairs, contacts, constants.material)
-        kernel.contact_forces(self.system, constants, self.step - self.first_step, True)
-        kernel.read_joints(self.system)
+        _sum_springs(self.system.pairs, contacts, self.material)
+        Lanes([self]).find_forces(singly=True)
+
+    @property
+    def material(self):
+        """What the joint law's contacts share."""
+        return material_of(self.layout.wall.joint)
+
+    @property
+    def controls(self):
+        """Time step [s], local damping [-], alpha [1/s], beta [s] and adaptive damping [-]."""
+        return self.time_step, self.local_damping, self.alpha, self.beta, self.adaptive_damping
 
     def start(self, base, gravity=None):
         """From this step on move the base by `base` (k, 2) [m/s2] under `gravity` (k,) [m/s2]."""
         self.base = np.ascontiguousarray(base, float).reshape(-1, 2)
         self.gravity = np.array([GRAVITY]) if gravity is None else np.ascontiguousarray(gravity, float)
         self.first_step = self.step
-
-    def _constants(self):
-        if self.adaptive_damping == 0.0:
-            self.system.relaxation[:] = 0.0
-        return tables.Constants(self.time_step, material_of(self.layout.wall.joint), THRESHOLD,
-                                self.local_damping, self.alpha, self.beta, self.adaptive_damping)
 
     def drain_events(self):
         """(steps since `start`, joints, kinds, values (n, 4)) logged since the last call."""
@@ -186,7 +189,8 @@ class ReferenceWall:
     def kinetic_energy(self, base_acceleration=(0.0, 0.0)):
         """At the instant of the places: velocities are carried half a step on [J]."""
         x, z = base_acceleration
-        return kernel.kinetic_energy(self.system, x, GRAVITY + z, self.time_step)
+        place, motion = (table.view(tables.REAL).reshape(-1, 8) for table in (self.system.place, self.system.motion))
+        return bodies.kinetic_energy(place, motion, x, GRAVITY + z, self.time_step)
 
     def elastic_energy(self):
         """Of all contacts [J]."""
@@ -235,7 +239,7 @@ def _make_system(layout):
         pairs=pairs,
         contacts=_table(tables.CONTACT, n, offset=offset, kn=kn, ks=ks, idle=np.full(n, -1.0), **limits),
         joints=_table(tables.JOINT, n, area=area, mode_i=mode_i * area, mode_ii=mode_ii * area, **limits),
-        last=np.zeros(len(pairs), tables.LAST), place=np.zeros(m + 1, tables.PLACE),
+        place=np.zeros(m + 1, tables.PLACE),
         motion=_table(tables.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, inverse_mass_x=1 / bodies.mass,
                       inverse_mass_z=1 / bodies.mass, inverse_inertia=1 / bodies.inertia),
         energy=np.zeros(4), events=np.zeros((_CAPACITY, 3), np.int64), values=np.zeros((_CAPACITY, 4)),

@@ -1,0 +1,136 @@
+"""The compiled step against that of an older commit, as ratios of pieces that take turns in one process.
+
+    python3 benchmarks/kernel.py                       # against d51e596, before joints could soften
+    python3 benchmarks/kernel.py --old COMMIT --rounds 15
+    python3 benchmarks/kernel.py --sizes               # nanoseconds a contact and step against wall size, too
+
+The older package is taken from git into a temporary folder under another name.  The symmetric wall is intact, or
+shaken until it is cracked, by the older kernel and the present one alike; it steps alone and as 4, 8 and 16 walls
+together, and with damping proportional to stiffness.  Times are those of the processor, a wall and step; a ratio is
+the median over the rounds of new to old.
+"""
+
+import argparse
+import importlib
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+BEFORE_SOFTENING, STEPS = "d51e596", 1000
+SIZES = ((8, 7), (18, 37), (60, 60), (115, 115))  # bricks along and up
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--old", default=BEFORE_SOFTENING)
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--sizes", action="store_true")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        take_from_git(asked.old, Path(folder))
+        os.environ.setdefault("NUMBA_CACHE_DIR", folder)
+        sys.path.insert(0, folder)
+        for cracked in (False, True):
+            compare(cracked, asked.rounds)
+        if asked.sizes:
+            against_size()
+
+
+def take_from_git(commit, folder):
+    """The package of a commit as `damage_before` in a folder."""
+    archive = subprocess.run(["git", "archive", commit, "damage"], cwd=ROOT, check=True, capture_output=True).stdout
+    subprocess.run(["tar", "x", "-C", folder, "--exclude=damage/data"], input=archive, check=True)
+    (folder / "damage").rename(folder / "damage_before")
+    for path in (folder / "damage_before").rglob("*.py"):
+        text = re.sub(r"\b(from|import) damage\b", r"\1 damage_before", path.read_text(encoding="utf-8"))
+        path.write_text(text.replace('"damage.', '"damage_before.'), encoding="utf-8")
+
+
+def make(package, cracked, beta=0.0, size=None):
+    """A wall of a package at rest under its weight, or cracked; without a size the symmetric one."""
+    def of(module):
+        return importlib.import_module(f"{package}.{module}")
+
+    layout = of("wall.layout").lay_out(wall_of(of("wall.parameters"), size))
+    step = 0.643 * of("wall.modes").natural_modes(layout).critical_time_step_s
+    wall = of("reference.wall").ReferenceWall(layout, step)
+    wall.local_damping = 0.7
+    wall.run(round((0.3 if size is None else 0.01) / step))
+    wall.local_damping = 0.0
+    if cracked:
+        time_s = np.arange(round(0.6 / step)) * step
+        wall.start(of("motion.loading").Harmonic(0.2, 0.1).base_acceleration(time_s))
+        wall.run(len(time_s))
+    if beta:
+        wall.time_step, wall.beta = 0.5 * step, beta
+    return wall
+
+
+def wall_of(parameters, size):
+    """The numbers of walls/symmetric.py, or a plain wall of so many bricks along and up, in a package's own records."""
+    brick = parameters.Brick(length=0.225, height=0.075, thickness=0.1025)
+    along, up = size or (18, 37)
+    openings = [] if size else [parameters.Opening(left=4.5 * 0.225, width=9 * 0.225, height=33 * 0.075)]
+    return parameters.Wall(name="benchmark", length=along * 0.225, height=up * 0.075, openings=openings,
+                           precompression=0.3e6, brick=brick,
+                           joint=parameters.Joint(tensile_strength=0.21e6, cohesion=0.24e6))
+
+
+def compare(cracked, rounds):
+    """Print what a step costs in every way, and its ratio to the older kernel's."""
+    from damage.reference.lanes import run_together
+
+    old, new, damped = (make("damage_before", cracked), make("damage", cracked), make("damage", cracked, 1e-6))
+    pieces = {"old, alone": (old.run, 1), "alone": (new.run, 1), "alone, beta": (damped.run, 1)}
+    for number in (4, 8, 16):
+        walls = [make("damage", cracked) for _ in range(number)]
+        pieces[f"{number} together"] = (lambda steps, walls=walls: run_together(walls, steps), number)
+    times = {name: [] for name in pieces}
+    for run, _ in pieces.values():
+        run(STEPS)
+    for _ in range(rounds):
+        for name, (run, number) in pieces.items():
+            start = time.process_time()
+            run(STEPS)
+            times[name].append((time.process_time() - start) / STEPS / number)
+    broken = int((new.state > 0).sum())
+    print(f"{'cracked' if cracked else 'intact'}, {len(new.system.contacts)} contacts, {broken} broken")
+    for name, values in times.items():
+        ratios = {other: statistics.median(a / b for a, b in zip(values, times[other]))
+                  for other in ("old, alone", "alone")}
+        print(f"  {name:14s} {min(values) * 1e6:7.2f} us a wall and step, {ratios['old, alone']:.3f} of the old one, "
+              f"{ratios['alone']:.3f} of one alone", flush=True)
+
+
+def against_size():
+    """Print nanoseconds a contact and step of plain walls, alone and as 8 together."""
+    from damage.reference.lanes import run_together
+
+    for size in SIZES:
+        walls = [make("damage", False, size=size) for _ in range(8)]
+        contacts, steps = len(walls[0].system.contacts), max(20, 2_000_000 // len(walls[0].system.contacts))
+        cost = {}
+        for name, run, number in (("alone", walls[0].run, 1),
+                                  ("8 together", lambda n, walls=walls: run_together(walls, n), 8)):
+            run(steps)
+            pieces = []
+            for _ in range(5):
+                start = time.process_time()
+                run(steps)
+                pieces.append((time.process_time() - start) / steps / number / contacts * 1e9)
+            cost[name] = min(pieces)
+        told = ", ".join(f"{name} {value:.2f}" for name, value in cost.items())
+        print(f"{size[0]} by {size[1]} bricks, {contacts} contacts: {told} ns a contact and step", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,127 @@
+"""The tables of up to eight walls side by side, as the compiled step works on them: blocks of eight elements.
+
+A slot is a row of a table in one lane.  One wall alone has its rows as slots; several have eight lanes, slot = 8 row +
+lane.  Either way eight slots are a block, whose fields lie one after the other, eight numbers each: what is done to
+all elements alike is a loop of eight, which becomes vector instructions, over lanes or over rows.
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from damage.reference.compiled import compiled
+
+# Unsigned, as a signed index might count from an array's end: to look would keep loops from becoming vectors.  Where
+# numba is switched off, plain integers and unsigned ones would add to floats.
+INDEX = np.int64 if numba.config.DISABLE_JIT else np.uint64
+
+
+def _fields(first, n, step=8):
+    """Where n fields begin in a block, the first of them as the field of this number."""
+    return [INDEX(step * (first + k)) for k in range(n)]
+
+
+WIDTH, ONE, NONE = INDEX(8), INDEX(1), INDEX(0)
+"""Elements of a block; and indices to count with."""
+# Where fields begin in a block of bodies, those of PLACE and MOTION;
+X, Z, COS1, SIN, FX, FZ, MOMENT, TURN, VX, VZ, SPIN, MASS, INERTIA, INVERSE_X, INVERSE_Z, INVERSE_TURN, BODY = \
+    _fields(0, 17)
+# of pairs, those of PAIR that all lanes share;
+AX, AZ, BX, BZ, KN, KS, KN_OFFSET, KN_OFFSET2, REACH, SLIDE_LOSS, HEAD, PAIR = _fields(0, 12)
+# of what each lane has of its own of them: limits, whether they stayed within, and how far the bodies had moved apart
+# and the forces were in the last step, with which damping compares them;
+OPENING, SLIDE, WHOLE, MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, OWN = _fields(0, 10)
+# and of the bench, where one block is worked on.
+OF_A, OF_B = _fields(0, 2, 32)  # x, z, cos1, sin of both bodies
+PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B, WORK = _fields(8, 5)
+BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(13, 7)
+# Sums are taken in eight parts, the first of rows 0, 8, 16 and so on: those of one wall are the elements of a block.
+MOMENTUM_X, MOMENTUM_Z, PUSHED, LOST, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
+
+
+class Blocks(NamedTuple):
+    """Arrays of blocks, flat; first, second: (pairs,) where in `bodies` the fields of a pair's bodies a and b begin, of
+    the first lane; width: of a block, 8, which the compiler does not know: it makes no vectors of loops that it knows
+    to be so short."""
+
+    bodies: np.ndarray
+    pairs: np.ndarray
+    own: np.ndarray
+    bench: np.ndarray
+    sums: np.ndarray
+    broken: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    width: int
+
+
+def make_blocks(pairs, n_bodies, lanes):
+    """Blocks of walls that share these pairs (a table of PAIR); their limits and states are still to be packed."""
+    def blocks_of(rows, size):
+        return -(-rows // 8) * int(size)
+
+    row = np.zeros(-(-len(pairs) // 8) * 8, int) + (n_bodies - 1)  # none: the ground against itself
+    a, b = row.copy(), row
+    a[:len(pairs)], b[:len(pairs)] = pairs["a"], pairs["b"]
+    shared = np.zeros((blocks_of(len(pairs), 1), int(PAIR) // 8, 8))
+    for number, name in enumerate(pairs.dtype.names[:shared.shape[1]]):
+        shared[:, number].flat[:len(pairs)] = pairs[name]
+    return Blocks(
+        bodies=np.zeros(blocks_of(n_bodies * lanes, BODY)), pairs=shared.ravel(),
+        own=_own(blocks_of(len(pairs) * lanes, 1)), bench=np.zeros(int(BENCH)), sums=np.zeros(int(SUMS)),
+        broken=np.zeros(8 * -(-len(pairs) // 16)),
+        first=_first(a, lanes), second=_first(b, lanes), width=8)
+
+
+def _own(n):
+    """Blocks of pairs that no opening and no slide takes out of their limits."""
+    own = np.zeros((n, int(OWN) // 8, 8))
+    own[:, :2] = np.inf
+    return own.ravel()
+
+
+def _first(row, lanes):
+    slot = row * lanes
+    return (slot // 8 * int(BODY) + slot % 8).astype(INDEX)
+
+
+@compiled
+def place_of(slot, size):
+    """Where the first field of a slot lies in an array of blocks of this size."""
+    return slot // WIDTH * size + slot % WIDTH
+
+
+@compiled
+def pack(tables, blocks, lanes):
+    """Copy places and motions of the bodies, and what leaves pairs whole, from the tables into their blocks."""
+    place, motion, bodies = tables.place, tables.motion, blocks.bodies
+    for lane in range(place.shape[0]):
+        for row in range(place.shape[1]):
+            k = place_of(INDEX(row * lanes + lane), BODY)
+            for field in range(8):
+                bodies[k + X + INDEX(8 * field)] = place[lane, row, field]
+                bodies[k + VX + INDEX(8 * field)] = motion[lane, row, field]
+    pack_limits(tables, blocks, lanes)
+
+
+@compiled
+def unpack(tables, blocks, lanes):
+    """Copy places and motions of the bodies from their blocks into the tables."""
+    place, motion, bodies = tables.place, tables.motion, blocks.bodies
+    for lane in range(place.shape[0]):
+        for row in range(place.shape[1]):
+            k = place_of(INDEX(row * lanes + lane), BODY)
+            for field in range(8):
+                place[lane, row, field] = bodies[k + X + INDEX(8 * field)]
+                motion[lane, row, field] = bodies[k + VX + INDEX(8 * field)]
+
+
+@compiled
+def pack_limits(tables, blocks, lanes):
+    """Copy what leaves pairs whole into their blocks: nothing where a contact is broken."""
+    for lane in range(tables.pairs.shape[0]):
+        for p in range(tables.pairs.shape[1]):
+            pair, at = tables.pairs[lane, p], place_of(INDEX(p * lanes + lane), OWN)
+            blocks.own[at + OPENING] = -np.inf if pair.broken else pair.largest_opening
+            blocks.own[at + SLIDE] = pair.largest_slide

@@ -1,0 +1,126 @@
+"""Walls that step together, in lockstep: one vector instruction does for eight what it would do for one.
+
+    run_together([wall, another, ...], n_steps)     # each as wall.run(n_steps) would, to the same bits
+
+Walls are ReferenceWalls of any state, motion, strength, damping and time step that share bricks, joints' places and
+stiffnesses, and friction.  Each stays a wall of its own: its tables are views on those of its lanes, and it may be
+read, changed and run alone at any time.  Lanes are made anew where the walls that are asked for are not those of the
+last time, so that a wall that has ended is simply left out.
+"""
+
+import numpy as np
+
+from damage.index import THRESHOLD
+from damage.reference import kernel, tables
+from damage.reference.blocks import make_blocks
+
+MOST_LANES = 8
+"""Walls that one block holds; more are moved in groups of so many."""
+
+
+def run_together(walls, n_steps):
+    """Advance walls as `ReferenceWall.run` does; returns for each None, or the FloatingPointError that ends it.
+
+    ValueError where they are not of the same bricks and stiffnesses.
+    """
+    failures = []
+    for first in range(0, len(walls), MOST_LANES):
+        group = walls[first:first + MOST_LANES]
+        lanes = group[0].lanes
+        if lanes is None or not lanes.are_of(group):
+            lanes = Lanes(group)
+        lanes.run(n_steps)
+        failures += [_failure(wall) for wall in group]
+    return failures
+
+
+def _failure(wall):
+    if np.isfinite(wall.system.place["fx"].sum()):
+        return None
+    return FloatingPointError(f"forces are no longer finite at step {wall.step}: the time step of "
+                              f"{wall.time_step:.3g} s is too large for this wall")
+
+
+class Lanes:
+    """The tables of up to eight walls as one; making them binds the walls' own to them."""
+
+    def __init__(self, walls):
+        self.walls = list(walls)
+        _check(self.walls)
+        self.tables = _join([wall.system for wall in self.walls])
+        for lane, wall in enumerate(self.walls):
+            wall.system, wall.lanes = _lane(self.tables, lane), self
+        self._width = 1 if len(self.walls) == 1 else MOST_LANES
+        self._law = kernel.Law(self.walls[0].material, THRESHOLD)
+        self._blocks = make_blocks(self.tables.pairs[0], self.tables.place.shape[1], self._width)
+
+    def are_of(self, walls):
+        """Whether these are the walls, in this order, and still bound to these tables."""
+        return len(walls) == len(self.walls) and all(
+            one is other and one.lanes is self for one, other in zip(walls, self.walls))
+
+    def run(self, n_steps):
+        """Advance all walls."""
+        for wall in self.walls:
+            if wall.adaptive_damping == 0.0:
+                wall.system.relaxation[:] = 0.0
+        kernel.run_steps(self.tables, self._blocks, self._width, self._law, self._controls(),
+                         np.stack([_field(wall, n_steps) for wall in self.walls]), self._clock())
+        for wall in self.walls:
+            wall.step += n_steps
+
+    def find_forces(self, singly):
+        """Forces at the present places without damping; and, if `singly`, stresses: then each contact by itself."""
+        kernel.find_forces(self.tables, self._blocks, self._width, self._law, self._clock(), 0, singly, False)
+
+    def _controls(self):
+        return np.array([wall.controls for wall in self.walls], float)
+
+    def _clock(self):
+        return np.array([wall.step - wall.first_step for wall in self.walls])
+
+
+def _check(walls):
+    """Raise ValueError of walls that differ in what lanes share."""
+    first, material = walls[0].system, walls[0].material
+    for lane, wall in enumerate(walls[1:], 1):
+        same = wall.material == material and len(wall.system.contacts) == len(first.contacts) and all(
+            np.array_equal(first.pairs[name], wall.system.pairs[name], equal_nan=True) for name in tables.SHARED)
+        if not same:
+            raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
+                             "wall 0; step it by itself")
+
+
+def _join(systems):
+    """Tables of several walls with the lane as first axis; of one wall those that it has, seen so."""
+    def join(name):
+        arrays = [getattr(system, name) for system in systems]
+        if name in ("place", "motion"):
+            arrays = [array.view(tables.REAL).reshape(-1, 8) for array in arrays]
+        if len(arrays) == 1:
+            return arrays[0][np.newaxis]
+        if name not in ("events", "values"):
+            return np.stack(arrays)
+        joined = np.zeros((len(arrays), *arrays[0].shape), arrays[0].dtype)  # touches no more memory than there are
+        for lane, system in enumerate(systems):
+            count = min(int(system.n_events[0]), len(arrays[lane]))
+            joined[lane, :count] = arrays[lane][:count]
+        return joined
+
+    return tables.System(*map(join, tables.System._fields))
+
+
+def _lane(joined, lane):
+    """The tables of one wall of those joined, as views."""
+    system = tables.System(*(array[lane] for array in joined))
+    return system._replace(place=system.place.view(tables.PLACE)[:, 0], motion=system.motion.view(tables.MOTION)[:, 0])
+
+
+def _field(wall, n_steps):
+    """Acceleration of a wall's base along x and z, zero beyond its end, and gravity, whose last value holds beyond its
+    end: (n_steps, 3) [m/s2] of its next steps."""
+    field, first = np.zeros((n_steps, 3)), wall.step - wall.first_step
+    base = wall.base[first:first + n_steps]
+    field[:len(base), :2] = base
+    field[:, 2] = wall.gravity[np.minimum(np.arange(first, first + n_steps), len(wall.gravity) - 1)]
+    return field
