@@ -8,6 +8,7 @@ import pandas as pd
 
 from damage.checks import check_file
 from damage.errors import InputError
+from damage.files import text_lines
 
 MOST_MB, MOST_ROWS, MOST_LEVELS = 100, 10**6, 1000
 """Size of a file, its rows, its load levels."""
@@ -94,6 +95,6 @@ class CsvTable:
 def _lines(path):
     check_file(path, "a CSV file", MOST_MB)
     try:
-        return path.read_text(encoding="utf-8-sig").splitlines()
+        return text_lines(path, path.read_bytes(), 2 * MOST_ROWS)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path} cannot be read as text ({error}); expected CSV in UTF-8") from error
