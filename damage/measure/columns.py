@@ -22,8 +22,8 @@ from damage.wall.parameters import ModelOptions
 CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
 """What counts as slipped, and what stands before a component's name in the columns for it."""
 
-MOST_MB = 1000
-"""Size of a table: 100 000 runs have a quarter of it."""
+MOST_MB, MOST_CELLS = 500, 2 * 10**7
+"""Size of a table: rows of 100 000 runs."""
 WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default, str)}
 """Columns that are words even where they look like numbers, as a lintel of "2" courses."""
 
@@ -173,11 +173,16 @@ def before_offsets(table):
 
 
 def _read_csv(path):
-    """A CSV file as it is; ValueError where its rows are longer than its header."""
+    """A CSV file as it is; ValueError where it is too large, or its rows are longer than its header."""
     path = check_file(path, "a CSV file of a study", MOST_MB)
-    with path.open(encoding="utf-8", errors="replace") as file:
-        if len(file.readline(LONGEST_LINE + 1)) > LONGEST_LINE:
-            raise ValueError(f"a header of more than {LONGEST_LINE} characters")
+    with path.open("rb") as file:  # short rows are filled up: a small file could become a large table
+        cells = file.readline(LONGEST_LINE + 1).count(b",") + 1
+        file.seek(0)
+        rows = 0
+        for line in iter(lambda: file.readline(LONGEST_LINE + 1), b""):
+            rows += 1
+            if len(line) > LONGEST_LINE or rows * cells > MOST_CELLS:
+                raise ValueError(f"a line of over {LONGEST_LINE} bytes, or over {MOST_CELLS} cells")
     with warnings.catch_warnings():
         warnings.simplefilter("error", pd.errors.ParserWarning)  # that cells of longer rows were dropped
         try:

@@ -35,6 +35,8 @@ QUIET_S = 2.0
 ACCELERATION_UNITS = {"M/S**2", "M/S^2", "M/S2", "M/SEC**2", "M/S/S"}
 """Spellings of m/s2 that StationXML files use, in capitals."""
 
+MOST_PARTS = 1000
+"""Of a miniSEED file, before those that follow each other are joined, which takes a time by their number squared."""
 
 _MINISEED_START = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03")
 _CSV_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
@@ -213,8 +215,7 @@ def _obspy(path):
 
 def _only_trace(obspy, path, data: bytes):
     """The one trace of a miniSEED file, its contiguous parts joined."""
-    stream = _quietly(path, "miniSEED, fetch the file anew",
-                      lambda: obspy.read(io.BytesIO(data), format="MSEED").merge(method=-1))
+    stream = _quietly(path, "miniSEED, fetch the file anew", lambda: _stream(obspy, data))
     lengths = {trace.stats.mseed.record_length for trace in stream}
     if len(lengths) == 1 and len(data) % max(lengths):
         raise InputError(f"{path}: {len(data)} bytes; expected whole records of {max(lengths)} bytes, it is cut off:"
@@ -227,6 +228,19 @@ def _only_trace(obspy, path, data: bytes):
         raise InputError(f"{path}: gap or overlap between {before} and {after};"
                          " expected an unbroken record, cut the file to one side of it")
     return stream[0]
+
+
+def _stream(obspy, data: bytes):
+    """The traces of a miniSEED file, parts that go on from each other joined; ValueError where they are too many, no
+    numbers, or of times that no calendar has."""
+    stream = obspy.read(io.BytesIO(data), format="MSEED")
+    if len(stream) > MOST_PARTS:
+        raise ValueError(f"{len(stream)} parts with gaps or overlaps between them")
+    for trace in stream.merge(method=-1):
+        if trace.data.dtype.kind not in "if":
+            raise ValueError("it holds no numbers")
+        str(trace.stats.starttime), str(trace.stats.endtime)
+    return stream
 
 
 def _sensitivity(obspy, station_xml: Path, trace) -> float:

@@ -227,7 +227,7 @@ def _existing_files(options, where, folder, root):
         paths = options.get(name)
         if isinstance(paths, list):
             there = [path for path in paths if isinstance(path, str)
-                     and any((base / path).is_file() for base in (folder, root))]
+                     and any(_is_there(base / path) for base in (folder, root))]
             if not there:
                 raise InputError(f"{where}: none of the files {name} = {paths!r} is beside the study or in the "
                                  "repository; mend a path")
@@ -263,10 +263,18 @@ def _word(value, name, where):
     return str(value)
 
 
+def _is_there(path):
+    """Whether a path is that of a file; no file has a name that is longer than the system takes."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def _find(path, where, folder, root):
     """The path of a file named beside the study or in the repository: relative within the latter, else absolute."""
     for candidate in (folder / check_path(path), root / path):
-        if candidate.is_file():
+        if _is_there(candidate):
             found = candidate.resolve()
             return str(found.relative_to(root) if found.is_relative_to(root) else found)
     raise InputError(f"{where}: no file {path} beside the study or in the repository; mend the path")
