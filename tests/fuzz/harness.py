@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+PROGRAM = ("-m", "tests.fuzz.worker")
 SECONDS, START_S = 10, 300
 """Longest time of a file; of the worker's start, which may compile and run a wall."""
 GOOD = ("refused", "read")
@@ -74,7 +75,7 @@ class Worker:
 
     def _start(self):
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "tests.fuzz.worker", str(self.folder)], bufsize=0, cwd=REPOSITORY,
+            [sys.executable, *PROGRAM, str(self.folder)], bufsize=0, cwd=REPOSITORY,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True,
             env=os.environ | {"PYTHONPATH": str(REPOSITORY), "MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1"})
 
