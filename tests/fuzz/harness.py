@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import select
 import shutil
 import signal
@@ -68,7 +69,7 @@ class Worker:
         if self.keep and not outcome.good:
             Path(self.keep).mkdir(parents=True, exist_ok=True)
             for path in self.folder.glob("damaged.*"):
-                shutil.copy(path, Path(self.keep) / f"{reader.replace(' ', '_')}_{self.seed}_{number}{path.suffix}")
+                shutil.copy(path, Path(self.keep) / f"{re.sub(r'[^a-z0-9]+', '_', reader)}_{self.seed}_{number}{path.suffix}")
         for path in self.folder.glob("damaged.*"):
             path.unlink()
         return outcome

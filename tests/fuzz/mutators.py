@@ -217,7 +217,8 @@ def deep(data, random, others):
     return _replaced_text(data, random, b"<Comment>" * depth + b"</Comment>" * random.choice((depth, 0)))
 
 
-XML = (*BYTES, number, number, lines, encoding, long_line, entities, entities, element, element, element, tag, tag, deep)
+XML = (*BYTES, number, number, lines, encoding, long_line, entities, entities, element, element, element, tag, tag,
+       deep)
 
 
 # --- miniSEED -------------------------------------------------------------------------------------

@@ -134,12 +134,11 @@ READERS = {
                        lambda path: read_record(path, STATION), ".mseed", "obspy"),
     "stationxml": Reader(_of(lambda folder: _shipped("*/*.xml")[:1], XML, 5e7),
                          lambda path: read_record(shipped_record_path(TRACE), path), ".xml", "obspy"),
-    "study": Reader(_of(_files("studies/*.toml"), TEXT, 1e7), lambda path: load_study(path, "both", REPOSITORY), ".toml"),
-    "cracks": Reader(_of(_cracks, TEXT, 1e8), _map, ".csv"),
-    "dic": Reader(_of(_field, TEXT, 1e8), _measure, ".csv"),
-    "table": Reader(_of(_files("docs/tables/*.csv"), TEXT, 1e8), read_table, ".csv"),
+    "study": Reader(_of(_files("studies/*.toml"), TEXT, 1e7),
+                    lambda path: load_study(path, "both", REPOSITORY), ".toml"),
+    "cracks": Reader(_of(_cracks, TEXT, 5e7), _map, ".csv"),
+    "dic": Reader(_of(_field, TEXT, 5e7), _measure, ".csv"),
+    "table": Reader(_of(_files("docs/tables/*.csv"), TEXT, 5e7), read_table, ".csv"),
     "history": Reader(_history(histories.FINISHED, histories.OLD), histories.use, ".h5"),
     "growing history": Reader(_history(histories.KILLED), histories.use, ".h5"),
 }
-
-
