@@ -178,9 +178,7 @@ def _read_csv(path):
     with path.open("rb") as file:  # short rows are filled up: a small file could become a large table
         cells = file.readline(LONGEST_LINE + 1).count(b",") + 1
         file.seek(0)
-        rows = 0
-        for line in iter(lambda: file.readline(LONGEST_LINE + 1), b""):
-            rows += 1
+        for rows, line in enumerate(iter(lambda: file.readline(LONGEST_LINE + 1), b""), start=1):
             if len(line) > LONGEST_LINE or rows * cells > MOST_CELLS:
                 raise ValueError(f"a line of over {LONGEST_LINE} bytes, or over {MOST_CELLS} cells")
     with warnings.catch_warnings():

@@ -1,4 +1,4 @@
-"""Damage files of every kind at random, read them, and tell what came: a table, status 1 where it is not as it should be.
+"""Damage files of every kind at random, read them, and tell what came: a table, and status 1 where a reader failed.
 
     python3 -m tests.fuzz --seconds 1200                  # twenty minutes a reader
     python3 -m tests.fuzz csv at2 --seconds 60 --seed 7   # a minute each of two of them, other files
@@ -25,7 +25,7 @@ def main():
     parser.add_argument("--keep", metavar="DIR", help="for files of which something else came")
     asked = parser.parse_args()
     if unknown := set(asked.readers) - set(READERS):
-        parser.error(f"{sorted(unknown)[0]} is no reader; expected some of {', '.join(READERS)}")
+        parser.error(f"{min(unknown)} is no reader; expected some of {', '.join(READERS)}")
     tallies = {}
     for reader in asked.readers or READERS:
         if READERS[reader].lacking:

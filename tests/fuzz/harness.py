@@ -1,4 +1,4 @@
-"""Damaged files given to a worker, one after the other, with a watch that ends and replaces it where it hangs or dies."""
+"""Damaged files given to a worker one after the other, with a watch that replaces it where it hangs or dies."""
 
 import json
 import os
@@ -68,8 +68,9 @@ class Worker:
         outcome = Outcome(reader, number, made["done"], **came)
         if self.keep and not outcome.good:
             Path(self.keep).mkdir(parents=True, exist_ok=True)
+            name = f"{re.sub(r'[^a-z0-9]+', '_', reader)}_{self.seed}_{number}"
             for path in self.folder.glob("damaged.*"):
-                shutil.copy(path, Path(self.keep) / f"{re.sub(r'[^a-z0-9]+', '_', reader)}_{self.seed}_{number}{path.suffix}")
+                shutil.copy(path, Path(self.keep) / f"{name}{path.suffix}")
         for path in self.folder.glob("damaged.*"):
             path.unlink()
         return outcome
@@ -132,5 +133,5 @@ class Tally:
     def row(self, reader):
         """A line of a table in Markdown."""
         rest = ", ".join(f"{number} {word}" for word, number in sorted(self.words.items()) if word not in GOOD)
-        return (f"| {reader} | {self.words.total()} | {self.words['read']} | {self.words['refused']} | {rest or 'none'} "
-                f"| {self.seconds:.1f} | {self.bytes / 1e6:.0f} |")
+        counts = f"{self.words.total()} | {self.words['read']} | {self.words['refused']}"
+        return (f"| {reader} | {counts} | {rest or 'none'} | {self.seconds:.1f} | {self.bytes / 1e6:.0f} |")

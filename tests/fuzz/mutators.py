@@ -1,4 +1,4 @@
-"""Changes of a file's bytes, of its text, of XML and of miniSEED records: each a function (data, random, others) -> data.
+"""Changes of a file's bytes, of its text, of XML and of miniSEED: each a function (data, random, others) -> data.
 
 `others` are the undamaged files of the same kind.  Every function takes any bytes, so that changes can follow another.
 """
@@ -85,8 +85,8 @@ def swell(data, random, size):
     """A file of so many bytes: of a line, a cell, a character, of all of it."""
     lines = data.splitlines(keepends=True) or [b""]
     start, end = _stretch(data, random)
-    unit = random.choice((random.choice(lines), data, data[start:end], b"\n", b",", b"[", b"1 ", b"0,0\n", b"\0", b"#\n",
-                          b"a,", b'"', b" ")) or b"0"
+    unit = random.choice((random.choice(lines), data, data[start:end], b"\n", b",", b"[", b"1 ", b"0,0\n", b"\0",
+                          b"#\n", b"a,", b'"', b" ")) or b"0"
     return (random.choice((data, data[:end], b"")) + unit * (size // len(unit) + 1))[:size]
 
 
@@ -97,7 +97,8 @@ def number(data, random, others):
 
 
 def cell(data, random, others):
-    return _replaced(data, random, re.compile(rb"[^,\s]+"), random.choice((*NUMBERS, b"a,b", b"#", b'"', b" ", b"=", b"[")))
+    new = random.choice((*NUMBERS, b"a,b", b"#", b'"', b" ", b"=", b"["))
+    return _replaced(data, random, re.compile(rb"[^,\s]+"), new)
 
 
 def _replaced(data, random, pattern, new):
@@ -156,7 +157,8 @@ def nest(data, random, others):
     """Deeper than any program follows."""
     start, _ = _stretch(data, random)
     depth = random.choice((10, 500, 20_000))
-    opening, closing = random.choice(((b"[", b"]"), (b"{a=", b"}"), (b"(", b")"), (b'"""', b""), (b"a.", b"b"), (b"<a>", b"</a>")))
+    opening, closing = random.choice(((b"[", b"]"), (b"{a=", b"}"), (b"(", b")"), (b'"""', b""), (b"a.", b"b"),
+                                      (b"<a>", b"</a>")))
     return data[:start] + opening * depth + closing * depth + data[start:]
 
 
@@ -209,7 +211,8 @@ def _replaced_text(data, random, new):
 
 
 def tag(data, random, others):
-    return _replaced(data, random, _TAG, random.choice((b"", b"<a>", b"<a/>", b"</a>", b"<!--", b"<![CDATA[", b"<a" + b" b='1'" * 2)))
+    news = b"", b"<a>", b"<a/>", b"</a>", b"<!--", b"<![CDATA[", b"<a b='1' b='1'"
+    return _replaced(data, random, _TAG, random.choice(news))
 
 
 def deep(data, random, others):
