@@ -1,5 +1,7 @@
 """Files: where the package keeps its data, and writing whole or not at all."""
 
+import io
+import itertools
 import json
 import math
 import os
@@ -10,6 +12,27 @@ from damage.errors import InputError
 
 DATA = Path(__file__).parent / "data"
 """Records and tests that ship with the package; each folder's README says what they are."""
+
+
+LONGEST_LINE = 100_000
+"""Characters of a line of text."""
+
+
+def text_lines(path, data, most, errors="strict"):
+    """Lines of a text file's bytes in UTF-8, without their ends; errors: what to do with other bytes, as of `open`.
+
+    Raises InputError for more than `most` lines, or one over LONGEST_LINE: either would take far more memory, once it
+    is cut in parts, than the file has bytes.
+    """
+    text = io.TextIOWrapper(io.BytesIO(data), "utf-8-sig", errors)
+    lines = [line.rstrip("\n") for line in itertools.islice(text, most + 1)]
+    if len(lines) > most:
+        raise InputError(f"{path}: more than {most} lines; expected fewer, take some out")
+    longest = max(range(len(lines)), key=lambda k: len(lines[k]), default=None)
+    if lines and len(lines[longest]) > LONGEST_LINE:
+        raise InputError(f"{path} line {longest + 1}: {len(lines[longest])} characters; expected up to {LONGEST_LINE}, "
+                         "break it into rows")
+    return lines
 
 
 @contextmanager

@@ -176,7 +176,7 @@ CRACKS = {
     HEAD + "\x1b[31m,2,0,0,1\n": "crack \\x1b[31m",
     "crack,point,x_m,z_m,width_mm,load_level\n" + "".join(f"a,1,0,0,1,{k}\na,2,1,0,1,{k}\n" for k in range(1001)):
         "1001 load levels",
-    HEAD + "a,1,0,0,1\n" * 10**6 + "a,2,1,1,1\n": "1000001 rows",
+    HEAD + "a,1,0,0,1\n" * 20_000 + "a,2,1,1,1\n": "20001 rows",
 }
 
 

@@ -28,6 +28,8 @@ BOUNDS = {"load_level": 1e6, "drift_pct": 1e3, "point": 1e9, "x_m": LONGEST_M, "
 """Largest sizes of what a file may hold, but for the sign."""
 MOST_DRAWN_M = 10_000.0
 """Length of all polylines of a file [m]."""
+MOST_POINTS = 20_000
+"""Rows of a file: each stretch is laid on the joints by itself."""
 _AGREE = 0.02  # share of the width by which a given width may miss sqrt(opening^2 + slip^2), for rounding
 _AGREE_MM = 0.01
 
@@ -60,7 +62,7 @@ def read_cracks(path):
 
     Raises InputError, with the line, for anything that is missing or contradicts itself.
     """
-    table = CsvTable(path, REQUIRED, [name for name in COLUMNS if name not in REQUIRED])
+    table = CsvTable(path, REQUIRED, [name for name in COLUMNS if name not in REQUIRED], MOST_POINTS)
     rows = _rows(table)
     patterns = []
     for level in table.levels(rows["level"]):

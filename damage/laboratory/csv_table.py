@@ -8,39 +8,47 @@ import pandas as pd
 
 from damage.checks import check_file
 from damage.errors import InputError
+from damage.files import text_lines
 
-MOST_MB, MOST_ROWS, MOST_LEVELS = 100, 10**6, 1000
-"""Size of a file, its rows, its load levels."""
+MOST_MB, MOST_ROWS, MOST_LEVELS = 50, 500_000, 1000
+"""Size of a file, its rows, its load levels: what is read in seconds and in less than a gigabyte."""
 
 
 class CsvTable:
     """A CSV file as read: columns of text, to be taken out by `numbers` and `words`.
 
-    path: of the file; required, optional: names of columns; any other column is refused.
+    path: of the file; required, optional: names of columns; any other column is refused; most_rows: of it.
     Raises InputError when the file is missing or empty, or its header or rows do not fit.
     """
 
-    def __init__(self, path, required, optional=()):
+    def __init__(self, path, required, optional=(), most_rows=MOST_ROWS):
         self.path = Path(path)
         lines = _lines(self.path)
         kept = [k for k, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
-        if len(kept) > MOST_ROWS + 1:
-            raise InputError(f"{path} has {len(kept) - 1} rows: expected up to {MOST_ROWS}; take fewer points")
+        if len(kept) > most_rows + 1:
+            raise InputError(f"{path} has {len(kept) - 1} rows: expected up to {most_rows}; take fewer points")
         if not kept:
             raise InputError(f"{path} is empty: expected a header with the columns {', '.join(required)}")
         try:
-            names, *rows = ([cell.strip() for cell in row] for row in csv.reader(lines[k] for k in kept))
+            self._read(csv.reader(lines[k] for k in kept), np.array(kept) + 1, required, optional)
         except csv.Error as error:
             raise InputError(f"{path} cannot be read as CSV ({error}); expected commas between short cells") from error
-        self._check_header(names, kept[0] + 1, required, optional)
-        for row, k in zip(rows, kept[1:]):
-            if len(row) != len(names):
-                raise InputError(f"{path} line {k + 1}: {len(row)} cells, the header has {len(names)}: expected "
-                                 "as many")
-        self.text = pd.DataFrame(rows, columns=names, dtype=object)
-        self.line = np.array(kept[1:]) + 1
         if len(self.text) == 0:
             raise InputError(f"{path} has a header and no row; give at least one")
+
+    def _read(self, reader, numbers, required, optional):
+        """Take the header and the rows; numbers: of the lines that the csv.reader is given."""
+        names = [cell.strip() for cell in next(reader)]
+        self._check_header(names, numbers[0], required, optional)
+        rows, ends = [], []
+        for row in reader:
+            ends.append(numbers[reader.line_num - 1])  # a cell in quotes may reach over several
+            if len(row) != len(names):
+                raise InputError(f"{self.path} line {ends[-1]}: {len(row)} cells, the header has {len(names)}: "
+                                 "expected as many")
+            rows.append([cell.strip() for cell in row])
+        self.text = pd.DataFrame(rows, columns=names, dtype=object)
+        self.line = np.array(ends, int)
 
     def _check_header(self, names, line, required, optional):
         missing = [name for name in required if name not in names]
@@ -94,6 +102,6 @@ class CsvTable:
 def _lines(path):
     check_file(path, "a CSV file", MOST_MB)
     try:
-        return path.read_text(encoding="utf-8-sig").splitlines()
+        return text_lines(path, path.read_bytes(), 2 * MOST_ROWS)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path} cannot be read as text ({error}); expected CSV in UTF-8") from error

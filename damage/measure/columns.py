@@ -5,11 +5,14 @@ them up by point.
 """
 
 import re
+import warnings
 from dataclasses import fields
 
 import pandas as pd
 
+from damage.checks import check_file
 from damage.errors import InputError
+from damage.files import LONGEST_LINE
 from damage.history.schema import Column
 from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.limits import LIMITS
@@ -19,6 +22,8 @@ from damage.wall.parameters import ModelOptions
 CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
 """What counts as slipped, and what stands before a component's name in the columns for it."""
 
+MOST_MB, MOST_CELLS = 500, 2 * 10**7
+"""Size of a table: rows of 100 000 runs."""
 WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default, str)}
 """Columns that are words even where they look like numbers, as a lintel of "2" courses."""
 
@@ -167,13 +172,31 @@ def before_offsets(table):
                            for name, values in then.items()}) if old.any() else table
 
 
+def _read_csv(path):
+    """A CSV file as it is; ValueError where it is too large, or its rows are longer than its header."""
+    path = check_file(path, "a CSV file of a study", MOST_MB)
+    with path.open("rb") as file:  # short rows are filled up: a small file could become a large table
+        cells = file.readline(LONGEST_LINE + 1).count(b",") + 1
+        file.seek(0)
+        for rows, line in enumerate(iter(lambda: file.readline(LONGEST_LINE + 1), b""), start=1):
+            if len(line) > LONGEST_LINE or rows * cells > MOST_CELLS:
+                raise ValueError(f"a line of over {LONGEST_LINE} bytes, or over {MOST_CELLS} cells")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", pd.errors.ParserWarning)  # that cells of longer rows were dropped
+        try:
+            return pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=WORDS, low_memory=False,
+                               index_col=False)
+        except pd.errors.ParserWarning:
+            raise ValueError("a row has more cells than the header") from None
+
+
 def read_table(path, needed=()):
     """A table of a study as a DataFrame, older spellings mended; "none" is a word, only an empty cell is missing.
 
     Raises InputError where it cannot be read or lacks one of the needed columns.
     """
     try:
-        table = before_offsets(one_spelling(pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=WORDS)))
+        table = before_offsets(one_spelling(_read_csv(path)))
     except (OSError, ValueError) as error:  # of the file, or of its text
         raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
                          "study, run it again with ./run_all.sh") from error

@@ -13,8 +13,8 @@ import numpy as np
 
 from damage.checks import check_file
 from damage.errors import InputError
-from damage.files import DATA, write_text
-from damage.motion.record import Record, _shown, _utc
+from damage.files import DATA, text_lines, write_text
+from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
 from damage.units import GRAVITY
 
 CSV_UNITS_M_S2 = {"acc_m_s2": 1.0, "acc_g": GRAVITY}
@@ -26,8 +26,8 @@ TIME_TOLERANCE = 0.01
 Room for the rounding of the printed times: four decimals at 150 Hz are 0.75 % of the step.
 """
 
-MOST_MB = 50
-"""Size of a record's file."""
+MOST_MB, MOST_LINES = 50, 2 * MOST_SAMPLES
+"""Size of a record's file, and lines of one that is text."""
 
 QUIET_S = 2.0
 """The mean of this first part of a miniSEED trace is taken as the instrument's offset [s]."""
@@ -35,6 +35,8 @@ QUIET_S = 2.0
 ACCELERATION_UNITS = {"M/S**2", "M/S^2", "M/S2", "M/SEC**2", "M/S/S"}
 """Spellings of m/s2 that StationXML files use, in capitals."""
 
+MOST_PARTS = 1000
+"""Of a miniSEED file, before those that follow each other are joined, which takes a time by their number squared."""
 
 _MINISEED_START = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03")
 _CSV_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
@@ -68,7 +70,7 @@ def read_record(path, response=None) -> Record:
         record = _read_miniseed(path, data, response)
     else:
         # a comment may be in any encoding; a binary file fails as a line that is not numeric
-        lines = data.decode("utf-8-sig", errors="replace").splitlines()
+        lines = text_lines(path, data, MOST_LINES, errors="replace")
         like_at2 = suffix != ".csv" and len(lines) > 3 and _at2_count_and_step(lines[3])
         read = _read_at2 if suffix == ".at2" or like_at2 else _read_csv
         record = read(path, lines)
@@ -92,7 +94,9 @@ def _read_csv(path, lines: list[str]) -> Record:
     to_m_s2 = _header_unit(path, *rows.pop(0)) if has_header else 1.0
     if len(rows) < 2:
         raise InputError(f"{path}: {len(rows)} data rows; expected 2 or more of time_s,acc_m_s2")
-    values = np.array([_csv_row(path, number, line) for number, line in rows])
+    if len(rows) > MOST_SAMPLES:
+        raise InputError(f"{path}: {len(rows)} samples; expected up to {MOST_SAMPLES}, cut the record")
+    values = _csv_values(path, rows)
     step_s = _uniform_step(path, [number for number, _ in rows], values[:, 0])
     found = filter(None, map(_CSV_START_UTC.match, lines))
     start_utc = next((_utc(start.group(1), float(values[0, 0]), path) for start in found), "")
@@ -111,6 +115,17 @@ def _header_unit(path, number: int, line: str) -> float:
         expected = "the header time_s,acc_m_s2 or time_s,acc_g, convert the columns to these units"
         raise _bad_line(path, number, line, "is an unknown header", expected)
     return CSV_UNITS_M_S2[cells[1]]
+
+
+def _csv_values(path, rows) -> np.ndarray:
+    """Time [s] and acceleration [unit of the header] of all lines (number, text), (n_samples, 2)."""
+    try:
+        values = np.array([[float(cell) for cell in line.split(",")] for _, line in rows])
+        fit = values.shape[1:] == (2,) and np.isfinite(values).all()
+    except ValueError:
+        fit = False
+    # all at once for speed; one by one to tell the line that does not fit
+    return values if fit else np.array([_csv_row(path, number, line) for number, line in rows])
 
 
 def _csv_row(path, number: int, line: str) -> list[float]:
@@ -150,8 +165,10 @@ def _read_at2(path, lines: list[str]) -> Record:
     if _AT2_NOT_ACCELERATION_IN_G.search(units):
         expected = "ACCELERATION IN UNITS OF G, give the record's AT2 file"
         raise _bad_line(path, 3, units, "is another quantity", expected)
-    values = [value for i, line in enumerate(lines[4:], 5) for value in _numbers(path, i, line)]
     count, step_s = found
+    if count > MOST_SAMPLES:
+        raise InputError(f"{path}: {count} samples; expected up to {MOST_SAMPLES}, cut the record")
+    values = [value for i, line in enumerate(lines[4:], 5) for value in _numbers(path, i, line)]
     if len(values) != count:
         raise InputError(f"{path}: {len(values)} values; expected the NPTS = {count} of line 4, fetch it anew")
     with np.errstate(over="ignore"):  # an infinite sample is refused with its number
@@ -198,8 +215,7 @@ def _obspy(path):
 
 def _only_trace(obspy, path, data: bytes):
     """The one trace of a miniSEED file, its contiguous parts joined."""
-    stream = _quietly(path, "miniSEED, fetch the file anew",
-                      lambda: obspy.read(io.BytesIO(data), format="MSEED").merge(method=-1))
+    stream = _quietly(path, "miniSEED, fetch the file anew", lambda: _stream(obspy, data))
     lengths = {trace.stats.mseed.record_length for trace in stream}
     if len(lengths) == 1 and len(data) % max(lengths):
         raise InputError(f"{path}: {len(data)} bytes; expected whole records of {max(lengths)} bytes, it is cut off:"
@@ -214,6 +230,19 @@ def _only_trace(obspy, path, data: bytes):
     return stream[0]
 
 
+def _stream(obspy, data: bytes):
+    """The traces of a miniSEED file, parts that go on from each other joined; ValueError where they are too many, no
+    numbers, or of times that no calendar has."""
+    stream = obspy.read(io.BytesIO(data), format="MSEED")
+    if len(stream) > MOST_PARTS:
+        raise ValueError(f"{len(stream)} parts with gaps or overlaps between them")
+    for trace in stream.merge(method=-1):
+        if trace.data.dtype.kind not in "if":
+            raise ValueError("it holds no numbers")
+        str(trace.stats.starttime), str(trace.stats.endtime)
+    return stream
+
+
 def _sensitivity(obspy, station_xml: Path, trace) -> float:
     """Overall sensitivity of the trace's instrument [counts per m/s2]."""
     if not station_xml.is_file():
@@ -222,12 +251,22 @@ def _sensitivity(obspy, station_xml: Path, trace) -> float:
     text = check_file(station_xml, f"the StationXML of {trace.id}", MOST_MB).read_bytes()
     begin = trace.stats.starttime
     found = _quietly(station_xml, f"the StationXML of {trace.id} at {begin}", lambda: obspy.read_inventory(
-        io.BytesIO(text)).get_response(trace.id, begin).instrument_sensitivity)
+        io.BytesIO(_without_entities(text)), format="STATIONXML").get_response(trace.id, begin).instrument_sensitivity)
     units = str(found.input_units).upper() if found and found.value and math.isfinite(found.value) else "no sensitivity"
     if units not in ACCELERATION_UNITS:
         raise InputError(f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
                          " in counts per M/S**2, give an acceleration channel")
     return found.value
+
+
+def _without_entities(xml: bytes) -> bytes:
+    """XML as it is, if it declares no document type: entities could stand for other files or for any length."""
+    from lxml import etree  # obspy brings it
+
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+    if etree.fromstring(xml, parser).getroottree().docinfo.doctype:
+        raise ValueError("it declares a document type (DOCTYPE)")
+    return xml
 
 
 def _quietly(path, wanted, read):

@@ -47,6 +47,8 @@ SCATTER = 0.001
 """Coefficient of variation of the strengths in an ensemble where the study says nothing else (docs/softening.md)."""
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
+DEEPEST = 20
+"""Tables and lists in each other; a study has five."""
 _ENTRY_KEYS = {"id", "wall", "options", "solvers", "members", "perturb", "scatter", "samples"}
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -141,14 +143,27 @@ def load_study(path, solver="yade", root=None):
         raise InputError(f"{path}: {error.strerror}; give the path of a study file (.toml)") from error
     except (ValueError, RecursionError) as error:  # of TOML or of UTF-8
         raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, mend it") from error
+    _check_depth(table, path)
     _check_keys(table, {"name", "title", "pictures", "runs", "grid"}, f"{path}")
     runs = [run for entry, where in _entries(table, path) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
-    for run, where in chosen:
+    study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
+                  runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
+                  pictures=table.get("pictures", "all"))
+    for run, where in chosen:  # last, as each may read a record
         _try_options(run, where, root)
-    return Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
-                 runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
-                 pictures=table.get("pictures", "all"))
+    return study
+
+
+def _check_depth(table, path):
+    """Raise InputError for tables and lists in each other beyond what any study has, and Python can follow."""
+    parts = [table]
+    for _ in range(DEEPEST):
+        parts = [part for one in parts for part in (one.values() if isinstance(one, dict) else one)
+                 if isinstance(part, (dict, list))]
+    if parts:
+        raise InputError(f"{path}: tables or lists more than {DEEPEST} deep in each other; expected a study file, mend "
+                         "it")
 
 
 def _check_keys(table, known, where):
@@ -227,10 +242,10 @@ def _existing_files(options, where, folder, root):
         paths = options.get(name)
         if isinstance(paths, list):
             there = [path for path in paths if isinstance(path, str)
-                     and any((base / path).is_file() for base in (folder, root))]
+                     and any(_is_there(base / path) for base in (folder, root))]
             if not there:
-                raise InputError(f"{where}: none of the files {name} = {paths!r} is beside the study or in the "
-                                 "repository; mend a path")
+                raise InputError(f"{where}: none of the files {name} = {paths!r} is there; expected one beside the "
+                                 "study or in the repository; mend a path")
             chosen[name] = there[0]
     return chosen
 
@@ -263,13 +278,21 @@ def _word(value, name, where):
     return str(value)
 
 
+def _is_there(path):
+    """Whether a path is that of a file; no file has a name that is longer than the system takes."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def _find(path, where, folder, root):
     """The path of a file named beside the study or in the repository: relative within the latter, else absolute."""
     for candidate in (folder / check_path(path), root / path):
-        if candidate.is_file():
+        if _is_there(candidate):
             found = candidate.resolve()
             return str(found.relative_to(root) if found.is_relative_to(root) else found)
-    raise InputError(f"{where}: no file {path} beside the study or in the repository; mend the path")
+    raise InputError(f"{where}: no file {path}; expected one beside the study or in the repository; mend the path")
 
 
 def _try_options(run, where, root):

@@ -1,38 +1,26 @@
-"""Histories with a fault each, and what comes of reading them: `python3 -m tests.damaged --flips 1000 --changes 1000`.
-
-Each is read and summed up in a process of its own, with limits of time and memory.  A flip turns one bit of the file;
-a change is made by HDF5 itself: of a dataset, a link, an attribute, a parameter.  Most changed files are sealed anew,
-or are of a run that was killed, so that it is not the seal that tells.
+"""Histories and changes of them: single bits, cuts, and changes by HDF5 itself of a dataset, a link, an attribute, a
+parameter.  Most changed files are sealed anew, or are of a run that was killed, so that it is not the seal that tells.
 """
 
-import argparse
 import json
 import os
 import random
-import resource
-import shutil
 import signal
-import sys
-import tempfile
-import time
-from collections import Counter
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from damage.errors import InputError
 from damage.history.head import HDF5, HEAD_BYTES, Head, read_head, seal, write_head
 from damage.history.reader import read_history
 from damage.measure.summary import summarise
 from damage.measure.tables import cycles_table, events_table, index_table, joints_table, summary_row
 from damage.reference.session import run_reference
+from tests.fuzz.mutators import BYTES, mutate
 
-SECONDS, BYTES = 10, 1e9
-"""What one file may take."""
+SECONDS = 10
+"""What a change by HDF5 may take."""
 FINISHED, OLD, KILLED = "finished", "finished, schema version 1", "killed"
-GOOD = ("refused", "read")
-"""What may come of a damaged file: InputError, or a history (a part that nobody needs was hit)."""
 
 
 # --- the files ------------------------------------------------------------------------------------
@@ -40,9 +28,11 @@ GOOD = ("refused", "read")
 def originals(folder):
     """One run as {kind: path}: finished, as the first schema version had it, and as SIGKILL leaves it."""
     paths = {FINISHED: folder / "finished.h5", OLD: folder / "old.h5", KILLED: folder / "killed.h5"}
-    wall = Path(__file__).resolve().parents[1] / "benchmarks" / "small_wall.py"
+    if all(path.is_file() for path in paths.values()):
+        return paths
+    wall = Path(__file__).resolve().parents[2] / "benchmarks" / "small_wall.py"
     status = run_reference([str(wall), "--harmonic", "0.06", "0.6", "--cycles", "2", "--rest", "0.05", "--out",
-                            str(paths[FINISHED]), "--no-pictures"])
+                            str(paths[FINISHED]), "--no-pictures", "--overwrite"])
     assert status == 0
     data = paths[FINISHED].read_bytes()
     paths[KILLED].write_bytes(data)
@@ -258,7 +248,27 @@ def _entries(table):
             yield from _entries(value)
 
 
-# --- what comes of it -----------------------------------------------------------------------------
+# --- one of them all ------------------------------------------------------------------------------
+
+def damaged(folder, random_, kinds):
+    """(bytes, what was done) of a history of one of the kinds: a bit, a few changes of bytes, or one by HDF5.
+
+    HDF5 cannot change those of a killed run, which have the first two alone.
+    """
+    paths, victim = originals(folder), folder / "victim.h5"
+    kind, way = random_.choice(kinds), random_.random()
+    victim.write_bytes(paths[kind].read_bytes())
+    if way < 0.4:
+        done = flip(victim, random_)
+    elif way < 0.6 or kind == KILLED:
+        data, done = mutate(victim.read_bytes(), random_, [path.read_bytes() for path in paths.values()], BYTES)
+        victim.write_bytes(data)
+    else:
+        done = change(victim, random_)
+        if kind == FINISHED and "HDF5 crashed" not in done and victim.read_bytes()[:8] != HDF5:
+            seal(victim)
+    return victim.read_bytes(), f"{kind}: {done}"
+
 
 def use(path):
     """Read a history and work out what the commands tell of it."""
@@ -266,74 +276,3 @@ def use(path):
     summarise(history)
     for table in (index_table, events_table, joints_table, cycles_table, summary_row):
         table(history)
-
-
-def outcome(path):
-    """(a word, details, seconds) of reading the file in a child of this process."""
-    began = time.monotonic()
-    told, signal_ = in_a_child(lambda: _judged(path))
-    if signal_:
-        told = f"{'hang' if signal_ == signal.SIGALRM else 'crash'}\nsignal {signal_}"
-    return *told.split("\n", 1), time.monotonic() - began
-
-
-def _judged(path):
-    word, told = "read", ""
-    try:
-        use(path)
-    except InputError as error:
-        told = str(error)
-        word = "refused" if told.isprintable() and len(told) < 1600 else "unfit words"
-    most = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) * 1024
-    if most > BYTES:
-        word, told = "memory", f"{most / 1e6:.0f} MB; {told}"
-    return f"{word}\n{told}"
-
-
-def attack(folder, n_flips, n_changes, seed=1, kinds=(FINISHED, OLD, KILLED)):
-    """Yield (kind of file, what was done, outcome, details, seconds): so many single bits, so many changes.
-
-    Half of the files are finished ones; HDF5 cannot change those of a killed run, so that their share has flips alone.
-    """
-    folder = Path(folder)
-    paths, random_, victim = originals(folder), random.Random(seed), folder / "victim.h5"
-    for number in range(n_flips + n_changes):
-        among = kinds if number < n_flips else [kind for kind in kinds if kind != KILLED]
-        kind = among[0] if number % 2 == 0 else random_.choice(among[1:])
-        shutil.copyfile(paths[kind], victim)
-        if number < n_flips:
-            done = flip(victim, random_)
-        elif random_.random() < 0.05:
-            done = cut(victim, random_)
-        else:
-            done = change(victim, random_)
-            if kind == FINISHED and victim.read_bytes()[:8] != HDF5:
-                seal(victim)
-        yield kind, done, *outcome(victim)
-
-
-def main():
-    """Try so many, tell what came, and each that is not as it should be; exit status 1 where there is one."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--flips", type=int, default=1000)
-    parser.add_argument("--changes", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--verbose", action="store_true", help="tell each")
-    asked = parser.parse_args()
-    counted, slowest, bad = Counter(), 0.0, 0
-    with tempfile.TemporaryDirectory() as folder:
-        attacks = attack(folder, asked.flips, asked.changes, asked.seed)
-        for number, (kind, done, word, told, took_s) in enumerate(attacks):
-            counted["flips" if number < asked.flips else "changes", kind, word] += 1
-            slowest = max(slowest, took_s)
-            if word not in GOOD or asked.verbose:
-                print(f"{kind}, {done}: {word} {told}", flush=True)
-            bad += word not in GOOD
-    for (what, kind, word), number in sorted(counted.items()):
-        print(f"{what:8s} {kind:28s} {word:10s} {number}")
-    print(f"slowest {slowest:.1f} s")
-    return 1 if bad else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

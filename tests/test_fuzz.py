@@ -1,0 +1,191 @@
+"""Files of every kind that were damaged at random: each is read or refused in one line, in time and in little memory.
+
+`python3 -m tests.fuzz --seconds 1200` tries far more; what it found is in `docs/faults.md`, and held here.
+"""
+
+import random
+
+import pytest
+from conftest import REPOSITORY, one_line_error
+
+from damage.files import DATA, LONGEST_LINE
+from damage.laboratory import dic
+from damage.laboratory.csv_table import CsvTable
+from damage.measure import columns
+from damage.motion import formats
+from damage.motion.formats import read_record, shipped_record_path
+from damage.studies import definition
+from damage.studies.definition import load_study
+from tests.fuzz import harness
+from tests.fuzz.harness import Worker
+from tests.fuzz.readers import READERS
+
+FILES = 30
+STATION = DATA / "zeerijp_20180108" / "NL.BGAR.xml"
+TRACE = shipped_record_path("NL.BGAR..HGE")
+
+
+def written(path, content):
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+# --- many files -----------------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def worker():
+    with Worker(seed=14) as one:
+        yield one
+
+
+@pytest.mark.parametrize("name", [name for name in READERS if name != "growing history"])
+def test_damaged_files_are_read_or_refused_in_one_line(name, worker):
+    """Of histories that grow some take eight seconds each: they are left to the command."""
+    if READERS[name].lacking:
+        pytest.skip(f"{READERS[name].lacking} is an optional extra")
+    outcomes = [worker(name, number) for number in range(FILES)]
+    assert [one for one in outcomes if not one.good] == []
+    assert {one.word for one in outcomes} == {"read", "refused"}
+
+
+# --- the watch ------------------------------------------------------------------------------------
+
+FAILING = {  # what a reader does, what is to be found of it
+    "time.sleep(60)": ("hang", "no end in 3 s"), "os.kill(os.getpid(), 11)": ("crash", "status -11"),
+    "1 / 0": ("exception", "ZeroDivisionError in <string>:1"), "print('words')": ("printed", "words"),
+    "len(b'x' * 1_100_000_000)": ("memory", ""), "bytearray(10**12)": ("exception", "MemoryError"),
+    "raise InputError('words')": ("refused", "words"), "raise InputError": ("unfit words", ""), "pass": ("read", ""),
+}
+
+
+def test_a_reader_that_fails_is_found_and_the_next_file_is_read(tmp_path, monkeypatch):
+    """The worker itself, with readers that do nothing else."""
+    written(tmp_path / "failing.py", "import os, sys, time\nfrom damage.errors import InputError\n"
+            "from tests.fuzz import worker\nfrom tests.fuzz.readers import READERS, Reader\n"
+            f"for code in {list(FAILING)}:\n"
+            "    made = Reader(lambda folder, random: (b'', 'nothing'), lambda path, code=code: exec(code), '.csv')\n"
+            "    READERS[code] = made\n"
+            "worker.main(sys.argv[1])\n")
+    monkeypatch.setattr(harness, "PROGRAM", (str(tmp_path / "failing.py"),))
+    monkeypatch.setattr(harness, "SECONDS", 3)
+    with Worker(seed=1, keep=tmp_path / "kept") as one:
+        for code, (word, told) in FAILING.items():
+            came = one(code, 0)
+            assert came.word == word and told in came.told, came
+    assert len(list((tmp_path / "kept").iterdir())) == len(FAILING) - 2
+
+
+def test_one_number_is_one_file(tmp_path):
+    made = [READERS["cracks"].damage(tmp_path, random.Random("cracks 14 3")) for _ in range(2)]
+    assert made[0] == made[1]
+
+
+# --- what was found -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("text", ["\n" * 5 + "0,1\n" * 40, "0,1\n" * 40])
+def test_a_record_of_too_many_lines_is_refused_before_they_are_parsed(text, tmp_path, monkeypatch):
+    """28 MB of lines took more than ten seconds."""
+    monkeypatch.setattr(formats, "MOST_LINES", 30)
+    assert "more than 30 lines" in one_line_error(read_record, written(tmp_path / "a.csv", text))
+    monkeypatch.setattr(formats, "MOST_LINES", 100)
+    monkeypatch.setattr(formats, "MOST_SAMPLES", 30)
+    assert "40 samples; expected up to 30" in one_line_error(read_record, written(tmp_path / "a.csv", text))
+
+
+def test_an_at2_file_of_more_samples_than_can_be_is_refused_by_its_count(tmp_path):
+    head = "PEER\na\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 1000001, DT= .005 SEC\n.1 words\n"
+    assert "1000001 samples; expected up to" in one_line_error(read_record, written(tmp_path / "a.at2", head))
+
+
+@pytest.mark.parametrize(("name", "read_it"), [
+    ("a.csv", read_record), ("a.at2", read_record), ("f.csv", dic.read_field), ("t.csv", columns.read_table)])
+def test_a_line_of_millions_of_cells_is_refused(name, read_it, tmp_path):
+    """A table whose row had 20 MB took a minute and 3.5 GB, a header of 20 MB no end."""
+    for before in ("", "time_s,acc_m_s2\n"):
+        path = written(tmp_path / name, before + "1," * LONGEST_LINE)
+        assert "100000" in one_line_error(read_it, path)
+
+
+def test_a_table_of_short_rows_that_would_fill_up_to_too_many_cells_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(columns, "MOST_CELLS", 1000)
+    path = written(tmp_path / "t.csv", ",".join(f"c{k}" for k in range(100)) + "\n" + "1\n" * 8)
+    assert columns.read_table(path).shape == (8, 100)
+    written(path, path.read_text() + "1\n" * 2)
+    assert "over 1000 cells" in one_line_error(columns.read_table, path)
+
+
+def test_a_table_with_a_row_longer_than_its_header_is_refused(tmp_path):
+    """The first columns were taken for an index; what follows names mixed types is warned of no more."""
+    path = written(tmp_path / "t.csv", "point,wall\na,b,c\n")
+    assert "more cells than the header" in one_line_error(columns.read_table, path)
+
+
+def test_a_cell_over_two_lines_does_not_shift_the_line_that_is_told(tmp_path):
+    path = written(tmp_path / "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,1,1\n1,1,1,up\n')
+    assert "line 5: uz_m = 'up'" in one_line_error(dic.read_field, path)
+
+
+def test_a_row_of_another_length_is_told_with_its_line(tmp_path):
+    path = written(tmp_path / "t.csv", 'a,b\n"0\n",1\n1,2,3\n')
+    assert "line 4: 3 cells, the header has 2" in one_line_error(CsvTable, path, ("a", "b"))
+
+
+def test_paths_in_a_study_longer_than_any_file_has(tmp_path):
+    path = tmp_path / "s.toml"
+    for record in ("x" * 300, "x/" * 3000):
+        written(path, f'name = "s"\n[[runs]]\nwall = "walls/solid.py"\n'
+                f'options = {{ record = ["{record}", "{record}.csv"] }}\n')
+        assert "none of the files" in one_line_error(load_study, path, "reference", REPOSITORY)
+    written(path, f'name = "s"\n[[runs]]\nwall = "{"x/" * 3000}"\n')
+    assert "no file" in one_line_error(load_study, path, "reference", REPOSITORY)
+
+
+@pytest.mark.parametrize("text", ["[[grid]]\nvary = {}\n", "name = {}\n", "[[runs]]\noptions = {}\n"])
+def test_a_study_whose_tables_are_too_deep_in_each_other(text, tmp_path):
+    """Python's own recursion ended it while it was told."""
+    for opening, closing in ("[]", ("{a=", "}")):
+        path = written(tmp_path / "s.toml", text.format(opening * 200 + "1" + closing * 200))
+        assert "more than 20 deep" in one_line_error(load_study, path, "reference", REPOSITORY)
+
+
+def test_runs_that_are_there_twice_are_found_before_any_record_is_read(tmp_path, monkeypatch):
+    """60 kB of them took seventeen seconds."""
+    monkeypatch.setattr(definition, "_try_options", None)
+    path = written(tmp_path / "s.toml", 'name = "s"\n' + '[[runs]]\nwall = "walls/solid.py"\n' * 2)
+    assert "runs 1 and 2 are both" in one_line_error(load_study, path, "reference", REPOSITORY)
+
+
+class TestObspy:
+    @pytest.fixture(autouse=True)
+    def obspy(self):
+        pytest.importorskip("obspy", reason="obspy is an optional extra")
+
+    def test_a_start_in_no_year(self, tmp_path):
+        data = bytearray(TRACE.read_bytes())
+        data[20:22] = b"\0\0"
+        one_line_error(read_record, written(tmp_path / "a.mseed", bytes(data)), STATION)
+
+    def test_samples_that_are_letters(self, tmp_path):
+        data = bytearray(TRACE.read_bytes())
+        data[52::512] = b"\0" * len(data[52::512])  # the encoding, in blockette 1000
+        one_line_error(read_record, written(tmp_path / "a.mseed", bytes(data)), STATION)
+
+    def test_parts_are_counted_before_they_are_joined(self, tmp_path, monkeypatch):
+        """12 MB of one record again and again took 17 s."""
+        monkeypatch.setattr(formats, "MOST_PARTS", 10)
+        path = written(tmp_path / "a.mseed", TRACE.read_bytes()[:512] * 20)
+        assert "20 parts with gaps or overlaps" in one_line_error(read_record, path, STATION)
+
+    @pytest.mark.parametrize("coding", ["utf-8", "utf-16"])
+    def test_no_entity_of_a_station_file_is_expanded(self, coding, tmp_path):
+        """Neither another file nor entities of entities: a document type is refused whatever it says."""
+        value = "<Value>213867.4766</Value>"
+        secret = written(tmp_path / "secret", "213867.4766")
+        text = STATION.read_text()
+        assert value in text
+        body = text.partition("?>")[2]
+        for entity in (f'SYSTEM "{secret.as_uri()}"', '"213867.4766"'):
+            damaged = (f"<?xml version='1.0' encoding='{coding}'?><!DOCTYPE x [<!ENTITY v {entity}>]>"
+                       + body.replace(value, "<Value>&v;</Value>"))
+            path = written(tmp_path / "a.xml", damaged.encode(coding))
+            assert "document type" in one_line_error(read_record, TRACE, path)
