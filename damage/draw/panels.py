@@ -65,9 +65,29 @@ def from_zero(ax, at_least=0.0):
     ax.ticklabel_format(axis="y", style="plain", useOffset=False)
 
 
+SCALES_APART = 2.0
+"""Ratio from which panels' scales that differ are told in the heading."""
+
+
 def letter(ax, number, text=""):
-    """(a), (b), ... and what the panel shows, above its left corner."""
-    ax.set_title(f"({chr(ord('a') + number)}) {text}".rstrip(), loc="left", fontsize=7)
+    """(a), (b), ..., (z), (aa), ... and what the panel shows, above its left corner.
+
+    number: of the panel in its figure, from zero; each stands once.
+    """
+    rounds, place = divmod(number, 26)
+    ax.set_title(f"({chr(ord('a') + place) * (rounds + 1)}) {text}".rstrip(), loc="left", fontsize=7)
+
+
+def scale_note(axes, axis="y"):
+    """A line of the heading where the scales of panels that are drawn differ, else "": how far they are apart.
+
+    axes: array of any shape of panels with one quantity along that axis ("x" or "y").
+    """
+    spans = [np.ptp(ax.get_ylim() if axis == "y" else ax.get_xlim()) for ax in np.ravel(axes) if ax.axison]
+    ratio = max(spans) / min(spans)
+    return "" if ratio < SCALES_APART else (
+        f"The panels have {'vertical' if axis == 'y' else 'horizontal'} scales of their own: the widest spans "
+        f"{ratio:.2g} times the narrowest")
 
 
 def numbers(points, column):
