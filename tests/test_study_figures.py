@@ -278,10 +278,23 @@ class TestIda:
         assert free(trend.get_xdata()).min() < 0 <= trend.get_ydata().min()
         assert "trend held at 0 or above" in ax.get_title(loc="left")
 
+    def test_walls_that_fell_are_crossed_out_and_do_not_bend_the_trend(self, ida):
+        rows = ida.reference.assign(collapsed=0)
+        rows.iloc[-1, rows.columns.get_indexer(["collapsed", "max_DI"])] = 5, 0.001
+        figure = against_drift(type(ida)("small", {}, rows, ida.yade.iloc[:0]))
+        ax = panel(figure, "maximum")
+        trend, = (line for line in ax.lines if to_rgba(line.get_color()) == to_rgba(BLUE))
+        assert_allclose(trend.get_ydata(), parabola(trend.get_xdata()))
+        crossed, = (line for line in ax.lines if line.get_marker() == "x" and line.get_color() == VERMILLION
+                    and len(line.get_xdata()))
+        assert_allclose(crossed.get_ydata(), [0.001])
+        assert "a run collapsed" in text(figure)
+
     def test_too_few_points_get_no_trend(self, ida):
         few = type(ida)("small", {}, ida.reference.iloc[:3], ida.yade.iloc[:0])
         ax = panel(against_drift(few), "maximum")
         assert "R²" not in ax.get_title(loc="left")
+        assert "polynomial" not in text(ax.figure)
 
 
 class TestParabola:
@@ -407,7 +420,7 @@ class TestChoices:
         (x, _), = crossed.get_transform().transform(crossed.get_xydata())
         edge = ax.transData.transform([[at, 0] for at in (*points["max_shear_limit_DI"][:2], 0.0)])[:, 0]
         assert np.all(x > edge)  # beyond all that stand, and far from an index of zero
-        assert "fell (at the edge: no index)" in text(figure)
+        assert "fell: beyond the scale of the index" in text(figure)
         assert not any(other.has_data() for other in others)  # one second has no default to be held against
 
     def test_without_a_default_there_is_no_figure(self):

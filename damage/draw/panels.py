@@ -144,9 +144,14 @@ def draw_components(ax, reference, yade, x, prefix):
     return any([mark_collapses(ax, points, x, prefix + "DI", shifts["DI"]) for points in (reference, yade)])
 
 
+def fallen(points):
+    """Of which points a run collapsed, (n,) bool: their index is that at which it was stopped, not the largest."""
+    return np.isfinite(numbers(points, "collapsed_at_s")) | (numbers(points, "collapsed") > 0)
+
+
 def mark_collapses(ax, points, x, y, shift=0.0):
     """A cross over every point of which a run collapsed; returns whether there is one."""
-    collapsed = np.isfinite(numbers(points, "collapsed_at_s")) | (numbers(points, "collapsed") > 0)
+    collapsed = fallen(points)
     ax.plot(numbers(points, x)[collapsed] + shift, numbers(points, y)[collapsed], ls="", marker="x", ms=7, mew=1.1,
             color=VERMILLION, zorder=5)
     return bool(collapsed.any())
@@ -162,8 +167,13 @@ def solver_handles(variant, collapse=False):
         handles.append(Line2D([], [], ls="", marker="o", mfc="none", mec=MEDIUM, mew=0.8, ms=5.6,
                               label=f"YADE: {describe_members(variant.yade)}"))
     if collapse:
-        handles.append(Line2D([], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed"))
+        handles.append(collapse_handle())
     return handles
+
+
+def collapse_handle():
+    """Legend entry of `mark_collapses`."""
+    return Line2D([], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed: index as it fell")
 
 
 def describe_members(points):

@@ -15,6 +15,7 @@ _WORDS = {"cycles": "{:g} cycles", "contacts": "contacts at {}", "cells": "{:g} 
           "beta_s": "β = {:g} s"}
 DEFAULTS = dict.fromkeys(_WORDS) | USUAL_MODEL | {"cycles": Harmonic.cycles, "beta_s": RunSettings.beta_s}
 """Columns that are varied, and what stands in them where they are not."""
+BESIDE = 1.03  # where walls that fell are marked, in shares of a panel's width
 _STYLES = {"max_DI": (BLACK, "D", "displacement"), "max_shear_limit_DI": (BLUE, "o", "shear-limit")}
 
 
@@ -23,7 +24,7 @@ def choices(points):
     """Maximum DI of the reference solver's points, a panel a motion, a line a choice: medians and ranges.
 
     A panel needs its default point and another; grey lines carry the default's values through the panel.  A point of
-    which a run fell has no place on the scale of the index: it is marked at the right edge, beyond all that stand.
+    which a run fell has no place on the scale of the index: it is marked right of the panel, beyond all that stand.
     """
     points = points[points["solver"] == REFERENCE]
     points = points.assign(choice=points.apply(choice, axis=1))
@@ -46,7 +47,7 @@ def choices(points):
     handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=slip_label(points, slip))
                for colour, marker, slip in _STYLES.values()]
     if fell:
-        handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5, label="fell (at the edge: no index)"))
+        handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5, label="fell: beyond the scale of the index"))
     return finish(figure, handles, columns=3)
 
 
@@ -73,8 +74,8 @@ def _draw(ax, rows):
             ax.axvline(value[0], color=LIGHT, lw=1.0, zorder=0)
         ax.errorbar(value[stands], place[stands] + shift, xerr=[(value - low)[stands], (high - value)[stands]], ls="",
                     color=colour, marker=marker, ms=3.2, elinewidth=0.8, capsize=1.6)
-    ax.plot(np.ones(fell.sum()), place[fell], ls="", marker="x", color=VERMILLION, ms=5, clip_on=False,
-            transform=ax.get_yaxis_transform())  # in shares of the panel's width
+    ax.plot(np.full(fell.sum(), BESIDE), place[fell], ls="", marker="x", color=VERMILLION, ms=5, clip_on=False,
+            transform=ax.get_yaxis_transform())
     ax.set_yticks(place, labels=rows["choice"])
     ax.set_ylim(len(rows) - 0.5, -0.5)
     ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))

@@ -101,25 +101,34 @@ def against_drift(variant, slip="displacement"):
     """Figure 12: (a) maximum, (b) residual index against maximum drift, with second-order trend lines.
 
     The parabola is a least-squares fit to the medians of the reference solver over all records, or to
-    YADE's runs where there are no others, among those that are nowhere negative in the range of the drifts.
+    YADE's runs where there are no others, without walls that fell, among those that are nowhere negative in the range of the drifts.
     """
     names = panels.in_order(variant.points["record"].unique())
     markers, hollow = panels.record_markers(names), dict(zip(names, panels.SINGLE_MARKERS * len(names)))
     figure, axes = panels.grid(1, 2, 2.5)
     reference, yade = in_percent(variant.reference), in_percent(variant.yade)
+    collapsed = trend = False
     for number, (ax, state) in enumerate(zip(axes[0], ("max", "residual"))):
         column = f"{state}_{CRITERIA[slip]}DI"
         for name in names:
             medians, single = (points[points["record"] == name] for points in (reference, yade))
             panels.draw_cloud(ax, medians, "max_drift_pct", column, BLACK, markers[name])
             panels.draw_yade(ax, single, "max_drift_pct", column, VERMILLION, hollow[name])
+        collapsed |= any([panels.mark_collapses(ax, points, "max_drift_pct", column) for points in (reference, yade)])
         label = _draw_trend(ax, reference if len(reference) else yade, column)
-        panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
+        trend |= label is not None
+        panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label or ''}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
         panels.from_zero(ax, panels.NOTHING)
     panels.add_heading(figure, f"Damage index against maximum drift: {variant.title}",
                        panels.slip_label(variant.points, slip), _synthetic_note(names))
-    return panels.finish(figure, _record_handles(variant, names, markers, hollow), columns=2)
+    handles = _record_handles(variant, names, markers, hollow)
+    if trend:
+        handles.append(Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares, nowhere "
+                              "negative"))
+    if collapsed:
+        handles.append(panels.collapse_handle())
+    return panels.finish(figure, handles, columns=2)
 
 
 def in_percent(points):
@@ -130,12 +139,12 @@ def in_percent(points):
 
 
 def _draw_trend(ax, points, column):
-    """Draw the least-squares parabola; returns its R2 for the title, "" where points are too few."""
+    """Draw the least-squares parabola; returns its R2 for the title, None where points that stand are too few."""
     drift, value = (panels.numbers(points, name) for name in ("max_drift_pct", column))
-    known = np.isfinite(drift) & np.isfinite(value)
+    known = np.isfinite(drift) & np.isfinite(value) & ~panels.fallen(points)
     drift, value = drift[known], value[known]
     if np.unique(drift).size < TREND_POINTS:
-        return ""
+        return None
     trend, held = nonnegative_parabola(drift, value)
     along = np.linspace(drift.min(), drift.max(), 200)
     ax.plot(along, trend(along), color=BLUE, lw=1.0, zorder=5)
@@ -176,4 +185,4 @@ def _record_handles(variant, names, markers, hollow):
             if len(points):
                 label = f"{panels.record_label(name)}: {solver}, {panels.describe_members(points)}"
                 handles.append(Line2D([], [], ls="", ms=5, label=label, **look))
-    return handles + [Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares, nowhere negative")]
+    return handles
