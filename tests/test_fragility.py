@@ -130,6 +130,9 @@ class TestRecords:
         assert "3 records are few" in figure._suptitle.get_text()
         words = "\n".join(entry.get_text() for entry in figure.legends[0].get_texts())
         assert "records held" in words and "walls and records drawn anew" in words
+        figure.draw_without_rendering()
+        box, (width, _) = figure.legends[0].get_window_extent(), figure.get_size_inches() * figure.dpi
+        assert 0 <= box.x0 and box.x1 <= width
         assert few_note(10) == ""
 
 

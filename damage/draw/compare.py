@@ -57,7 +57,7 @@ def _draw_drift(ax, first, second):
     lines = []
     factor, unit = style.drift_scale(*(history.series["drift_ratio"] for history in (first, second)))
     for history, label, colour, width in zip((first, second), run_labels(first, second),
-                                             (style.DARK, style.VERMILLION), (1.4, 0.7)):
+                                             (style.VERMILLION, style.BLUE), (1.4, 0.7)):
         lines += ax.plot(history.series["time_s"], factor * history.series["drift_ratio"], label=label,
                          color=colour, lw=width)
     drift = compare_drift(first, second)

@@ -165,8 +165,9 @@ def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, se
     counts = np.zeros((2, *sizes, len(values)))  # runs of a wall in a record at an intensity, and those that exceed
     np.add.at(counts[0], (wall, record, place), 1)
     np.add.at(counts[1], (wall, record, place), exceeds.to_numpy(float))
-    random, found = np.random.default_rng(seed), {}
+    found = {}
     for name in over:
+        random = [np.random.default_rng((seed, kind)) for kind in range(2)]  # the same draws of walls in "both", and so on
         drawn = [name in (kind, "both") and size > 1 for kind, size in zip(OVER, sizes)]
         if not any(drawn) or (name == "both" and not all(drawn)):
             continue
@@ -180,8 +181,8 @@ def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, se
 
 def _drawn(counts, sizes, drawn, random):
     """Runs, and those that exceed, by intensity, of walls and records of which the drawn ones are drawn anew."""
-    walls, records = (np.bincount(random.integers(size, size=size), minlength=size) if anew else np.ones(size)
-                      for size, anew in zip(sizes, drawn))
+    walls, records = (np.bincount(one.integers(size, size=size), minlength=size) if anew else np.ones(size)
+                      for one, size, anew in zip(random, sizes, drawn))
     return np.einsum("kwri,w,r->ki", counts, walls, records)
 
 

@@ -40,14 +40,14 @@ def fragility_picture(wall, runs, fits, intensity="pga_g"):
             for over, (alpha, words) in _BANDS.items() if any(one.bounds(x, over) is not None for one in fits)]
     return finish(figure, [
         Line2D([], [], color="0.3", label="lognormal fit"), *told,
-        Line2D([], [], color="0.3", marker="o", ls="", ms=3, label="share of the runs at one intensity")])
+        Line2D([], [], color="0.3", marker="o", ls="", ms=3, label="share of the runs at one intensity")], columns=2)
 
 
 def few_note(n_records):
     """A line of the heading where the records are too few to bound what others would do, else ""."""
     return "" if n_records >= FEW_RECORDS else (
         f"{n_records} {'records are' if n_records != 1 else 'record is'} few: bounds over walls leave other records out, "
-        "and those over records are rough")
+        "and those over records are rough, rather too narrow")
 
 
 def _draw(ax, x, runs, one, style, intensity):
@@ -62,8 +62,8 @@ def _draw(ax, x, runs, one, style, intensity):
             if (bounds := one.bounds(x, over)) is not None:
                 ax.fill_between(x, *bounds, color=colour, alpha=alpha, lw=0)
         unit = unit_of(intensity)[1]
-        told += (f": between {one.step[0]:.3g} and {one.step[1]:.3g} {unit}" if one.step else
-                 f": median {one.median:.3g} {unit}, dispersion {one.dispersion:.2f}")
+        told += (f": between {one.step[0]:#.3g} and {one.step[1]:#.3g} {unit}" if one.step else
+                 f": median {one.median:#.3g} {unit}, dispersion {one.dispersion:.2f}")
     else:
         told += f": {one.n_exceeding} of {one.n_runs} runs"
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=told)
