@@ -16,7 +16,7 @@
 # SYSTEM_PYTHON stands in for /usr/bin/python3 on systems that keep it elsewhere.
 
 _env_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-_env_obspy_versions="obspy>=1.4.1,<1.5"  # later ones ask for a newer numpy than Debian 12's
+_env_obspy_versions="obspy>=1.4.1"  # the latest that takes Debian's numpy
 _env_ruff_version=0.17.6  # as in pyproject.toml: other versions find other faults
 _env_programs=(yade)
 

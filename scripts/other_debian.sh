@@ -40,9 +40,10 @@ git -C "$folder/work" init --quiet  # some tests ask git which files there are
 for file in resolv.conf hosts; do
     cp "/etc/$file" "$folder/etc/$file"
 done
-# pip trusts there what it trusts here, a company's proxy for one.
-certificates=/etc/ssl/certs/ca-certificates.crt
+# pip trusts there what it trusts here, a company's proxy for one, and looks where it looks here.
+certificates=${PIP_CERT:-/etc/ssl/certs/ca-certificates.crt}
 [ ! -e "$certificates" ] || cp --dereference "$certificates" "$folder/etc/here.crt"
+[ ! -e /etc/pip.conf ] || cp /etc/pip.conf "$folder/etc/pip.conf"
 # shellcheck disable=SC2016  # the inner shell expands
 exec unshare --mount --propagation private bash -c '
     set -e

@@ -1,6 +1,7 @@
 """What several tests share: the repository, the shipped walls, the real commands."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -30,6 +31,11 @@ def shipped_wall(request):
 @pytest.fixture(scope="session")
 def symmetric_wall():
     return load_wall(REPOSITORY / "walls" / "symmetric.py")
+
+
+def without_progress(text):
+    """What a command said, but for the lines of progress that a slow machine sees."""
+    return "".join(line for line in text.splitlines(keepends=True) if not re.search(r"  .* t = +[-\d.]+ ", line))
 
 
 def run_command(*words, **options):

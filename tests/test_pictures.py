@@ -261,7 +261,7 @@ class TestIndexPicture:
     def test_settling_is_shaded_from_its_first_sample_to_the_last(self, cracked):
         for ax in index_picture(cracked).axes:
             shade, = (patch for patch in ax.patches if patch.get_label() == "settling")
-            x = shade.get_xy()[:, 0]
+            x = shade.get_path().transformed(shade.get_patch_transform()).vertices[:, 0]
             assert [x.min(), x.max()] == pytest.approx([0.16, 0.20])
 
     def test_base_acceleration_in_g_with_the_vertical_one_where_there_is_one(self, cracked, history):

@@ -5,6 +5,7 @@ import os
 import shutil
 
 from damage.errors import InputError
+from damage.studies.members import most_members
 from damage.studies.tables import runs_there
 
 LEAST_FREE = 20_000_000
@@ -40,10 +41,10 @@ def check_room(folder):
 def forecast(study, folder):
     """A warning where the runs that are left will not fit if they are as large as those that are there, else None.
 
-    Of an ensemble with adaptive members all count, though one may do.
+    Of an ensemble with adaptive members all that it may come to count, though one may do.
     """
     whole = [path.stat().st_size for path in (folder / "runs").glob("*.h5") if not path.stem.endswith(".part")]
-    left = sum(run.members for run in study.runs if not runs_there(run, folder))
+    left = sum(most_members(run) for run in study.runs if not runs_there(run, folder))
     if not whole or not left:
         return None
     mean, free = sum(whole) / len(whole), free_bytes(folder)

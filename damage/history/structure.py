@@ -47,11 +47,16 @@ def _check_attributes(file):
     attributes = file["run"].attrs
     for name in _WORDS:
         if not isinstance(attributes.get(name), str):
-            raise InputError(f"attribute {name} of run is {attributes.get(name)!r}, expected words")
+            raise InputError(f"attribute {name} of run is {_plain(attributes.get(name))!r}, expected words")
     for name in _LENGTHS:
         value = attributes.get(name)
         if not isinstance(value, (float, np.floating)) or not 0 < value < np.inf:
-            raise InputError(f"attribute {name} of run is {value!r}, expected a length")
+            raise InputError(f"attribute {name} of run is {_plain(value)!r}, expected a length")
+
+
+def _plain(value):
+    """A number as Python's, which NumPy 2 would call np.float64(-1.0)."""
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _dataset(file, path):

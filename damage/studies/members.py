@@ -10,6 +10,14 @@ LEAST = 5
 JUDGED = ("max_DI", "max_drift_ratio")
 
 
+def most_members(run):
+    """How many members an ensemble may come to: `tails_are_heavy` is asked where there are as many as it needs.
+
+    run: a damage.studies.definition.StudyRun.
+    """
+    return 2 * run.members if run.adaptive and run.members >= LEAST else run.members
+
+
 def tails_are_heavy(rows):
     """Whether the rows of an ensemble's members (of `damage.measure.tables.summary_row`) spread so much.
 

@@ -115,7 +115,7 @@ def write_hdf5(tables, path):
                                                                                                      na_value=np.nan)
                 group.create_dataset(name, data=values, dtype=h5py.string_dtype() if words else "f8")
     with whole_or_nothing(path) as unfinished:
-        unfinished.write_bytes(content.getbuffer())
+        unfinished.write_bytes(content.getvalue())
 
 
 def read_study_table(path, table="runs"):
