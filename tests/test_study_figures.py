@@ -326,13 +326,13 @@ class TestPanels:
             assert len(set(letters)) == len(letters) and all(re.fullmatch(r"\([a-z]+\)", one) for one in letters), name
 
     def test_letters_go_on_after_z(self):
-        figure, axes = grid(1, 2, 1.0)
+        _, axes = grid(1, 2, 1.0)
         letter(axes[0, 0], 25)
         letter(axes[0, 1], 26, "next")
         assert [ax.get_title(loc="left") for ax in axes[0]] == ["(z)", "(aa) next"]
 
     def test_scales_apart_are_told_and_hidden_panels_do_not_count(self):
-        figure, axes = grid(1, 3, 1.0)
+        _, axes = grid(1, 3, 1.0)
         for ax, top in zip(axes[0], (0.01, 0.5, 1e-9)):
             ax.set_ylim(0, top)
         axes[0, 2].set_axis_off()
@@ -344,7 +344,8 @@ class TestPanels:
         points = harmonic.reference
         rows = points.assign(max_DI=points["max_DI"] * np.where(points["motion_period_s"] == 0.2, 100, 1))
         rows = rows.assign(max_DI_min=rows["max_DI"], max_DI_max=rows["max_DI"])
-        assert "scales of their own" in text(against_amplitude(results, type(harmonic)("small", {}, rows, harmonic.yade)))
+        variant = type(harmonic)("small", {}, rows, harmonic.yade)
+        assert "scales of their own" in text(against_amplitude(results, variant))
 
 
 class TestResults:

@@ -47,7 +47,8 @@ def choices(points):
     handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=slip_label(points, slip))
                for colour, marker, slip in _STYLES.values()]
     if fell:
-        handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5, label="fell: beyond the scale of the index"))
+        handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5,
+                              label="fell: beyond the scale of the index"))
     return finish(figure, handles, columns=3)
 
 

@@ -81,7 +81,8 @@ class Fragility:
     def median_bounds(self, over="walls"):
         """Lower and upper bound of (median, dispersion), (2, 2), NaN where there are none."""
         replicates = self.replicates.get(over, ())
-        low, high = (np.percentile(replicates, _PERCENTILES, axis=0) if len(replicates) > 1 else np.full((2, 2), np.nan))
+        low, high = np.percentile(replicates, _PERCENTILES, axis=0) if len(replicates) > 1 \
+            else np.full((2, 2), np.nan)
         if self.step and over == "walls":
             return np.array([[end, np.nan] for end in self.step])
         if self.step and np.isfinite(low[0]):
@@ -167,7 +168,7 @@ def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, se
     np.add.at(counts[1], (wall, record, place), exceeds.to_numpy(float))
     found = {}
     for name in over:
-        random = [np.random.default_rng((seed, kind)) for kind in range(2)]  # the same draws of walls in "both", and so on
+        random = [np.random.default_rng((seed, kind)) for kind in range(2)]  # so that "both" has the draws of either
         drawn = [name in (kind, "both") and size > 1 for kind, size in zip(OVER, sizes)]
         if not any(drawn) or (name == "both" and not all(drawn)):
             continue
@@ -207,7 +208,7 @@ def fit_all(runs, intensity="pga_g", replicates=REPLICATES):
     if replicates < 0:
         raise InputError(f"--replicates {replicates}: expected zero or more; mend it")
     if intensity not in there(runs):
-        raise InputError(f"not every run has {intensity}; expected a study of recorded motions, its tables made by this "
+        raise InputError(f"not every run has {intensity}; expected a study of recorded motions, its tables of this "
                          f"version; choose {' or '.join(there(runs)) or 'another study'}")
     return {wall: [fragility(of_wall, measure, level, intensity, replicates) for measure, levels in LEVELS.items()
                    for level in levels] for wall, of_wall in runs.groupby("wall", sort=False)}
@@ -232,22 +233,22 @@ def efficiency_table(runs):
     that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
     intensity efficient where it is small.  median: in `unit`.
     """
-    rows = []
-    for wall, of_wall in runs.groupby("wall", sort=False):
-        for intensity in there(runs):
-            for measure, levels in LEVELS.items():
-                scatter = _scatter(of_wall, measure, intensity)
-                for level in levels:
-                    one = fragility(of_wall, measure, level, intensity, replicates=0)
-                    rows.append({"wall": wall, "measure": measure, "level": level, "intensity": intensity,
-                                 "dispersion": one.dispersion, "scatter": scatter, "median": one.median,
-                                 "unit": unit_of(intensity)[1], "runs": one.n_runs, "exceeding": one.n_exceeding,
-                                 "records": one.n_records})
+    rows = [{"wall": wall, **row} for wall, of_wall in runs.groupby("wall", sort=False) for intensity in there(runs)
+            for measure in LEVELS for row in _efficiencies(of_wall, measure, intensity)]
     by = ["wall", "measure", "level", "dispersion", "scatter"]
     table = pd.DataFrame(rows)
     order = {name: place for place, name in enumerate(LEVELS)}
     return table.sort_values(by, key=lambda column: column.map(order) if column.name == "measure" else column,
                              kind="stable", ignore_index=True)
+
+
+def _efficiencies(runs, measure, intensity):
+    """Rows of the table for one wall, measure and intensity."""
+    scatter = _scatter(runs, measure, intensity)
+    ones = [fragility(runs, measure, level, intensity, replicates=0) for level in LEVELS[measure]]
+    return [{"measure": measure, "level": one.level, "intensity": intensity, "dispersion": one.dispersion,
+             "scatter": scatter, "median": one.median, "unit": unit_of(intensity)[1], "runs": one.n_runs,
+             "exceeding": one.n_exceeding, "records": one.n_records} for one in ones]
 
 
 def _scatter(runs, measure, intensity):

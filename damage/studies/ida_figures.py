@@ -101,7 +101,8 @@ def against_drift(variant, slip="displacement"):
     """Figure 12: (a) maximum, (b) residual index against maximum drift, with second-order trend lines.
 
     The parabola is a least-squares fit to the medians of the reference solver over all records, or to
-    YADE's runs where there are no others, without walls that fell, among those that are nowhere negative in the range of the drifts.
+    YADE's runs where there are no others, without walls that fell, among those that are nowhere negative in the range
+    of the drifts.
     """
     names = panels.in_order(variant.points["record"].unique())
     markers, hollow = panels.record_markers(names), dict(zip(names, panels.SINGLE_MARKERS * len(names)))
