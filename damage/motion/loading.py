@@ -23,7 +23,7 @@ from damage.units import GRAVITY
 PERIODS_S, HIGHEST_G, MOST_CYCLES = (1e-3, 1000.0), 100.0, 10**6
 """Of a base motion: least and largest period of a harmonic one [s], peak [g], cycles."""
 SINE_SAMPLES = 400
-"""In a cycle of a harmonic motion as a record: straight lines between are off by (pi / 400)^2 / 2 = 3e-5 of the peak."""
+"""In a cycle of a harmonic motion as a record: lines between are off by (pi / 400)^2 / 2 = 3e-5 of the peak."""
 
 
 class Loading:

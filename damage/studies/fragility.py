@@ -68,15 +68,13 @@ class Fragility:
         None where there is nothing to draw anew: a single wall or record, or no sample that could be fitted.
         """
         x, replicates = np.asarray(intensity, float), self.replicates.get(over, ())
-        curves = [curve(x[None, :], *(column[:, None] for column in replicates.T))] if len(replicates) > 1 else []
-        bounds = [np.percentile(curves[0], _PERCENTILES, axis=0)] if curves else []
-        if self.step:  # the walls that are drawn all turn between its ends
-            bounds.append(np.array([curve(x, end, 0.0) for end in self.step[::-1]]))
-        if not bounds or (over != "walls" and not curves):
+        step = [curve(x, end, 0.0) for end in self.step[::-1]] if self.step else None
+        if step and over == "walls":
+            return np.array(step)  # walls that are drawn all turn between its ends
+        if len(replicates) < 2:
             return None
-        if self.step and over == "walls":
-            return bounds[-1]
-        return np.array([np.min([low for low, _ in bounds], axis=0), np.max([high for _, high in bounds], axis=0)])
+        low, high = np.percentile(curve(x[None, :], *(column[:, None] for column in replicates.T)), _PERCENTILES, axis=0)
+        return np.array([np.minimum(low, step[0]), np.maximum(high, step[1])] if step else [low, high])
 
     def median_bounds(self, over="walls"):
         """Lower and upper bound of (median, dispersion), (2, 2), NaN where there are none."""
