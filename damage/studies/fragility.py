@@ -73,7 +73,8 @@ class Fragility:
             return np.array(step)  # walls that are drawn all turn between its ends
         if len(replicates) < 2:
             return None
-        low, high = np.percentile(curve(x[None, :], *(column[:, None] for column in replicates.T)), _PERCENTILES, axis=0)
+        curves = curve(x[None, :], *(column[:, None] for column in replicates.T))
+        low, high = np.percentile(curves, _PERCENTILES, axis=0)
         return np.array([np.minimum(low, step[0]), np.maximum(high, step[1])] if step else [low, high])
 
     def median_bounds(self, over="walls"):
