@@ -299,13 +299,14 @@ def _cracks(asked):
 @_command("probabilities of exceeding levels of damage, from a study with scattered strengths",
           _path("study", "STUDY_DIR", "folder of a study, as results/fragility"),
           _out("folder for table and pictures"),
-          _arg("--intensity", default="pga_g", help="column of summary.csv: pga_g (default) or sa_0.2_s_g"),
+          _arg("--intensity", default="pga_g", metavar="COLUMN", help="column of summary.csv: pga_g (default), "
+               "pgv_m_s, sa_0.2_s_g, sa_eigen_period_g, avg_sa_g or arias_m_s"),
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
            help="bootstrap samples (default 500)"))
 def _fragility(asked):
     from damage.measure.columns import made_by_words, slip_criteria
     from damage.measure.tables import write_table
-    from damage.studies.fragility import fit_all, fragility_table, load_runs
+    from damage.studies.fragility import efficiency_table, fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_pictures
 
     runs = load_runs(asked.study)
@@ -313,6 +314,9 @@ def _fragility(asked):
     table = fragility_table(fits, asked.intensity).assign(slip=" or ".join(slip_criteria(runs)))
     print(table.to_string(index=False, float_format="%.3f"))
     print(write_table(table, asked.out / f"fragility_{asked.intensity}.csv"))
+    efficiency = efficiency_table(runs)
+    print(efficiency.to_string(index=False, float_format="%.3f"))
+    print(write_table(efficiency, asked.out / "efficiency.csv"))
     _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
 
 

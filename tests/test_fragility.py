@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.measure.tables import write_table
-from damage.studies.fragility import LEVELS, curve, fit, fragility, load_runs
+from damage.studies.fragility import LEVELS, curve, efficiency_table, fit, fragility, load_runs
+from damage.studies.fragility_picture import few_note, fragility_picture
 
 MEDIAN_G, DISPERSION = 0.2, 0.4
 
@@ -51,7 +52,7 @@ class TestFit:
         runs["max_psi"] = np.where(runs["pga_g"] > 0.22, 3.0, 0.0)
         found = fragility(runs, "max_psi", 2.0, replicates=20)
         row = found.row()
-        assert_allclose([row["median_low_g"], row["median_high_g"], row["dispersion"]], [0.2, 0.25, 0])
+        assert_allclose([row["median_walls_low_g"], row["median_walls_high_g"], row["dispersion"]], [0.2, 0.25, 0])
         assert_allclose(found.bounds([0.19, 0.21, 0.3]), [[0, 0, 1], [0, 1, 1]])
 
     def test_a_collapse_exceeds_every_level(self):
@@ -64,8 +65,8 @@ def test_nine_in_ten_bounds_hold_the_true_median():
     """Over 40 studies of 25 walls: 36 expected, 28 is more than four standard deviations below."""
     held = 0
     for seed in range(40):
-        row = fragility(walls(25, seed=seed), "max_DI", 0.05, replicates=40).row()
-        held += row["median_low_g"] <= MEDIAN_G <= row["median_high_g"]
+        row = fragility(walls(25, seed=seed), "max_DI", 0.05, replicates=40, over=("walls",)).row()
+        held += row["median_walls_low_g"] <= MEDIAN_G <= row["median_walls_high_g"]
     assert held >= 28
 
 
@@ -78,6 +79,79 @@ def test_bounds_enclose_the_curve_and_narrow_with_more_walls():
     assert (np.diff(many.bounds(x), axis=0) < np.diff(few.bounds(x), axis=0)).all()
 
 
+def recorded(n_records, between, seed, n_walls=12, levels=6):
+    """Runs in records that are more or less harmful than their PGA says, by a lognormal factor that PGV sees and PGA
+    does not; walls scatter by 0.1."""
+    random = np.random.default_rng(seed)
+    factor = np.exp(between * random.standard_normal(n_records))
+    capacity = np.exp(0.1 * random.standard_normal(n_walls))
+    wall, record, step = (grid.ravel() for grid in np.meshgrid(*map(np.arange, (n_walls, n_records, levels))))
+    pga_g = np.geomspace(0.05, 0.8, levels)[step] * (1 + 0.01 * record)
+    harm = pga_g * factor[record]
+    return pd.DataFrame({"wall": "w", "record": [f"r{k}" for k in record], "pga_g": pga_g, "pgv_m_s": 0.3 * harm,
+                         "strength_seed": wall, "strength_cov": 0.3, "status": "complete", "collapsed_at_s": np.nan,
+                         "max_DI": harm / capacity[wall] / 2, "max_crack_width_mm": 0.0, "max_psi": 0.0})
+
+
+class TestRecords:
+    def test_bounds_over_records_are_wide_where_records_scatter_and_both_wider_than_walls(self):
+        one = fragility(recorded(5, 0.6, seed=4), "max_DI", 0.1, replicates=60)
+        width = {over: np.ptp(np.log(one.median_bounds(over)[:, 0])) for over in ("walls", "records", "both")}
+        assert width["records"] > 3 * width["walls"] and width["both"] > 3 * width["walls"]
+        x = np.array([0.15, 0.2, 0.3])
+        assert np.all(np.diff(one.bounds(x, "both"), axis=0) > np.diff(one.bounds(x, "walls"), axis=0))
+
+    def test_nine_in_ten_bounds_over_both_hold_the_true_median_where_records_are_many(self):
+        """Over 16 studies of 20 records: 14 expected; drawing walls alone holds it in few of them."""
+        held = dict.fromkeys(("walls", "both"), 0)
+        for seed in range(16):
+            row = fragility(recorded(20, 0.6, seed), "max_DI", 0.1, replicates=40, over=tuple(held)).row()
+            for over in held:  # DI = 0.1 at a harm of 0.2 g
+                held[over] += row[f"median_{over}_low_g"] <= 0.2 <= row[f"median_{over}_high_g"]
+        assert held["both"] >= 10 > 8 > held["walls"]
+
+    def test_one_record_has_no_bounds_over_records(self):
+        one = fragility(walls(10, seed=1), "max_DI", 0.05, replicates=20)
+        assert one.bounds([0.2], "records") is None is one.bounds([0.2], "both")
+        assert one.bounds([0.2], "walls") is not None
+        assert np.isnan(one.row()["median_records_low_g"])
+
+    def test_a_record_counts_as_often_as_it_is_drawn(self):
+        # of two records, one that harms at once and one that never does, samples have the first 0, 1 or 2 times; those
+        # of one kind alone have no fit
+        runs = recorded(2, 0.0, seed=1)
+        runs["max_DI"] = np.where(runs["record"] == "r0", 1.0, 0.0)
+        one = fragility(runs, "max_DI", 0.1, replicates=60)
+        assert 15 < len(one.replicates["records"]) < 45
+
+    def test_few_records_are_said_to_be_few_and_bands_are_named(self):
+        runs = recorded(3, 0.5, seed=2)
+        figure = fragility_picture("w", runs, [fragility(runs, "max_DI", 0.1, replicates=20)])
+        assert "3 records are few" in figure._suptitle.get_text()
+        words = "\n".join(entry.get_text() for entry in figure.legends[0].get_texts())
+        assert "records held" in words and "walls and records drawn anew" in words
+        figure.draw_without_rendering()
+        box, (width, _) = figure.legends[0].get_window_extent(), figure.get_size_inches() * figure.dpi
+        assert 0 <= box.x0 and box.x1 <= width
+        assert few_note(10) == ""
+
+
+class TestEfficiency:
+    def test_the_intensity_that_tells_most_stands_first(self):
+        table = efficiency_table(recorded(8, 0.6, seed=3))
+        best = table[(table["measure"] == "max_DI") & (table["level"] == 0.1)]
+        assert list(best["intensity"]) == ["pgv_m_s", "pga_g"]
+        assert list(best["unit"]) == ["m/s", "g"]
+        # walls scatter by 0.1, of which twelve draws are; the records by 0.6 on top
+        assert_allclose(best["scatter"], [0.1, 0.6], rtol=0.5)
+        assert best["dispersion"].iloc[0] < 0.2 < best["dispersion"].iloc[1]
+        assert best["median"].iloc[0] == pytest.approx(0.3 * 0.2, rel=0.1)
+
+    def test_medians_have_the_intensitys_unit_in_their_names(self):
+        row = fragility(recorded(3, 0.3, seed=1), "max_DI", 0.1, "pgv_m_s", replicates=0).row()
+        assert row["median_m_s"] == pytest.approx(0.06, rel=0.1) and not any(name.endswith("_g") for name in row)
+
+
 def test_the_command_writes_table_and_picture(tmp_path, capsys):
     write_table(walls(12, seed=1), tmp_path / "tables" / "summary.csv")
     assert main(["fragility", str(tmp_path), "--out", str(tmp_path / "f"), "--replicates", "20"]) == 0
@@ -86,6 +160,7 @@ def test_the_command_writes_table_and_picture(tmp_path, capsys):
     assert table.set_index("measure").loc["max_psi", "median_g"].isna().all()
     assert {path.suffix for path in (tmp_path / "f").glob("fragility_w_pga_g.*")} == {".png", ".pdf"}
     assert "dispersion" in capsys.readouterr().out
+    assert set(pd.read_csv(tmp_path / "f" / "efficiency.csv")["intensity"]) == {"pga_g"}
     assert main(["fragility", str(tmp_path), "--out", str(tmp_path), "--intensity", "sa_0.2_s_g"]) == 2
 
 

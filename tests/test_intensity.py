@@ -5,20 +5,27 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy import signal
+from scipy import integrate, signal
 
 from damage.errors import InputError
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import (
+    APPLIED,
+    AVERAGE_PERIODS_S,
     POINTS_PER_PERIOD,
     SPECTRUM_PERIODS_S,
+    applied_measures,
     arias_m_s,
+    avg_sa_g,
     pga_g,
     pgv_cm_s,
+    pgv_m_s,
     response_spectrum,
+    rested,
     significant_duration_s,
     summary,
 )
+from damage.motion.loading import FreeVibration, Harmonic, Recorded, loading_from_dict
 from damage.motion.record import Record, scaled, windowed
 from damage.units import GRAVITY
 
@@ -208,7 +215,7 @@ class TestZeerijpRecords:
 
     def test_keys_of_the_summary(self):
         found = summary(read_record(shipped_record_path()))
-        assert list(found) == [*self.KEYS, "sa_g"]
+        assert list(found) == [*self.KEYS, "avg_sa_g", "sa_g"]
         assert list(found["sa_g"]) == (
             ["0.06", "0.08", "0.1", "0.15", "0.2", "0.25", "0.33", "0.5", "1.0"]
         )
@@ -246,3 +253,98 @@ class TestSummaryFilter:
     def test_too_short_to_filter(self):
         with pytest.raises(InputError, match="too few"):
             summary(Record("short", 0.005, [0.0, 1.0, 0.0]))
+
+
+MOTIONS = {  # of every shipped record, one with all that a run may do to it
+    name: {} for name in ("BGAR_HGE", "BGAR_HGN", "BLOP_HGE", "BLOP_HGN", "BWSE_HGE", "BWSE_HGN", "BZN1_HGE",
+                          "BZN1_HGN", "MID1_N_synthetic")} | {
+    "windowed": {"window_s": (17.0, 25.0), "scale": -2.0},
+    "prepared": {"window_s": (15.0, 30.0), "scale": 1.5, "baseline_order": 1, "band_hz": (0.3, 30.0)}}
+
+
+def fine(record, parts):
+    """Time and acceleration on a grid `parts` times as fine, by straight lines between the samples."""
+    time_s = np.linspace(0, record.duration_s, parts * (record.acceleration_m_s2.size - 1) + 1)
+    return time_s, np.interp(time_s, record.time_s, record.acceleration_m_s2)
+
+
+def simulated_sa_g(record, period_s):
+    """Pseudo-acceleration by SciPy's own discretisation of the damped oscillator, base acceleration linear in steps."""
+    omega = 2 * np.pi / period_s
+    time_s, acceleration = fine(rested(record, period_s), math.ceil(100 * record.time_step_s / period_s))
+    over, under, _ = signal.cont2discrete(([-(omega**2)], [1, 0.1 * omega, omega**2]), time_s[1], method="foh")
+    return np.abs(signal.lfilter(over.ravel(), under, acceleration)).max() / GRAVITY
+
+
+class TestAppliedMotion:
+    EIGEN_S = 0.221
+
+    @pytest.mark.parametrize("name", MOTIONS)
+    def test_shipped_records_against_scipys_own_integration_and_simulation(self, name):
+        record = read_record(shipped_record_path(name if name in MOTIONS and not MOTIONS[name] else "BGAR_HGE"))
+        loading = Recorded(record, **MOTIONS[name])
+        found = applied_measures(loading.applied(), self.EIGEN_S)
+        assert list(found) == list(APPLIED)
+        # what the run itself asks the loading for, on a grid 64 times as fine
+        time_s, _ = fine(loading.applied(), 64)
+        time_s[-1] -= 1e-9  # the base stops after the last sample
+        acceleration = loading.base_acceleration(time_s)[:, 0]
+        velocity = integrate.cumulative_trapezoid(acceleration, time_s, initial=0)
+        assert found["pgv_m_s"] == pytest.approx(np.abs(velocity).max(), rel=1e-5)
+        expected = [simulated_sa_g(loading.applied(), period) for period in AVERAGE_PERIODS_S]
+        # both look for the peak at 100 instants a period at least, and may pass it by BETWEEN_INSTANTS
+        assert found["avg_sa_g"] == pytest.approx(np.exp(np.mean(np.log(expected))), rel=BETWEEN_INSTANTS)
+        assert found["sa_eigen_period_g"] == pytest.approx(simulated_sa_g(loading.applied(), self.EIGEN_S),
+                                                           rel=BETWEEN_INSTANTS)
+        time_s, acceleration = loading.applied().time_s, loading.applied().acceleration_m_s2
+        energy = np.concatenate([[0], np.cumsum((acceleration[1:]**2 + acceleration[:-1]**2) / 2 * np.diff(time_s))])
+        assert found["arias_m_s"] == pytest.approx(np.pi / 2 / GRAVITY * energy[-1], rel=1e-9)
+        for key, share in (("d5_75_s", 0.75), ("d5_95_s", 0.95)):
+            begin, end = np.interp([0.05 * energy[-1], share * energy[-1]], energy, time_s)
+            assert found[key] == pytest.approx(end - begin, rel=1e-9)
+
+    def test_the_ten_periods_have_equal_ratios(self):
+        assert (len(AVERAGE_PERIODS_S), AVERAGE_PERIODS_S[0], AVERAGE_PERIODS_S[-1]) == (10, 0.01, pytest.approx(1.0))
+        assert_allclose(np.diff(np.log(AVERAGE_PERIODS_S)), np.log(100) / 9)
+
+    def test_the_geometric_mean_is_that_of_the_spectrum_and_grows_with_the_motion(self):
+        record = sine(3.0)
+        assert_allclose(np.log(avg_sa_g(record)), np.log(response_spectrum(record, AVERAGE_PERIODS_S)).mean())
+        assert avg_sa_g(scaled(record, -2.5)) == pytest.approx(2.5 * avg_sa_g(record))
+
+    def test_the_peak_velocity_between_two_samples(self):
+        # from 2 to -1 m/s2 in 0.3 s the acceleration passes zero after 0.2 s, where the velocity is 0.2 m/s
+        assert pgv_m_s(Record("r", 0.3, [2.0, -1.0])) == pytest.approx(0.2)
+        assert pgv_m_s(Record("r", 0.3, [-2.0, -2.0])) == pytest.approx(0.6)
+
+    def test_a_harmonic_motion_by_closed_forms(self):
+        found = applied_measures(Harmonic(0.2, 0.1, 3).applied(), None)
+        a, omega = 0.1 * GRAVITY, 2 * np.pi / 0.2
+        # straight lines between 400 samples a cycle: (pi / 400)^2 / 3 of an integral
+        assert found["pgv_m_s"] == pytest.approx(2 * a / omega, rel=3e-5)
+        assert found["arias_m_s"] == pytest.approx(np.pi / 2 / GRAVITY * a**2 / 2 * 0.6, rel=3e-5)
+        assert found["sa_eigen_period_g"] is None
+
+    def test_a_slow_oscillator_peaks_in_the_rest_after_a_short_motion(self):
+        # a pulse far shorter than the period leaves the velocity v: Sa = omega v exp(-z atan(q) / q') of free vibration
+        period_s, z = 1.0, 0.05
+        record = Record("pulse", 0.001, [0.0, 1.0, 0.0])
+        phase = math.acos(z)
+        expected = 2 * np.pi / period_s * 0.001 * math.exp(-z / math.sqrt(1 - z**2) * phase) / GRAVITY
+        assert applied_measures(record, period_s)["sa_eigen_period_g"] == pytest.approx(expected, rel=2e-3)
+        assert response_spectrum(record, [period_s])[0] < 0.1 * expected
+
+    @pytest.mark.parametrize("period_s, cycles", [(1e-3, 3), (1.01e-3, 3), (3.99e-3, 1), (1000.0, 2), (0.7, 1)])
+    def test_every_harmonic_motion_is_a_record(self, period_s, cycles):
+        record = Harmonic(period_s, 0.1, cycles).applied()
+        assert record.duration_s == pytest.approx(period_s * cycles)
+        assert pga_g(record) == pytest.approx(0.1, rel=1e-12)
+
+    def test_what_does_not_apply_is_none(self):
+        assert set(applied_measures(FreeVibration().applied(), 0.2).values()) == {None}
+        assert Harmonic(0.1, 0.1, 10**6).applied() is None
+        still = applied_measures(Harmonic(0.1, 0.0).applied(), 0.2)
+        assert [name for name, value in still.items() if value is None] == ["d5_75_s", "d5_95_s"]
+        assert still["avg_sa_g"] == 0
+        kept = Recorded(read_record(shipped_record_path())).as_dict()
+        assert loading_from_dict(kept).applied() is None  # without its samples

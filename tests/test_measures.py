@@ -7,6 +7,7 @@ from small_history import make_history, small_layout
 from damage.measure.cycles import CYCLE_COLUMNS, cycle_measures, cycles_table
 from damage.measure.energy import energy_measures
 from damage.measure.limits import LIMITS, classes
+from damage.measure.motion import motion_measures
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.measure.vibration import upward_crossings
@@ -133,3 +134,26 @@ def test_summary_row_holds_every_measure(harmonic):
     for name in ("last_cycle_s", "first_free_cycle_s", "period_elongation", "dissipated_energy_j",
                  "damping_energy_j", "max_crack_width_mm", "residual_psi", *(one.name for one in LIMITS)):
         assert name in row
+
+
+TOLD = {"pgv_m_s": 0.02, "avg_sa_g": 0.3, "sa_eigen_period_g": 0.4, "arias_m_s": 0.1, "d5_75_s": 2.0, "d5_95_s": None}
+
+
+class TestMotion:
+    def test_what_the_run_wrote_grows_with_its_strongest_shock(self, tmp_path):
+        history = make_history(tmp_path / "a.h5", loading="record")
+        history.parameters.update(TOLD, sequence=[0.5, -2.0])
+        # velocity and acceleration with the factor, squares with its square, durations not at all
+        assert motion_measures(history) == pytest.approx(
+            {"pgv_m_s": 0.04, "avg_sa_g": 0.6, "sa_eigen_period_g": 0.8, "arias_m_s": 0.4, "d5_75_s": 2.0,
+             "d5_95_s": None})
+        row = summary_row(history)
+        assert {name: row[name] for name in TOLD} == motion_measures(history)
+
+    def test_of_an_older_file_a_harmonic_motion_is_known_and_a_record_is_not(self, tmp_path):
+        harmonic = motion_measures(make_history(tmp_path / "a.h5"))  # 0.2 s, 0.05 g
+        assert harmonic["pgv_m_s"] == pytest.approx(2 * 0.05 * 9.81 * 0.2 / (2 * np.pi), rel=1e-3)
+        assert harmonic["sa_eigen_period_g"] is None  # the file does not tell the period
+        for loading in ("record", "free_vibration", "cyclic"):
+            assert set(motion_measures(make_history(tmp_path / "b.h5", loading=loading, overwrite=True)).values()) == {
+                None}

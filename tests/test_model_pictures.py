@@ -6,7 +6,7 @@ import numpy as np
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
-from damage.draw.compare import JOINTS, compare_picture, joint_agreement
+from damage.draw.compare import JOINTS, compare_picture, joint_agreement, run_labels
 from damage.draw.modes import modes_picture
 from damage.wall.modes import natural_modes
 
@@ -24,6 +24,16 @@ def test_agreement_of_joints(tmp_path):
     assert set(agreement) == set(JOINTS)
     figure = compare_picture(first, second)
     assert len(figure.axes) == 2
+
+
+def test_two_runs_never_carry_one_label(tmp_path):
+    (tmp_path / "other").mkdir()
+    a, b, namesake = (make_history(tmp_path / name) for name in ("a.h5", "b.h5", "other/a.h5"))
+    assert run_labels(a, b) == ["first: reference, a", "second: reference, b"]
+    long, short = ("".join(label.split()) for label in run_labels(a, namesake))  # without the lines' ends
+    assert (long, short) == (f"first:reference,{tmp_path.name}/a", "second:reference,other/a")
+    legend, = compare_picture(a, b).legends
+    assert [text.get_text() for text in legend.get_texts()][:2] == run_labels(a, b)
 
 
 def test_every_mode_is_drawn_with_its_period():

@@ -287,6 +287,18 @@ class TestOtherPictures:
         assert levels == [float(value) for value in shown]
         assert_allclose(figure.axes[0].get_lines()[-1].get_ydata(), 100 * drift * PULSE)
 
+    @pytest.mark.parametrize(("drift", "unit", "largest"), [
+        (5e-4, "%", 0.05), (2e-5, "%", 2e-3), (2e-6, "µm per m", 2.0), (0.0, "%", 0.0)])
+    def test_drift_stands_without_a_power_of_ten(self, history, drift, unit, largest):
+        for draw, axis in ((drift_picture, "y"), (hysteresis_picture, "x")):
+            figure = draw(history(drift=drift * PULSE))
+            figure.draw_without_rendering()
+            ax = figure.axes[0]
+            assert getattr(ax, f"get_{axis}label")() == f"drift ratio [{unit}]"
+            assert getattr(ax, f"{axis}axis").get_offset_text().get_text() == ""
+            drawn = max(np.abs(getattr(one, f"get_{axis}data")()).max() for one in ax.get_lines()[-2:])
+            assert drawn == pytest.approx(largest, rel=SINGLE)
+
     def test_hysteresis_in_percent_and_kilonewton(self, cracked):
         ax = hysteresis_picture(cracked).axes[0]
         motion, rest = line(ax, "motion"), line(ax, "rest")

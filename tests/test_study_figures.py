@@ -1,15 +1,27 @@
 """Figures of studies: what is drawn is what the tables hold, and what cannot be drawn is said."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
 import small_history
 from matplotlib.colors import to_rgba
 from numpy.testing import assert_allclose
+from scipy.optimize import minimize
 from small_history import make_history
 
 from damage.__main__ import main
-from damage.draw.panels import NOTHING, describe_members, in_order, record_label, record_markers
+from damage.draw.panels import (
+    NOTHING,
+    describe_members,
+    grid,
+    in_order,
+    letter,
+    record_label,
+    record_markers,
+    scale_note,
+)
 from damage.draw.style import BLACK, BLUE, VERMILLION
 from damage.errors import InputError
 from damage.measure.tables import index_table, write_table
@@ -19,7 +31,7 @@ from damage.motion.loading import Recorded
 from damage.studies import figures as study_figures
 from damage.studies.choices_figure import choices
 from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
-from damage.studies.ida_figures import against_drift, records, residual_against_pga
+from damage.studies.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
 from damage.studies.results import Missing, load_results, variants
 from damage.units import GRAVITY
 
@@ -257,10 +269,83 @@ class TestIda:
         assert_allclose(trend.get_ydata(), parabola(trend.get_xdata()))
         assert "R² = 1.00" in ax.get_title(loc="left")
 
+    def test_a_trend_is_never_negative_and_says_that_it_was_held(self, ida):
+        rows = ida.reference.assign(residual_DI=np.clip(
+            ida.reference["residual_DI"] - 0.6 * ida.reference["residual_DI"].max(), 0, None))
+        ax = panel(against_drift(type(ida)("small", {}, rows, ida.yade.iloc[:0])), "residual")
+        trend, = (line for line in ax.lines if to_rgba(line.get_color()) == to_rgba(BLUE))
+        free = np.polynomial.Polynomial.fit(100 * rows["max_drift_ratio"], rows["residual_DI"], 2)
+        assert free(trend.get_xdata()).min() < 0 <= trend.get_ydata().min()
+        assert "trend held at 0 or above" in ax.get_title(loc="left")
+
+    def test_walls_that_fell_are_crossed_out_and_do_not_bend_the_trend(self, ida):
+        rows = ida.reference.assign(collapsed=0)
+        rows.iloc[-1, rows.columns.get_indexer(["collapsed", "max_DI"])] = 5, 0.001
+        figure = against_drift(type(ida)("small", {}, rows, ida.yade.iloc[:0]))
+        ax = panel(figure, "maximum")
+        trend, = (line for line in ax.lines if to_rgba(line.get_color()) == to_rgba(BLUE))
+        assert_allclose(trend.get_ydata(), parabola(trend.get_xdata()))
+        crossed, = (line for line in ax.lines if line.get_marker() == "x" and line.get_color() == VERMILLION
+                    and len(line.get_xdata()))
+        assert_allclose(crossed.get_ydata(), [0.001])
+        assert "a run collapsed" in text(figure)
+
     def test_too_few_points_get_no_trend(self, ida):
         few = type(ida)("small", {}, ida.reference.iloc[:3], ida.yade.iloc[:0])
         ax = panel(against_drift(few), "maximum")
         assert "R²" not in ax.get_title(loc="left")
+        assert "polynomial" not in text(ax.figure)
+
+
+class TestParabola:
+    def test_one_that_stays_above_zero_is_the_free_fit(self):
+        x = np.linspace(1, 3, 9)
+        trend, held = nonnegative_parabola(x, parabola(x))
+        assert not held
+        assert_allclose(trend(x), parabola(x), rtol=1e-12)
+
+    @pytest.mark.parametrize("y", [np.clip(np.linspace(-1, 1, 12), 0, None), np.linspace(-1, 1, 12)**4,
+                                   np.linspace(1, -1, 12) ** 3 * 1e-3, [1, 0.2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3]])
+    def test_one_that_is_held_is_the_best_of_those_nowhere_negative(self, y):
+        x, y = np.linspace(0.03, 0.2, 12), np.asarray(y)
+        trend, held = nonnegative_parabola(x, y)
+        t, along = (x - 0.03) / 0.17, np.linspace(0, 1, 401)
+        assert held and trend(0.03 + 0.17 * along).min() >= 0
+        # the same problem as a quadratic programme with a constraint at every one of many places
+        best = minimize(lambda p: np.sum((np.vander(t, 3) @ p - y)**2) / np.max(np.abs(y))**2, np.zeros(3),
+                        method="SLSQP", options={"ftol": 1e-14, "maxiter": 500},
+                        constraints={"type": "ineq", "fun": lambda p: np.vander(along, 3) @ p})
+        cost = np.sum((trend(x) - y)**2) / np.max(np.abs(y))**2
+        assert cost == pytest.approx(best.fun, rel=1e-4)
+
+
+class TestPanels:
+    def test_no_letter_stands_twice_in_a_figure(self, results, harmonic, ida):
+        for name, draw in study_figures._figures(results):
+            letters = [ax.get_title(loc="left").split()[0] for ax in draw().axes if ax.get_title(loc="left")]
+            assert len(set(letters)) == len(letters) and all(re.fullmatch(r"\([a-z]+\)", one) for one in letters), name
+
+    def test_letters_go_on_after_z(self):
+        _, axes = grid(1, 2, 1.0)
+        letter(axes[0, 0], 25)
+        letter(axes[0, 1], 26, "next")
+        assert [ax.get_title(loc="left") for ax in axes[0]] == ["(z)", "(aa) next"]
+
+    def test_scales_apart_are_told_and_hidden_panels_do_not_count(self):
+        _, axes = grid(1, 3, 1.0)
+        for ax, top in zip(axes[0], (0.01, 0.5, 1e-9)):
+            ax.set_ylim(0, top)
+        axes[0, 2].set_axis_off()
+        assert "the widest spans 50 times the narrowest" in scale_note(axes)
+        axes[0, 0].set_ylim(0, 0.4)
+        assert scale_note(axes) == "" == scale_note(axes, "x")
+
+    def test_figures_of_unlike_scales_say_so(self, results, harmonic):
+        points = harmonic.reference
+        rows = points.assign(max_DI=points["max_DI"] * np.where(points["motion_period_s"] == 0.2, 100, 1))
+        rows = rows.assign(max_DI_min=rows["max_DI"], max_DI_max=rows["max_DI"])
+        variant = type(harmonic)("small", {}, rows, harmonic.yade)
+        assert "scales of their own" in text(against_amplitude(results, variant))
 
 
 class TestResults:
@@ -331,6 +416,12 @@ class TestChoices:
                         points[["max_DI_min", "max_DI_max"]][:2])
         crossed, = (line for line in ax.lines if line.get_marker() == "x")
         assert_allclose(crossed.get_ydata(), [2])
+        figure = ax.figure
+        figure.draw_without_rendering()
+        (x, _), = crossed.get_transform().transform(crossed.get_xydata())
+        edge = ax.transData.transform([[at, 0] for at in (*points["max_shear_limit_DI"][:2], 0.0)])[:, 0]
+        assert np.all(x > edge)  # beyond all that stand, and far from an index of zero
+        assert "fell: beyond the scale of the index" in text(figure)
         assert not any(other.has_data() for other in others)  # one second has no default to be held against
 
     def test_without_a_default_there_is_no_figure(self):

@@ -1,5 +1,7 @@
 """Picture of two histories side by side: their drift over time, and where their joints differ."""
 
+from textwrap import fill
+
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
@@ -53,9 +55,10 @@ def joint_agreement(first, second):
 
 def _draw_drift(ax, first, second):
     lines = []
-    for history, which, colour, width in ((first, "first", style.DARK, 1.4), (second, "second", style.VERMILLION, 0.7)):
-        series = history.series
-        lines += ax.plot(series["time_s"], 100 * series["drift_ratio"], label=f"{which}: {history.solver}",
+    factor, unit = style.drift_scale(*(history.series["drift_ratio"] for history in (first, second)))
+    for history, label, colour, width in zip((first, second), run_labels(first, second),
+                                             (style.VERMILLION, style.BLUE), (1.4, 0.7)):
+        lines += ax.plot(history.series["time_s"], factor * history.series["drift_ratio"], label=label,
                          color=colour, lw=width)
     drift = compare_drift(first, second)
     for time, label, line in ((drift["first_failure_s"], "first failure", ":"),
@@ -63,8 +66,20 @@ def _draw_drift(ax, first, second):
         if time is not None:
             lines.append(ax.axvline(time, color=style.MEDIUM, lw=0.8, ls=line, label=label))
     ax.margins(x=0)
-    ax.set(xlabel="time [s]", ylabel="drift ratio [%]")
+    style.plain_numbers(ax.yaxis)
+    ax.set(xlabel="time [s]", ylabel=f"drift ratio [{unit}]")
     return lines
+
+
+def run_labels(first, second):
+    """What a legend calls two Histories, never alike: by their solvers where these differ, else by their files, with
+    their folders where the files share a name."""
+    pair = (first, second)
+    names = [history.solver for history in pair]
+    if names[0] == names[1]:
+        parts = 1 if first.path.stem != second.path.stem else 2
+        names = [f"{history.solver}, {'/'.join(history.path.with_suffix('').parts[-parts:])}" for history in pair]
+    return [fill(f"{which}: {name}", style.TITLE_CHARACTERS // 2) for which, name in zip(("first", "second"), names)]
 
 
 def _title(first, second):

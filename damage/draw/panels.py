@@ -65,9 +65,29 @@ def from_zero(ax, at_least=0.0):
     ax.ticklabel_format(axis="y", style="plain", useOffset=False)
 
 
+SCALES_APART = 2.0
+"""Ratio from which panels' scales that differ are told in the heading."""
+
+
 def letter(ax, number, text=""):
-    """(a), (b), ... and what the panel shows, above its left corner."""
-    ax.set_title(f"({chr(ord('a') + number)}) {text}".rstrip(), loc="left", fontsize=7)
+    """(a), (b), ..., (z), (aa), ... and what the panel shows, above its left corner.
+
+    number: of the panel in its figure, from zero; each stands once.
+    """
+    rounds, place = divmod(number, 26)
+    ax.set_title(f"({chr(ord('a') + place) * (rounds + 1)}) {text}".rstrip(), loc="left", fontsize=7)
+
+
+def scale_note(axes, axis="y"):
+    """A line of the heading where the scales of panels that are drawn differ, else "": how far they are apart.
+
+    axes: array of any shape of panels with one quantity along that axis ("x" or "y").
+    """
+    spans = [np.ptp(ax.get_ylim() if axis == "y" else ax.get_xlim()) for ax in np.ravel(axes) if ax.axison]
+    ratio = max(spans) / min(spans)
+    return "" if ratio < SCALES_APART else (
+        f"The panels have {'vertical' if axis == 'y' else 'horizontal'} scales of their own: the widest spans "
+        f"{ratio:.2g} times the narrowest")
 
 
 def numbers(points, column):
@@ -124,9 +144,14 @@ def draw_components(ax, reference, yade, x, prefix):
     return any([mark_collapses(ax, points, x, prefix + "DI", shifts["DI"]) for points in (reference, yade)])
 
 
+def fallen(points):
+    """Of which points a run collapsed, (n,) bool: their index is that at which it was stopped, not the largest."""
+    return np.isfinite(numbers(points, "collapsed_at_s")) | (numbers(points, "collapsed") > 0)
+
+
 def mark_collapses(ax, points, x, y, shift=0.0):
     """A cross over every point of which a run collapsed; returns whether there is one."""
-    collapsed = np.isfinite(numbers(points, "collapsed_at_s")) | (numbers(points, "collapsed") > 0)
+    collapsed = fallen(points)
     ax.plot(numbers(points, x)[collapsed] + shift, numbers(points, y)[collapsed], ls="", marker="x", ms=7, mew=1.1,
             color=VERMILLION, zorder=5)
     return bool(collapsed.any())
@@ -142,8 +167,13 @@ def solver_handles(variant, collapse=False):
         handles.append(Line2D([], [], ls="", marker="o", mfc="none", mec=MEDIUM, mew=0.8, ms=5.6,
                               label=f"YADE: {describe_members(variant.yade)}"))
     if collapse:
-        handles.append(Line2D([], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed"))
+        handles.append(collapse_handle())
     return handles
+
+
+def collapse_handle():
+    """Legend entry of `mark_collapses`."""
+    return Line2D([], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed: index as it fell")
 
 
 def describe_members(points):

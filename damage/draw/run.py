@@ -166,15 +166,17 @@ def drift_picture(history):
     """Drift ratio over time, with published limits of light damage where they are in its range."""
     choose_sample(history, "end")
     figure, ax = style.new_figure(2.1)
-    drift_pct = 100 * history.series["drift_ratio"].to_numpy()
-    largest = np.abs(drift_pct).max()
-    limits = [limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest <= LIMITS_UP_TO_PCT]
+    ratio = history.series["drift_ratio"].to_numpy()
+    factor, unit = style.drift_scale(ratio)
+    largest_pct = 100 * np.abs(ratio).max()
+    limits = [limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest_pct <= LIMITS_UP_TO_PCT]
     for value, label, line in limits:
         for side in (-value, value):
             ax.axhline(side, color=style.MEDIUM, lw=0.6, ls=line, label=f"{value:.3f} %: {label}")
     handles = ax.get_lines()[::2]
-    ax.plot(history.series["time_s"], drift_pct, color=style.BLUE)
-    ax.set(ylabel="drift ratio [%]")
+    ax.plot(history.series["time_s"], factor * ratio, color=style.BLUE)
+    style.plain_numbers(ax.yaxis)
+    ax.set(ylabel=f"drift ratio [{unit}]")
     style.add_title(figure, history)
     marks = style.mark_times(history, [ax])
     style.legend_below(figure, list(handles) + marks, columns=1)
@@ -186,7 +188,9 @@ def hysteresis_picture(history):
     """Base shear, the force of the wall on the ground, against drift ratio; without settling."""
     choose_sample(history, "end")
     figure, ax = style.new_figure(2.4)
-    drift_pct = 100 * history.series["drift_ratio"].to_numpy()
+    ratio = history.series["drift_ratio"].to_numpy()
+    factor, unit = style.drift_scale(ratio)
+    drift = factor * ratio
     shear_kn = history.series["base_shear_n"].to_numpy() / 1e3
     stage = history.series["stage"].to_numpy()
     ax.axhline(0, color=style.LIGHT, lw=0.6, zorder=0)
@@ -195,13 +199,14 @@ def hysteresis_picture(history):
         chosen = np.flatnonzero(stage == name)
         if len(chosen):
             first = max(chosen[0] - 1, 0)  # joined to the stage before
-            ax.plot(drift_pct[first:chosen[-1] + 1], shear_kn[first:chosen[-1] + 1], color=colour,
+            ax.plot(drift[first:chosen[-1] + 1], shear_kn[first:chosen[-1] + 1], color=colour,
                     lw=width, zorder=layer, label=name)
     if history.collapsed_at_s is not None:
         at = int(np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s)))
-        ax.plot(drift_pct[at], shear_kn[at], "x", color=style.BLACK, ms=5, zorder=4,
+        ax.plot(drift[at], shear_kn[at], "x", color=style.BLACK, ms=5, zorder=4,
                 label=style.collapse_label(history))
-    ax.set(xlabel="drift ratio [%]", ylabel="base shear [kN]")
+    style.plain_numbers(ax.xaxis)
+    ax.set(xlabel=f"drift ratio [{unit}]", ylabel="base shear [kN]")
     ax.locator_params(axis="x", nbins=7)
     style.show_single_points(ax)
     style.add_title(figure, history)

@@ -7,8 +7,10 @@ from functools import wraps
 from pathlib import Path
 from textwrap import fill
 
+import numpy as np
 from matplotlib import style
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from damage.files import whole_or_nothing
 from damage.provenance import commit
@@ -95,6 +97,22 @@ def shade_settling(ax, series):
     settling = series["stage"] == "settling"
     spans = series["time_s"].groupby((settling != settling.shift()).cumsum()[settling]).agg(["first", "last"])
     return [ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling") for first, last in spans.to_numpy()]
+
+
+TINY_DRIFT = 1e-5
+"""Largest drift ratio below which a drift axis is in millionths: in per cent it would begin with zeros."""
+
+
+def drift_scale(*ratios):
+    """Factor on drift ratios, arrays of any shape, and the unit in which their axis is read without a power of ten."""
+    largest = max((np.max(np.abs(one[np.isfinite(one)]), initial=0.0) for one in map(np.asarray, ratios)), default=0.0)
+    return (1e6, "µm per m") if 0 < largest < TINY_DRIFT else (100.0, "%")
+
+
+def plain_numbers(axis):
+    """Write the ticks of an Axis as they are, without a power of ten or an offset beside it."""
+    axis.set_major_formatter(ScalarFormatter(useOffset=False))
+    axis.get_major_formatter().set_scientific(False)
 
 
 def show_single_points(ax):

@@ -52,6 +52,12 @@ PARAMETERS = {
     "wall": Column("", "name of the wall"), "motion": Column("", "name of the loading"),
     "record": Column("", "name of the record"),
     "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
+    "pgv_m_s": Column("m/s", "peak velocity of the base, from rest, nothing filtered"),
+    "avg_sa_g": Column("g", "AvgSa: geometric mean of the 5 % spectral accelerations at ten periods from 0.01 to 1 s, "
+                       "equally far apart in their logarithm"),
+    "sa_eigen_period_g": Column("g", "5 % spectral at `eigen_period_s`"),
+    "arias_m_s": Column("m/s", "Arias intensity, pi / (2 g) times the integral of the squared acceleration"),
+    "d5_75_s, d5_95_s": Column("s", "significant duration: between 5 and 75 %, 5 and 95 % of the Arias intensity"),
     "motion_period_s, amplitude_g": Column("s, g", "of a harmonic motion"),
     "cycles": Column("1", "of a harmonic motion, or at each drift of a pushed top"),
     "speed_m_s": Column("m/s", "of a pushed top"),

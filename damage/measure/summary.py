@@ -9,6 +9,7 @@ from damage.measure.cycles import cycle_measures
 from damage.measure.doubts import doubts
 from damage.measure.energy import energy_error_of, energy_measures
 from damage.measure.limits import classes
+from damage.measure.motion import motion_measures
 from damage.measure.pushed import first_loading
 from damage.measure.vibration import period_of
 
@@ -46,7 +47,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "energy_error_fraction": energy_error, "warnings": doubts(history, energy_error),
-        "period_s": period_of(history), **first_loading(history),
+        **motion_measures(history), "period_s": period_of(history), **first_loading(history),
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),
     }

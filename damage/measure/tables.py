@@ -19,7 +19,9 @@ from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.columns import slip_criteria
 from damage.measure.cycles import cycles_table, index_by_all
+from damage.measure.motion import motion_measures
 from damage.measure.summary import summarise
+from damage.motion.intensity import APPLIED
 from damage.units import GRAVITY
 
 
@@ -32,7 +34,8 @@ def summary_row(history, run="", point=""):
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     numbers = summarise(history)
-    del numbers["complete"], numbers["warnings"]  # status and the columns say it
+    for key in ("complete", "warnings", *APPLIED):
+        del numbers[key]  # status and the columns say it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
     row |= _motion_columns(history) | asdict(history.model) | {name: history.parameters.get(name) for name in (
@@ -58,7 +61,8 @@ def _motion_columns(history):
     if loading.shakes_base and loading.pga_g is None:  # an older file: within a sample of it
         pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
     return {"record": told.get("horizontal", {}).get("record"), "pga_g": pga_g,
-            "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, "motion_period_s": told.get("period_s"),
+            "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, **motion_measures(history),
+            "motion_period_s": told.get("period_s"),
             **{name: told.get(name) for name in ("amplitude_g", "cycles", "speed_m_s", "scale")},
             "window_start_s": start, "window_end_s": end,
             "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),

@@ -1,9 +1,11 @@
 """Intensity measures of a ground-motion record.
 
-Each function measures the record as it is given; `summary` filters where the custom is to filter.
+Each function measures the record as it is given; `summary` filters where the custom is to filter, `applied_measures` is
+of the motion that a run applied and filters nothing.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy import integrate, signal
@@ -14,6 +16,12 @@ from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = (0.06, 0.08, 0.1, 0.15, 0.2, 0.25, 0.33, 0.5, 1.0)
 """Periods of the spectrum in `summary` [s]."""
+
+AVERAGE_PERIODS_S = tuple(np.geomspace(0.01, 1.0, 10))
+"""Periods of AvgSa [s]: ten, equally far apart in their logarithm."""
+
+APPLIED = ("pgv_m_s", "avg_sa_g", "sa_eigen_period_g", "arias_m_s", "d5_75_s", "d5_95_s")
+"""Keys of `applied_measures`."""
 
 BAND_HZ = (0.1, 40.0)
 """Band of the filter before PGV, Arias intensity and durations [Hz]."""
@@ -42,6 +50,64 @@ def pgv_cm_s(record: Record) -> float:
     """
     velocity_m_s = np.cumsum(record.acceleration_m_s2) * record.time_step_s
     return 100.0 * float(np.abs(velocity_m_s).max())
+
+
+def pgv_m_s(record: Record) -> float:
+    """Peak velocity of a base that moves as the record says, from rest at the first sample [m/s].
+
+    Exact for acceleration that is linear between samples, which is how a run applies it: the velocity's peak is at a
+    sample or where the acceleration passes zero between two.  Nothing is filtered: a baseline that is off counts.
+    """
+    a, step_s = record.acceleration_m_s2, record.time_step_s
+    at_samples = integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
+    turns = np.flatnonzero(a[:-1] * a[1:] < 0)
+    until_zero_s = step_s * a[turns] / (a[turns] - a[turns + 1])
+    between = at_samples[turns] + 0.5 * a[turns] * until_zero_s
+    return float(max(np.abs(at_samples).max(), np.abs(between).max(initial=0.0)))
+
+
+def avg_sa_g(record: Record, damping: float = 0.05) -> float:
+    """AvgSa: geometric mean of the pseudo-acceleration at AVERAGE_PERIODS_S [g]; 0 where one of them is.
+
+    L. Eads, E. Miranda, D. G. Lignos (2015), Average spectral acceleration as an intensity measure for collapse risk
+    assessment, Earthq. Eng. Struct. Dyn. 44(12), doi:10.1002/eqe.2575, with periods of its own: those of stiff houses.
+    """
+    return float(np.prod(response_spectrum(record, AVERAGE_PERIODS_S, damping)) ** (1 / len(AVERAGE_PERIODS_S)))
+
+
+def applied_measures(record: Record | None, eigen_period_s: float | None) -> dict:
+    """Measures of the horizontal motion as a run applied it, under the keys APPLIED; None where one does not apply.
+
+    record: that motion, after baseline, band-pass, window and scale, or None where the base stands still;
+    eigen_period_s: of the intact wall [s], or None.
+    The spectral ones have 5 % damping and the rest after the motion, as long as the longest period, in which an
+    oscillator may swing further than during a short motion.
+    """
+    if record is None:
+        return dict.fromkeys(APPLIED)
+    measures = {
+        "pgv_m_s": lambda: pgv_m_s(record),
+        "avg_sa_g": lambda: avg_sa_g(rested(record, AVERAGE_PERIODS_S[-1])),
+        "sa_eigen_period_g": lambda: None if eigen_period_s is None else float(
+            response_spectrum(rested(record, eigen_period_s), [eigen_period_s])[0]),
+        "arias_m_s": lambda: arias_m_s(record),
+        "d5_75_s": lambda: significant_duration_s(record, 0.05, 0.75),
+        "d5_95_s": lambda: significant_duration_s(record, 0.05, 0.95)}
+    return {name: _where_it_applies(measures[name]) for name in APPLIED}
+
+
+def _where_it_applies(measure):
+    """A measure's value, None of a motion that it cannot be had of: one at rest, one too long."""
+    try:
+        return measure()
+    except InputError:
+        return None
+
+
+def rested(record: Record, rest_s: float) -> Record:
+    """The record with at least that time at rest after it [s]."""
+    rest = np.zeros(math.ceil(rest_s / record.time_step_s) + 1)
+    return replace(record, acceleration_m_s2=np.concatenate((record.acceleration_m_s2, rest)))
 
 
 def arias_m_s(record: Record) -> float:
@@ -128,7 +194,7 @@ def _ramp_weights(exponent: complex, elapsed_s: float) -> tuple[complex, complex
 def summary(record: Record) -> dict:
     """Intensity measures under the keys of the command line's JSON.
 
-    PGA [g] and the 5 % spectrum [g] are of the record as it is; PGV [cm/s], Arias intensity [m/s]
+    PGA [g], AvgSa [g] and the 5 % spectrum [g] are of the record as it is; PGV [cm/s], Arias intensity [m/s]
     and the durations [s] after a zero-phase 4th-order Butterworth of 0.1-40 Hz, its high corner at
     80 % of half the sampling rate where that is less.
     """
@@ -142,6 +208,7 @@ def summary(record: Record) -> dict:
         "arias_m_s": arias_m_s(filtered),
         "d5_75_s": significant_duration_s(filtered, 0.05, 0.75),
         "d5_95_s": significant_duration_s(filtered, 0.05, 0.95),
+        "avg_sa_g": avg_sa_g(record),
         "sa_g": {str(t): float(g) for t, g in zip(SPECTRUM_PERIODS_S, spectrum_g, strict=True)},
     }
 

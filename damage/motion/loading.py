@@ -22,6 +22,8 @@ from damage.units import GRAVITY
 
 PERIODS_S, HIGHEST_G, MOST_CYCLES = (1e-3, 1000.0), 100.0, 10**6
 """Of a base motion: least and largest period of a harmonic one [s], peak [g], cycles."""
+SINE_SAMPLES = 400
+"""In a cycle of a harmonic motion as a record: lines between are off by (pi / 400)^2 / 2 = 3e-5 of the peak."""
 
 
 class Loading:
@@ -42,6 +44,11 @@ class Loading:
     def preferred_step_s(self, max_step_s: float) -> float:
         """The time step that fits the motion, at most max_step [s]."""
         return max_step_s
+
+    def applied(self) -> Record | None:
+        """The base's motion along the wall as a record; None where it stands still, and of what a history keeps of a
+        recorded motion, which is without its samples."""
+        return None
 
     def base_acceleration(self, time_s) -> np.ndarray:
         """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s]."""
@@ -91,6 +98,17 @@ class Harmonic(Loading):
         """Largest step up to max_step that brings the sine's peaks onto steps [s]."""
         quarter_s = self.period_s / 4
         return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
+
+    def applied(self) -> Record | None:
+        """As of any Loading, by SINE_SAMPLES a cycle as far as a record's steps allow; None where it has too many."""
+        shortest, longest = prepare.TIME_STEPS_S
+        samples = 4 * max(math.ceil(self.period_s / longest / 4),  # four, so that a sample is at every peak
+                          min(SINE_SAMPLES // 4, int(self.period_s / shortest / 4)))
+        if samples * self.cycles >= prepare.MOST_SAMPLES // 2:
+            return None
+        time_s = np.arange(samples * self.cycles + 1) * (self.period_s / samples)
+        sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
+        return Record(self.name, self.period_s / samples, sine)
 
     def base_acceleration(self, time_s) -> np.ndarray:
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
@@ -147,6 +165,10 @@ class Recorded(Loading):
         if self.window_s is not None:
             record = prepare.windowed(record, *self.window_s)
         return prepare.scaled(record, self.scale)
+
+    def applied(self) -> Record:
+        """As of any Loading: the prepared horizontal record."""
+        return self.motion[0]
 
     @property
     def name(self) -> str:

@@ -59,6 +59,9 @@ def describe(summary):
     lines.append(f"{summary['tension_breaks']} tension and {summary['shear_breaks']} shear breaks, Psi up to "
                  f"{summary['max_psi']:.2f} ({summary['psi_class']}; cracks from {summary['psi_from_mm']:g} mm), "
                  f"friction and fracture took {summary['dissipated_energy_j']:.3g} J")
+    if summary["pgv_m_s"] is not None and summary["avg_sa_g"] is not None:
+        lines.append(f"motion as applied: PGV {summary['pgv_m_s']:.3g} m/s, AvgSa {summary['avg_sa_g']:.3g} g, "
+                     f"Arias intensity {summary['arias_m_s']:.3g} m/s")
     if summary["period_elongation"] is not None:
         lines.append(f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
                      f"{summary['period_elongation']:.2f} of the intact wall's period")

@@ -12,6 +12,7 @@ from damage.errors import InputError, RunError, WriteError
 from damage.history.writer import HistoryWriter, check_output
 from damage.measure.doubts import ENERGY_FAILURE
 from damage.memory import hold_buffers
+from damage.motion.intensity import applied_measures
 from damage.provenance import file_origin, versions
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
@@ -103,7 +104,8 @@ def _run(backend, wall_file, make_wall, arguments, prog):
     _announce(layout, settings, modes, time_step)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
-                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress}
+                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
+                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
     writer = HistoryWriter(out, layout, solver=backend.name, parameters=parameters,
                            versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
     print(f"history: {out}", flush=True)

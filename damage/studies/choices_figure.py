@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from damage.draw.panels import add_heading, describe_members, finish, grid, letter, motion_label, slip_label
+from damage.draw.panels import add_heading, describe_members, finish, grid, letter, motion_label, scale_note, slip_label
 from damage.draw.style import BLACK, BLUE, LIGHT, VERMILLION, styled
 from damage.motion.loading import Harmonic
 from damage.run.settings import RunSettings
@@ -15,6 +15,7 @@ _WORDS = {"cycles": "{:g} cycles", "contacts": "contacts at {}", "cells": "{:g} 
           "beta_s": "β = {:g} s"}
 DEFAULTS = dict.fromkeys(_WORDS) | USUAL_MODEL | {"cycles": Harmonic.cycles, "beta_s": RunSettings.beta_s}
 """Columns that are varied, and what stands in them where they are not."""
+BESIDE = 1.03  # where walls that fell are marked, in shares of a panel's width
 _STYLES = {"max_DI": (BLACK, "D", "displacement"), "max_shear_limit_DI": (BLUE, "o", "shear-limit")}
 
 
@@ -22,7 +23,8 @@ _STYLES = {"max_DI": (BLACK, "D", "displacement"), "max_shear_limit_DI": (BLUE, 
 def choices(points):
     """Maximum DI of the reference solver's points, a panel a motion, a line a choice: medians and ranges.
 
-    A panel needs its default point and another; grey lines carry the default's values through the panel.
+    A panel needs its default point and another; grey lines carry the default's values through the panel.  A point of
+    which a run fell has no place on the scale of the index: it is marked right of the panel, beyond all that stand.
     """
     points = points[points["solver"] == REFERENCE]
     points = points.assign(choice=points.apply(choice, axis=1))
@@ -40,11 +42,13 @@ def choices(points):
         ax.set_axis_off()
     default = [words.format(DEFAULTS[name]) for name, words in _WORDS.items() if name not in ("cells", "beta_s")]
     add_heading(figure, f"Maximum damage index by modelling choice: {' and '.join(points['wall'].unique())} wall",
-                f"reference solver, {describe_members(points)}; default: {', '.join(default)}")
+                f"reference solver, {describe_members(points)}; default: {', '.join(default)}",
+                scale_note(axes, "x"))
     handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=slip_label(points, slip))
                for colour, marker, slip in _STYLES.values()]
     if fell:
-        handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5, label="fell"))
+        handles.append(Line2D([], [], color=VERMILLION, marker="x", ls="", ms=5,
+                              label="fell: beyond the scale of the index"))
     return finish(figure, handles, columns=3)
 
 
@@ -71,7 +75,8 @@ def _draw(ax, rows):
             ax.axvline(value[0], color=LIGHT, lw=1.0, zorder=0)
         ax.errorbar(value[stands], place[stands] + shift, xerr=[(value - low)[stands], (high - value)[stands]], ls="",
                     color=colour, marker=marker, ms=3.2, elinewidth=0.8, capsize=1.6)
-    ax.plot(np.zeros(fell.sum()), place[fell], ls="", marker="x", color=VERMILLION, ms=5)
+    ax.plot(np.full(fell.sum(), BESIDE), place[fell], ls="", marker="x", color=VERMILLION, ms=5, clip_on=False,
+            transform=ax.get_yaxis_transform())
     ax.set_yticks(place, labels=rows["choice"])
     ax.set_ylim(len(rows) - 0.5, -0.5)
     ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))

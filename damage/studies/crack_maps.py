@@ -24,8 +24,8 @@ def crack_maps(results, variant):
     histories = [(motion_label(point), results.history(point)) for _, point in points.iterrows()]
     figure, axes = grid(len(histories), 2, 2.35)
     shapes = []
-    for number, (row, (name, history)) in enumerate(zip(axes, histories)):
-        for ax, sample, when in zip(row, ("max", "end"), ("largest index", "end")):
+    for first, row, (name, history) in zip(range(0, axes.size, 2), axes, histories):
+        for number, (ax, sample, when) in enumerate(zip(row, ("max", "end"), ("largest index", "end")), first):
             shapes.append(wall_shape(history, sample))
             draw_wall(ax, shapes[-1])
             ax.label_outer()

@@ -6,9 +6,11 @@ from matplotlib.patches import Patch
 
 from damage.draw.panels import add_heading, finish, grid, letter, record_label, slip_note
 from damage.draw.style import BLUE, GREEN, ORANGE, styled
-from damage.studies.fragility import CONFIDENCE, INTENSITIES, exceeding
+from damage.studies.fragility import CONFIDENCE, FEW_RECORDS, INTENSITIES, exceeding, unit_of
 
 _PANELS = {"max_DI": "maximum DI", "max_crack_width_mm": "maximum crack width [mm]", "max_psi": r"maximum $\Psi$"}
+_BANDS = {"both": (0.15, "walls and records drawn anew"), "walls": (0.35, "walls drawn anew, records held")}
+"""What is drawn anew: how dark, in words; the wider one first."""
 _STYLES = ((BLUE, "o", "-"), (GREEN, "s", "--"), (ORANGE, "^", "-."))
 
 
@@ -33,11 +35,19 @@ def fragility_picture(wall, runs, fits, intensity="pga_g"):
     n_walls, records = runs["strength_seed"].nunique(), runs["record"].dropna().unique()
     add_heading(figure, f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
                 f"variation {runs['strength_cov'].iloc[0]:g}", "; ".join(record_label(name) for name in records),
-                slip_note(runs))
+                slip_note(runs), few_note(len(records)))
+    told = [Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % confidence, {words}")
+            for over, (alpha, words) in _BANDS.items() if any(one.bounds(x, over) is not None for one in fits)]
     return finish(figure, [
-        Line2D([], [], color="0.3", label="lognormal fit"), Patch(color="0.3", alpha=0.2, lw=0, label=(
-            f"{100 * CONFIDENCE:.0f} % confidence, over draws")),
-        Line2D([], [], color="0.3", marker="o", ls="", ms=3, label="share of the runs at one intensity")])
+        Line2D([], [], color="0.3", label="lognormal fit"), *told,
+        Line2D([], [], color="0.3", marker="o", ls="", ms=3, label="share of the runs at one intensity")], columns=2)
+
+
+def few_note(n_records):
+    """A line of the heading where the records are too few to bound what others would do, else ""."""
+    return "" if n_records >= FEW_RECORDS else (
+        f"{n_records} {'records are' if n_records != 1 else 'record is'} few: bounds over walls leave others out, "
+        "and those over records are rough, rather too narrow")
 
 
 def _draw(ax, x, runs, one, style, intensity):
@@ -48,10 +58,12 @@ def _draw(ax, x, runs, one, style, intensity):
     told = f"> {one.level:g}"
     if np.isfinite(one.median):
         ax.plot(x, one.probability(x), color=colour, ls=line)
-        if len(one.replicates) > 1:
-            ax.fill_between(x, *one.bounds(x), color=colour, alpha=0.2, lw=0)
-        told += (f": between {one.step[0]:.3g} and {one.step[1]:.3g} g" if one.step else
-                 f": median {one.median:.3f} g, dispersion {one.dispersion:.2f}")
+        for over, (alpha, _) in _BANDS.items():
+            if (bounds := one.bounds(x, over)) is not None:
+                ax.fill_between(x, *bounds, color=colour, alpha=alpha, lw=0)
+        unit = unit_of(intensity)[1]
+        told += (f": between {one.step[0]:#.3g} and {one.step[1]:#.3g} {unit}" if one.step else
+                 f": median {one.median:#.3g} {unit}, dispersion {one.dispersion:.2f}")
     else:
         told += f": {one.n_exceeding} of {one.n_runs} runs"
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=told)

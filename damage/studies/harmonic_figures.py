@@ -41,7 +41,7 @@ def motions(points):
         ax.set_ylabel("acceleration [g]")
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
-    panels.add_heading(figure, "Harmonic base motions")
+    panels.add_heading(figure, "Harmonic base motions", panels.scale_note(axes))
     return panels.finish(figure, [Line2D([], [], color=colours[a], label=f"{a:g} g") for a in amplitudes], 5)
 
 
@@ -75,7 +75,7 @@ def evolution(results, variant):
     handles.append(Patch(color=LIGHT, label="settling"))
     panels.add_heading(figure, f"Damage index over time: {variant.title}",
                 f"components: first run of each motion, {'reference solver' if len(variant.reference) else 'YADE'}",
-                panels.slip_note(variant.points))
+                panels.slip_note(variant.points), panels.scale_note(axes))
     return panels.finish(figure, handles)
 
 
@@ -107,13 +107,13 @@ def _draw_band(ax, results, point, value, until_s=np.inf):
 
 @styled
 def against_amplitude(results, variant, slip="displacement"):
-    """Figure 8: (a) maximum, (b) residual index and components against amplitude, a row a period."""
+    """Figure 8: left maximum, right residual index and components against amplitude, a row a period."""
     periods = np.unique(variant.points["motion_period_s"])
     figure, axes = panels.grid(len(periods), 2, 1.55, sharex=True, sharey="row")
     collapsed = False
-    for row, period_s in zip(axes, periods):
-        for number, (ax, state) in enumerate(zip(row, ("max", "residual"))):
-            panels.letter(ax, number, f"{'maximum' if number == 0 else 'residual'}, {period_s:g} s")
+    for row, (first, period_s) in zip(axes, zip(range(0, axes.size, 2), periods)):
+        for number, (ax, state) in enumerate(zip(row, ("max", "residual")), first):
+            panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'}, {period_s:g} s")
             reference, yade = (_at(points, period_s) for points in (variant.reference, variant.yade))
             collapsed |= panels.draw_components(ax, reference, yade, "amplitude_g", f"{state}_{CRITERIA[slip]}")
         row[0].set_ylabel("damage index [-]")
@@ -121,7 +121,7 @@ def against_amplitude(results, variant, slip="displacement"):
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
     panels.add_heading(figure, f"Damage index against amplitude: {variant.title}",
-                       panels.slip_label(variant.points, slip))
+                       panels.slip_label(variant.points, slip), panels.scale_note(axes[:, 0]))
     return panels.finish(figure, panels.component_handles() + panels.solver_handles(variant, collapsed), columns=7)
 
 
@@ -148,7 +148,8 @@ def drifts(results, variant):
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
     panels.add_heading(figure, f"Drift ratio over time, motion of {period_s:g} s: {variant.title}",
-                "T: duration of the last full cycle, the last that begins while the base moves")
+                "T: duration of the last full cycle, the last that begins while the base moves",
+                panels.scale_note(axes))
     first = "reference solver, first run" if len(variant.reference) else "YADE"
     handles = [Line2D([], [], color=SKY, lw=1.5, label=first)]
     if len(variant.reference) and len(variant.yade):

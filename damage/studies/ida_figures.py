@@ -9,6 +9,7 @@ import hashlib
 import matplotlib
 import numpy as np
 from matplotlib.lines import Line2D
+from scipy.optimize import least_squares
 
 from damage.draw import panels
 from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
@@ -39,7 +40,8 @@ def records(results, points):
         row[0].plot(motion.time_s, motion.acceleration_m_s2 / GRAVITY, color=BLACK, lw=0.6)
         row[0].set_ylabel("acceleration [g]")
         row[0].margins(x=0)
-        panels.letter(row[0], number, f"{panels.record_label(name)}, PGA {pga_g(motion):.3f} g")
+        panels.letter(row[0], 2 * number, f"{panels.record_label(name)}, PGA {pga_g(motion):.3f} g")
+        panels.letter(row[1], 2 * number + 1, "response spectra")
         for scale in np.unique(of_record["scale"]):
             row[1].plot(SPECTRUM_PERIODS_S, scale * response_spectrum(motion, SPECTRUM_PERIODS_S), color=colours[scale])
         row[1].axvline(WALL_PERIOD_S, color=MEDIUM, ls=":", lw=0.8)
@@ -49,7 +51,9 @@ def records(results, points):
         row[1].set_ylim(bottom=0)
     axes[-1, 0].set_xlabel("time [s]")
     axes[-1, 1].set_xlabel("period [s]")
-    panels.add_heading(figure, "Records and their response spectra at all scale factors", _synthetic_note(names))
+    notes = dict.fromkeys(panels.scale_note(column) for column in axes.T)
+    panels.add_heading(figure, "Records and their response spectra at all scale factors", _synthetic_note(names),
+                       *notes)
     handles = [Line2D([], [], color=colours[scale], label=f"× {scale:g}") for scale in scales]
     handles.append(Line2D([], [], color=MEDIUM, ls=":", lw=0.8, label=f"{WALL_PERIOD_S:g} s"))
     return panels.finish(figure, handles, columns=9)
@@ -97,25 +101,35 @@ def against_drift(variant, slip="displacement"):
     """Figure 12: (a) maximum, (b) residual index against maximum drift, with second-order trend lines.
 
     The parabola is a least-squares fit to the medians of the reference solver over all records, or to
-    YADE's runs where there are no others.
+    YADE's runs where there are no others, without walls that fell, among those that are nowhere negative in the range
+    of the drifts.
     """
     names = panels.in_order(variant.points["record"].unique())
     markers, hollow = panels.record_markers(names), dict(zip(names, panels.SINGLE_MARKERS * len(names)))
     figure, axes = panels.grid(1, 2, 2.5)
     reference, yade = in_percent(variant.reference), in_percent(variant.yade)
+    collapsed = trend = False
     for number, (ax, state) in enumerate(zip(axes[0], ("max", "residual"))):
         column = f"{state}_{CRITERIA[slip]}DI"
         for name in names:
             medians, single = (points[points["record"] == name] for points in (reference, yade))
             panels.draw_cloud(ax, medians, "max_drift_pct", column, BLACK, markers[name])
             panels.draw_yade(ax, single, "max_drift_pct", column, VERMILLION, hollow[name])
+        collapsed |= any([panels.mark_collapses(ax, points, "max_drift_pct", column) for points in (reference, yade)])
         label = _draw_trend(ax, reference if len(reference) else yade, column)
-        panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label}")
+        trend |= label is not None
+        panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label or ''}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
         panels.from_zero(ax, panels.NOTHING)
     panels.add_heading(figure, f"Damage index against maximum drift: {variant.title}",
                        panels.slip_label(variant.points, slip), _synthetic_note(names))
-    return panels.finish(figure, _record_handles(variant, names, markers, hollow), columns=2)
+    handles = _record_handles(variant, names, markers, hollow)
+    if trend:
+        handles.append(Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares, nowhere "
+                              "negative"))
+    if collapsed:
+        handles.append(panels.collapse_handle())
+    return panels.finish(figure, handles, columns=2)
 
 
 def in_percent(points):
@@ -126,16 +140,41 @@ def in_percent(points):
 
 
 def _draw_trend(ax, points, column):
-    """Draw the least-squares parabola; returns its R2 for the title, "" where points are too few."""
+    """Draw the least-squares parabola; returns its R2 for the title, None where points that stand are too few."""
     drift, value = (panels.numbers(points, name) for name in ("max_drift_pct", column))
-    known = np.isfinite(drift) & np.isfinite(value)
+    known = np.isfinite(drift) & np.isfinite(value) & ~panels.fallen(points)
     drift, value = drift[known], value[known]
     if np.unique(drift).size < TREND_POINTS:
-        return ""
-    trend = np.polynomial.Polynomial.fit(drift, value, 2)
-    ax.plot(*trend.linspace(200), color=BLUE, lw=1.0, zorder=5)
-    rest, spread = np.var(value - trend(drift)), np.var(value)
-    return f", trend R² = {1 - rest / spread:.2f}" if spread > 0 else ""
+        return None
+    trend, held = nonnegative_parabola(drift, value)
+    along = np.linspace(drift.min(), drift.max(), 200)
+    ax.plot(along, trend(along), color=BLUE, lw=1.0, zorder=5)
+    rest, spread = np.mean((value - trend(drift))**2), np.var(value)
+    return f", trend{' held at 0 or above,' if held else ''} R² = {1 - rest / spread:.2f}" if spread > 0 else ""
+
+
+def nonnegative_parabola(x, y):
+    """The parabola of least squares among those that are nowhere negative between the least and the largest x.
+
+    x, y: (n,).  Returns it as a function of x, and whether the free fit would have been negative somewhere.  On
+    0 <= t <= 1 these parabolas are (u + v t)² + w t (1 - t) with w >= 0 (Lukács): u and v of one sign, or of two.
+    """
+    free = np.polynomial.Polynomial.fit(x, y, 2)
+    low, span = np.min(x), np.ptp(x)
+    turns = [at for at in free.deriv().roots().real if low < at < low + span]
+    if min(free(at) for at in (low, low + span, *turns)) >= 0:
+        return free, False
+
+    def held(parameters, at):
+        t = (at - low) / span
+        return (parameters[0] + parameters[1] * t)**2 + parameters[2] * t * (1 - t)
+
+    size = np.max(np.abs(y)) or 1.0
+    starts = [(begin, end - begin, 0.1) for begin in (0.1, 0.5, 1.0) for end in (-1.0, -0.3, 0.3, 1.0)]
+    fits = [least_squares(lambda p: held(p, x) - y / size, start, bounds=((-np.inf, -np.inf, 0), np.inf),
+                          xtol=1e-12, ftol=1e-12, gtol=1e-12) for start in starts]
+    best = min(fits, key=lambda fit: fit.cost).x
+    return lambda at: size * held(best, at), True
 
 
 def _record_handles(variant, names, markers, hollow):
@@ -147,4 +186,4 @@ def _record_handles(variant, names, markers, hollow):
             if len(points):
                 label = f"{panels.record_label(name)}: {solver}, {panels.describe_members(points)}"
                 handles.append(Line2D([], [], ls="", ms=5, label=label, **look))
-    return handles + [Line2D([], [], color=BLUE, lw=1.0, label="second-order polynomial, least squares")]
+    return handles

@@ -13,6 +13,7 @@ from damage.draw.panels import (
     grid,
     letter,
     motion_label,
+    scale_note,
     slip_note,
 )
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, styled
@@ -50,7 +51,7 @@ def sequences(results, points):
     solver = "reference solver" if points["solver"].iloc[0] == REFERENCE else "YADE"
     add_heading(figure, f"Damage index shock by shock: {' and '.join(points['wall'].unique())} wall",
                 f"{solver}, {describe_members(points)}; residual: after each shock's rest and settling",
-                slip_note(points))
+                slip_note(points), scale_note(axes))
     handles = [Line2D([], [], ms=3.2, lw=0.9, label=label, **style) for label, style in _LINES.values()]
     return finish(figure, handles, columns=3)
 
