@@ -6,6 +6,7 @@
 Two rectangles overlap by the least of what they share along the normals of their sides.
 """
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -14,12 +15,18 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from damage.errors import InputError
 from damage.history.reader import read_history
 
 
 def main():
-    for path in sys.argv[1:]:
-        history = read_history(path)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("histories", nargs="+", metavar="FILE.h5")
+    for path in parser.parse_args().histories:
+        try:
+            history = read_history(path)
+        except InputError as error:
+            sys.exit(f"error: {error}")
         found = overlaps(history)
         print(f"{path}: until {history.snapshot_time_s[-1]:.2f} s,",
               ", ".join(f"{what} {1e3 * depth:.2f} mm" for what, depth in found.items()))

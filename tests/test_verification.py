@@ -4,12 +4,17 @@ import math
 import shutil
 
 import pytest
+from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from damage.motion.loading import Harmonic
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
 from verification import rocking, sliding
 from verification.__main__ import all_problems, main
+from verification.loaded import loaded_period
 from verification.problem import Problem
 
 PROBLEMS = {problem.name: problem for problem in all_problems()}
@@ -57,6 +62,13 @@ def test_quarter_period_by_plain_integration():
                        [share * slenderness, 0.0], events=upright, rtol=1e-10, atol=1e-12)
     assert_allclose(rocking.quarter_period(share, slenderness, rate), solved.t_events[0][0], rtol=1e-6)
     assert_allclose(rocking.housner(share, rate), solved.t_events[0][0], rtol=1e-2)
+
+
+def test_a_wall_without_weight_has_the_period_of_its_springs():
+    layout = lay_out(load_wall(REPOSITORY / "benchmarks" / "small_wall.py"))
+    springs = natural_modes(layout, 1).period_s[0]
+    assert_allclose(loaded_period(layout, gravity=0.0), springs, rtol=1e-9)
+    assert loaded_period(layout) > (1 + 1e-6) * springs  # the load leans
 
 
 def test_a_wrong_answer_fails(capsys, monkeypatch):

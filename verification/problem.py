@@ -27,6 +27,7 @@ class Problem:
 
     @cached_property
     def exact_value(self):
+        """The number that `exact` is or works out, in `unit`."""
         return float(self.exact() if callable(self.exact) else self.exact)
 
     def judge(self, solver):

@@ -1,10 +1,10 @@
 """What friction takes in the dry contacts of YADE's law, exactly as central differences do work on the bodies.
 
-A step in which the shear force falls from F to F' while the contact slides by ds takes (F + F') / 2 ds, and one in
-which it opens while its shear grows by du F / 2 (F / k_s + du).  YADE's law sums F' ds over all its contacts and steps;
-the rest is added here.  It is found step by step: contacts that are hardly pressed open and close from one to the next.
+A step in which the shear force falls from F to F' [N] while the contact slides by ds [m] takes (F + F') / 2 ds; one in
+which the contact opens while its bodies slide by du [m] takes F / 2 (F / k_s + du).  YADE's law sums F' ds over all its
+contacts and steps; the rest is added here.  It is found step by step: contacts that are hardly pressed open and close
+from one to the next.
 """
-
 
 from yade import Vector3
 

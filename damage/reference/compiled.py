@@ -1,7 +1,7 @@
 """How the reference solver's functions are compiled, and when what numba keeps of them is too old.
 
 Arithmetic is IEEE's, each operation rounded by itself and in the order that is written: so a function gives the same
-bits in a vector of lanes as alone, and the same on every machine.
+bits in a vector of lanes as alone.
 """
 
 from contextlib import suppress
