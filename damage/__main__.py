@@ -271,6 +271,18 @@ def _paper(asked):
     print(json_text(as_json(findings), indent=2) if asked.json else describe(findings))
 
 
+@_command("which modelling choices move the paper's claims, by the tables of the study readings",
+          _path("results", "RESULTS_DIR", "folder with the study below it"),
+          _path("--markdown", "FILE", "write the document, too"))
+def _readings(asked):
+    from damage.paper.readings import as_markdown, conclusions, judge_readings, table
+
+    found = judge_readings(asked.results)
+    if asked.markdown:
+        write_text(asked.markdown, as_markdown(found))
+    print("\n".join([*table(found), "", *conclusions(found)]))
+
+
 @_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
           _path("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
           _path("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
