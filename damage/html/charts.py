@@ -1,0 +1,70 @@
+"""Which lines the page draws over time, and how joints and lines look: told apart without colour, too."""
+
+import numpy as np
+
+from damage.draw.run import ENERGIES, JOINT_COLOURS
+from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, drift_scale
+from damage.draw.wall import LEGEND_WIDTHS_MM, line_width
+from damage.units import MILLIMETRE
+
+PIXELS = 4 / 3
+"""Of a point, of which 72 make an inch."""
+DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
+RUN_STYLES = ((BLUE, "solid"), (VERMILLION, "dash"), (GREEN, "dashdot"), (PURPLE, "dot"), (BLACK, "longdash"),
+              (ORANGE, "longdashdot"))
+"""Colour and dash of each run where several are drawn in one panel."""
+COMPONENT_STYLES = {"DI": ("DI", BLACK, "solid"), "DI_drift": ("DI drift", GREEN, "dot"),
+                    "DI_open": ("DI open", VERMILLION, "dash"), "DI_slip": ("DI slip", BLUE, "dashdot")}
+CRACK_COLOURS = JOINT_COLOURS | {"opened": VERMILLION}
+"""As in the pictures, but for one that is darker: on a screen thin lines in orange are too faint."""
+CRACK_DASHES = {"opened": "solid", "slipped": "2px,2px", "both": "solid"}
+"""Lines of cracked joints: what slipped is dotted, what did both is black between crosses."""
+
+
+def over_time(runs):
+    """Panels over time, one below another: [{"title", "unit", "factor", "lines": [{"run", "series", "name", "colour",
+    "dash"}], "zero"}]; of one run the components share a panel, of several each has its own."""
+    if not runs:
+        return []
+    factor, unit = drift_scale(*(run["history"].series["drift_ratio"] for run in runs))
+    vertical = any(np.nan_to_num(run["history"].series["base_acceleration_z_m_s2"]).any() for run in runs)
+    base = _panel("Base acceleration", "g", runs, "base_x_g")
+    if len(runs) == 1:
+        base["lines"][0] |= {"name": "base, along the wall", "colour": BLACK}
+        if vertical:
+            base["lines"].append(_line(0, "base_z_g", "base, upwards", "#777777", "dot"))
+        index = {"title": "Damage index", "unit": "", "factor": 1, "lines": [
+            _line(0, name, *style) for name, style in COMPONENT_STYLES.items()]}
+        return [base, _panel("Drift ratio", unit, runs, "drift_ratio", factor), index]
+    return [base, _panel("Drift ratio", unit, runs, "drift_ratio", factor),
+            *(_panel(label, "", runs, name) for name, (label, *_) in COMPONENT_STYLES.items())]
+
+
+def _panel(title, unit, runs, series, factor=1):
+    names = [f"run {run['letter']}" if len(runs) > 1 else title.lower() for run in runs]
+    return {"title": title, "unit": unit, "factor": factor,
+            "lines": [_line(number, series, name, *style) for number, (name, style) in enumerate(zip(names, RUN_STYLES))]}
+
+
+def _line(run, series, name, colour, dash):
+    return {"run": run, "series": series, "name": name, "colour": colour, "dash": dash}
+
+
+def energy_lines():
+    """Lines of the panel of energies of one run."""
+    return [{"series": name, "name": label, "colour": colour, "dash": DASHES[line]}
+            for name, (label, colour, line) in ENERGIES.items()]
+
+
+def states_legend():
+    """How cracked joints are drawn: {"states": [{"code", "name", "colour", "dash"}], "widths": [{"from_mm", "pixels"}]},
+    the gravest last; a line's width says how wide the crack is, by class."""
+    from damage.history.moments import STATES
+
+    words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
+    states = [{"code": STATES.index(name), "name": label, "colour": CRACK_COLOURS[name], "dash": CRACK_DASHES[name]}
+              for name, label in words.items()]
+    uppers = (*LEGEND_WIDTHS_MM[1:], LEGEND_WIDTHS_MM[-1])
+    return {"states": states, "energies": energy_lines(), "widths": [
+        {"from_mm": low, "pixels": round(float(PIXELS * line_width(MILLIMETRE * (low * high) ** 0.5)), 2)}
+        for low, high in zip(LEGEND_WIDTHS_MM, uppers)]}
