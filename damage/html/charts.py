@@ -7,8 +7,8 @@ from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, dr
 from damage.draw.wall import LEGEND_WIDTHS_MM, line_width
 from damage.units import MILLIMETRE
 
-PIXELS = 4 / 3
-"""Of a point, of which 72 make an inch."""
+PIXELS = 1.8
+"""Of a point of a picture's line: a third wider than it is in print, so that it is seen."""
 DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
 RUN_STYLES = ((BLUE, "solid"), (VERMILLION, "dash"), (GREEN, "dashdot"), (PURPLE, "dot"), (BLACK, "longdash"),
               (ORANGE, "longdashdot"))

@@ -24,6 +24,8 @@ COLUMNS = ("solver", "wall", "motion", "members", "status", "collapsed", "pga_g"
            "max_drift_ratio", "residual_drift_ratio", "max_crack_width_mm", "max_psi", "peak_base_shear_n",
            "energy_error_fraction")
 """Of the table of points, those that have a value."""
+OFTEN_SHARED = ("solver", "wall", "motion", "members", "status", "collapsed")
+"""Of these those that all points share are told once, above the table."""
 OF_POINTS = {"members": "how many runs the point has in its solver", "collapsed": "how many of them collapsed",
              "status": "complete when all its runs are"}
 MOST_FIGURES_MB = 4.0
@@ -62,19 +64,24 @@ def study_part(folder, letters):
     """
     summary, points = runs_of(folder)
     told = [name for name in COLUMNS if name in points and points[name].notna().any()]
+    shared = [name for name in OFTEN_SHARED if name in told and points[name].nunique(dropna=False) == 1]
+    told = [name for name in told if name not in shared]
     heads = [{"name": name, "unit": MEANING.get(name, ("", ""))[0], "meaning": OF_POINTS.get(name) or MEANING[name][1]}
              for name in told]
-    return {"name": folder.name, "title": _title(folder), "first": said_first(folder, summary, points), "heads": heads,
+    about = _about(folder)
+    return {"name": str(about.get("name") or folder.resolve().name), "title": str(about.get("title") or ""),
+            "folder": folder.as_posix(), "shared": [(name, cell(_plain(points[name].iloc[0]))[0]) for name in shared],
+            "first": said_first(folder, summary, points), "heads": heads,
             "rows": [_point(row, told, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
             "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder)}
 
 
-def _title(folder):
-    """What the study says of itself in the copy of its file, "" where there is none."""
+def _about(folder):
+    """What the study says of itself in the copy of its file, {} where that cannot be read."""
     try:
-        return str(tomllib.loads((folder / "study.toml").read_text(encoding="utf-8")).get("title", ""))
-    except (OSError, ValueError):
-        return ""
+        return tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
 
 
 def said_first(folder, summary, points):
@@ -191,14 +198,16 @@ def _drawn(name, figure):
 
 
 def verdict_of(folder):
-    """The paper's statements as the tables below a folder judge them: {"heads", "rows"}, None where none can be."""
+    """The paper's statements as the tables below a folder judge them: {"heads", "rows", "unjudged"}, and how many
+    outcomes there are; None where none can be judged."""
     try:
         findings = judge(folder)
     except InputError:
         return None
-    if all(finding.verdict == UNJUDGED for finding in findings):
-        return None
     judged = [finding for finding in findings if finding.verdict != UNJUDGED]
+    if not judged:
+        return None
     heads, rows = overview_table(findings)
-    return {"heads": heads, "rows": rows, "n_judged": len(judged), "n": len(findings),
-            "n_hold": sum(finding.verdict == HOLDS for finding in judged)}
+    told = [row for row in rows if set(row[2:]) != {UNJUDGED}]
+    return {"heads": heads, "rows": told, "unjudged": [row[0] for row in rows if row not in told], "n": len(findings),
+            "n_judged": len(judged), "n_hold": sum(finding.verdict == HOLDS for finding in judged)}

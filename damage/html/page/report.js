@@ -123,10 +123,10 @@ function cracks(run, k, at, legend, withWords) {
 function wallTraces(legend) {
   const line = (colour, width, dash) => ({type: "scatter", mode: "lines", x: [], y: [], connectgaps: false, showlegend: false,
     line: {color: colour, width, dash: dash || "solid", simplify: false}, hoverinfo: "text"});
-  const area = (colour) => ({...line("#9a9a9a", 0.6), fill: "toself", fillcolor: colour, hoverinfo: "skip"});
-  const traces = [area("#f6f4f0"), area("#c4c4c4"), line("#777777", 0.8)];
+  const area = (colour) => ({...line("#b0b0b0", 0.6), fill: "toself", fillcolor: colour, hoverinfo: "skip"});
+  const traces = [area("#f6f4f0"), area("#c4c4c4"), line("#777777", 0.9)];
   for (const width of legend.widths) for (const state of legend.states) traces.push(
-    line(state.colour, state.dash === "solid" ? width.pixels : Math.max(width.pixels, 1.6), state.dash));
+    line(state.colour, width.pixels, state.dash));
   traces.push({type: "scatter", mode: "markers", x: [], y: [], hoverinfo: "skip", showlegend: false,
     marker: {symbol: "x-thin-open", size: 6, color: "#000000", line: {width: 1}}});
   return traces;
@@ -195,6 +195,14 @@ function timeMarks(runs) {
 }
 
 function scaled(values, factor) { return factor === 1 ? values : values.map((value) => factor * value); }
+
+// On paper what is cracked is black, thicker, and told apart by its line alone.
+function printable(run, legend, onPaper) {
+  const lines = legend.widths.flatMap((width) => legend.states.map((state) => (
+    onPaper ? {color: "#000000", width: 1.7 * width.pixels} : {color: state.colour, width: width.pixels})));
+  Plotly.restyle(byId(`wall-${run.letter}`), {"line.color": lines.map((one) => one.color),
+    "line.width": lines.map((one) => one.width)}, lines.map((_, number) => 3 + number));
+}
 
 function drawInto(id, traces, layout) {
   const div = byId(id);
@@ -353,7 +361,8 @@ class Player {
     const point = run.instant[k], value = (name, digits) => run[name][point].toFixed(digits);
     const {drift} = this.page;
     const states = legend.states.map((one) => `${counts[one.code] || 0} ${one.name}`).join(", ");
-    byId(`told-${run.letter}`).textContent = `${run.times[k].toFixed(3)} s: DI ${value("DI", 4)} (drift ${value("DI_drift", 4)}, `
+    const over = this.times[this.at] > run.times[run.times.length - 1] ? ", its end" : "";
+    byId(`told-${run.letter}`).textContent = `${run.times[k].toFixed(3)} s${over}: DI ${value("DI", 4)} (drift ${value("DI_drift", 4)}, `
       + `open ${value("DI_open", 4)}, slip ${value("DI_slip", 4)}); drift ${(drift.factor * run.drift_ratio[point]).toPrecision(4)} `
       + `${drift.unit}, base shear ${value("base_shear_kn", 2)} kN. Contact points: ${states}, ${counts[BROKEN] || 0} broken up to `
       + `${this.page.threshold_mm} mm, of ${run.n_joints}. Displacements × ${MAGNIFICATIONS[this.magnification]}`
@@ -398,6 +407,8 @@ async function start() {
   player.show();
   for (const id of ["over-time", ...page.runs.map((run) => `energy-${run.letter}`)])
     byId(id).on("plotly_click", (event) => { player.stop(); player.goTo(event.points[0].x + 1e-6); });
+  for (const [event, onPaper] of [["beforeprint", true], ["afterprint", false]])
+    addEventListener(event, () => page.runs.forEach((run) => printable(run, page.states, onPaper)));
   window.report = player;
   performance.mark("all-drawn");
 }
