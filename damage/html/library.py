@@ -4,6 +4,8 @@ import re
 import warnings
 from functools import cache
 
+from damage.html.packing import pack_text
+
 
 @cache
 def plotly_code():
@@ -12,6 +14,12 @@ def plotly_code():
         warnings.simplefilter("ignore")  # older ones ask for what newer Pythons deprecate
         from plotly.offline import get_plotlyjs
     return get_plotlyjs()
+
+
+@cache
+def packed_plotly():
+    """The code as the page holds it."""
+    return pack_text(plotly_code())
 
 
 def plotly_version():

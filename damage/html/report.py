@@ -9,8 +9,7 @@ from damage.errors import InputError
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.html.charts import over_time, states_legend
-from damage.html.library import plotly_code, plotly_version
-from damage.html.packing import pack_text
+from damage.html.library import packed_plotly, plotly_version
 from damage.html.run_part import run_part
 from damage.html.study_part import figures, runs_of, studies_below, study_part, verdict_of
 from damage.html.tables import energy_balance, measures, parameters, versions
@@ -60,7 +59,7 @@ def page(files, folders):
         energies=energy_balance(runs) if runs else [], parameters=parameters, versions=versions,
         charts=over_time(runs), legend=states_legend(), threshold_mm=THRESHOLD / MILLIMETRE,
         data=_for_program(runs), style=(PAGE / "report.css").read_text(encoding="utf-8"),
-        program=(PAGE / "report.js").read_text(encoding="utf-8"), library=pack_text(plotly_code()) if runs else "",
+        program=(PAGE / "report.js").read_text(encoding="utf-8"), library=packed_plotly() if runs else "",
         library_version=plotly_version() if runs else "", made_by=f"masonry-damage {VERSION}, commit {commit()}")
 
 

@@ -30,8 +30,14 @@ def run_part(history, letter):
     part = {"letter": letter, "title": f"{history.wall} wall, {history.loading.name}", "solver": history.solver,
             "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
             "row": summary_row(history), "info": info(history), "history": history,
-            "key": _key_numbers(history, summary, index), "still": as_png(wall_picture(history)), "drawn": drawn(history, index)}
+            "key": _key_numbers(history, summary, index), "still": still(history),
+            "drawn": drawn(history, index)}
     return part | {"words": in_words(part)}
+
+
+def still(history):
+    """The wall at its largest DI as a picture, for who has no scripts, and until the moving one is drawn."""
+    return as_png(wall_picture(history))
 
 
 def said_first(history, warnings=()):
