@@ -1,4 +1,5 @@
-"""A report in a real browser without a network: from its opening to its drawn wall, how it looks on screen and on paper.
+"""A report in a real browser without a network: seconds from its opening to its drawn wall, its looks on screen and
+on paper.
 
     bash scripts/browser.sh                                     # the tests of the report in the browser
     bash scripts/browser.sh FILE.html                           # median of five cold starts
@@ -49,8 +50,8 @@ def open_report(driver, path):
     driver.get(Path(path).resolve().as_uri())
     until = time.monotonic() + PATIENCE_S
     while time.monotonic() < until:
-        found = {name: driver.execute_script(f"return performance.getEntriesByName('{mark}').map((one) => one.startTime)")
-                 for name, mark in DRAWN.items()}
+        found = {name: driver.execute_script("return performance.getEntriesByName(arguments[0]).map((one) => "
+                                             "one.startTime)", mark) for name, mark in DRAWN.items()}
         if all(found.values()):
             return {name: times[0] / 1000 for name, times in found.items()}
         time.sleep(0.05)

@@ -235,8 +235,8 @@ def _tables(asked):
 
 
 @_command("one HTML file to send: a run, runs side by side, or a study, for any browser, without a network",
-          _path("paths", "PATH", "a history (.h5), several up to six, or the folder of a study or of studies", nargs="+"),
-          _out("the file (default: beside the first PATH: its name with .html, or report.html in a folder)", "FILE.html",
+          _path("paths", "PATH", "a history (.h5), up to six of them, or the folder of studies", nargs="+"),
+          _out("the file (default: beside the first PATH, of its name, or report.html in a folder)", "FILE.html",
                required=False))
 def _report(asked):
     from damage.html.report import write_report

@@ -5,6 +5,7 @@ import numpy as np
 from damage.draw.run import ENERGIES, JOINT_COLOURS
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, drift_scale
 from damage.draw.wall import LEGEND_WIDTHS_MM, line_width
+from damage.history.moments import STATES
 from damage.units import MILLIMETRE
 
 PIXELS = 1.8
@@ -42,8 +43,8 @@ def over_time(runs):
 
 def _panel(title, unit, runs, series, factor=1):
     names = [f"run {run['letter']}" if len(runs) > 1 else title.lower() for run in runs]
-    return {"title": title, "unit": unit, "factor": factor,
-            "lines": [_line(number, series, name, *style) for number, (name, style) in enumerate(zip(names, RUN_STYLES))]}
+    return {"title": title, "unit": unit, "factor": factor, "lines": [
+        _line(number, series, name, *style) for number, (name, style) in enumerate(zip(names, RUN_STYLES))]}
 
 
 def _line(run, series, name, colour, dash):
@@ -57,10 +58,8 @@ def energy_lines():
 
 
 def states_legend():
-    """How cracked joints are drawn: {"states": [{"code", "name", "colour", "dash"}], "widths": [{"from_mm", "pixels"}]},
-    the gravest last; a line's width says how wide the crack is, by class."""
-    from damage.history.moments import STATES
-
+    """How cracked joints and energies are drawn: {"states": [{"code", "name", "colour", "dash"}], the gravest last,
+    "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's width, "energies"}."""
     words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [{"code": STATES.index(name), "name": label, "colour": CRACK_COLOURS[name], "dash": CRACK_DASHES[name]}
               for name, label in words.items()]

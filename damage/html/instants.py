@@ -28,7 +28,8 @@ def special_samples(history, index):
     drift = np.nan_to_num(series["drift_ratio"].to_numpy())
     found = [0, len(time_s) - 1, *(int(np.argmax(index[name])) for name in COMPONENTS), int(np.argmax(drift)),
              int(np.argmin(drift)), int(np.argmax(np.abs(np.nan_to_num(series["base_shear_n"])))),
-             *(int(np.argmax(np.abs(field).max(axis=1))) for field in (history.opening_m, history.slip_by("displacement")))]
+             *(int(np.argmax(np.abs(field).max(axis=1)))
+               for field in (history.opening_m, history.slip_by("displacement")))]
     moments = [history.collapsed_at_s, *history.events["time_s"][history.events["time_s"] >= 0][:1]]
     found += [int(np.argmin(np.abs(time_s - moment))) for moment in moments if moment is not None]
     return np.array(found)

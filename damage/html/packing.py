@@ -24,10 +24,10 @@ def pack_arrays(arrays):
     """
     data, places = bytearray(), {}
     for name, array in arrays.items():
-        array = np.ascontiguousarray(array)
         data += bytes(-len(data) % _ALIGNED)
-        places[name] = [array.dtype.str[1:], len(data), array.size]
-        data += array.astype(array.dtype.newbyteorder("<")).tobytes()
+        values = np.asarray(array)
+        places[name] = [values.dtype.str[1:], len(data), values.size]
+        data += values.astype(values.dtype.newbyteorder("<")).tobytes()
     return {"packed": _as_base64(bytes(data)), "arrays": places}
 
 

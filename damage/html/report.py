@@ -36,14 +36,15 @@ def write_report(paths, out=None):
     out = Path(out) if out else paths[0] / "report.html" if paths[0].is_dir() else paths[0].with_suffix(".html")
     if out.suffix.lower() not in ENDINGS:
         raise InputError(f"--out {out}: expected a name that ends in .html; give it one")
-    return write_text(out, page([path for path in paths if not path.is_dir()], [path for path in paths if path.is_dir()]))
+    files, folders = ([path for path in paths if path.is_dir() == of_study] for of_study in (False, True))
+    return write_text(out, page(files, folders))
 
 
 def page(files, folders):
     """The text of the report of histories (paths) and of folders of studies."""
     if len(files) > len(LETTERS):
-        raise InputError(f"{len(files)} histories: expected up to {len(LETTERS)} side by side; name fewer, or the folder "
-                         "of their study")
+        raise InputError(f"{len(files)} histories: expected up to {len(LETTERS)} side by side; name fewer, or the "
+                         "folder of their study")
     studies = [study for folder in folders for study in studies_below(folder)]
     shown = [*files, *_worst(studies, len(LETTERS) - len(files))]
     runs = [run_part(read_history(path), letter) for path, letter in zip(shown, LETTERS)]

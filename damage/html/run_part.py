@@ -44,7 +44,7 @@ def said_first(history, warnings=()):
     """What a reader has to know before any number of a History, a list of lines; none where all is well."""
     until = history.series["time_s"].iloc[-1]
     lines = {"complete": [],
-             "interrupted": [f"interrupted at {until:.3f} s: the run did not come to its end; every maximum is one so far"],
+             "interrupted": [f"interrupted at {until:.3f} s, before the run's end; every maximum is one so far"],
              "failed": [f"failed at {until:.3f} s: do not rely on what is shown"],
              "unfinished": [f"without an end: a run writes the file now, or was killed. It reaches to {until:.3f} s; "
                             "every maximum is one so far"]}[history.status]
@@ -61,7 +61,7 @@ def _key_numbers(history, summary, index):
     by = "" if offset is not None else ", slip accumulated"
     return [
         ("Maximum DI", summary["max"]["DI"], "", f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{by}"),
-        ("Residual DI", residual and residual["DI"], "", "no end, no residual" if residual is None else f"at the end{by}"),
+        ("Residual DI", residual and residual["DI"], "", f"at the end{by}" if residual else "no end, no residual"),
         ("Largest drift", factor * summary["max_drift_ratio"], unit,
          f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f} s"),
         ("Widest crack", summary["max_crack_width_mm"], "mm", "opening and offset together"),
@@ -141,10 +141,11 @@ def in_words(part):
              f"{shear_kn.max():.4g} kN")
     return {
         "wall": f"Moving drawing of the {history.wall} wall, {history.attributes['length_m']:g} m long and "
-                f"{history.attributes['height_m']:g} m high. Of its {shown['n_joints']} contact points {shown['n_ever']} "
-                f"break in this run; the widest crack has {summary['max_crack_width_mm']:.3g} mm; the maximum DI is "
-                f"{summary['max']['DI']:.4f} at {shown['at_max']:.3f} s. The line below says what it shows.",
+                f"{history.attributes['height_m']:g} m high. Of its {shown['n_joints']} contact points "
+                f"{shown['n_ever']} break in this run; the widest crack has "
+                f"{summary['max_crack_width_mm']:.3g} mm; the maximum DI is {summary['max']['DI']:.4f} at "
+                f"{shown['at_max']:.3f} s. The line below says what it shows.",
         "hysteresis": f"Base shear against drift ratio: {spans}.",
         "energy": f"Energies over time: input {summary['input_energy_j']:.4g} J at the end, friction took "
-                  f"{summary['friction_energy_j']:.4g} J, fracture {summary['fracture_energy_j']:.4g} J, damping before "
-                  f"settling {summary['damping_energy_j']:.4g} J."}
+                  f"{summary['friction_energy_j']:.4g} J, fracture {summary['fracture_energy_j']:.4g} J, damping "
+                  f"before settling {summary['damping_energy_j']:.4g} J."}

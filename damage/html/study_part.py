@@ -4,6 +4,7 @@ import base64
 import math
 import re
 import tomllib
+from itertools import starmap
 
 import numpy as np
 from matplotlib.image import imread
@@ -35,7 +36,8 @@ REPLICATES = 200
 FIGURE_WORDS = {
     "fig06": "the harmonic motions that shook the walls", "fig07": "damage index and its components over time",
     "fig08": "damage index against the amplitude of the motion", "fig09": "drift over time by amplitude",
-    "fig10": "the records that shook the walls, with their spectra", "fig11": "residual damage against peak acceleration",
+    "fig10": "the records that shook the walls, with their spectra",
+    "fig11": "residual damage against peak acceleration",
     "fig12": "damage index against the largest drift", "cracks": "cracked joints of the walls of single runs",
     "sequences": "damage over sequences of shocks", "sensitivity": "how much modelling choices move the damage",
     "fragility": "probability of exceeding levels of damage against intensity"}
@@ -45,8 +47,8 @@ def studies_below(folder):
     """Folders of the studies in or below a folder, those with tables; InputError where there are none."""
     found = sorted(path.parents[1] for path in folder.rglob("tables/summary.csv"))
     if not found:
-        raise InputError(f"{folder}: no tables/summary.csv in it or below it; expected a history (.h5) or the folder of a "
-                         "study, as ./run_all.sh makes it; give one of them")
+        raise InputError(f"{folder}: no tables/summary.csv in it or below it; expected a history (.h5) or the folder "
+                         "of a study, as ./run_all.sh makes it; give one of them")
     return found
 
 
@@ -124,7 +126,7 @@ def _point(row, told, summary, letters):
 def _plain(value):
     """A cell of a table as Python has it; None where it is empty."""
     value = value.item() if isinstance(value, np.generic) else value
-    if isinstance(value, float) and (math.isnan(value) or value.is_integer() and abs(value) < 1e6):
+    if isinstance(value, float) and (math.isnan(value) or (value.is_integer() and abs(value) < 1e6)):
         return None if math.isnan(value) else int(value)
     return value
 
@@ -142,7 +144,8 @@ def figures(folder):
 
     They are looked for in its folders `figures` and `pictures` and in itself; pictures of single runs are left out.
     """
-    paths = [path for place in (folder / "figures", folder / "pictures", folder) for path in sorted(place.glob("*.png"))]
+    places = folder / "figures", folder / "pictures", folder
+    paths = [path for place in places for path in sorted(place.glob("*.png"))]
     embedded, named, left = [], [], MOST_FIGURES_MB * 1e6
     for path in paths:
         if path.stat().st_size > left:
@@ -159,8 +162,8 @@ def _embedded(path):
     try:
         height, width = imread(path).shape[:2]
     except (OSError, ValueError, SyntaxError) as error:
-        raise InputError(f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it again: python3 -m "
-                         "damage figures") from error
+        raise InputError(f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it again: "
+                         "python3 -m damage figures") from error
     return {"name": path.stem, "data": base64.b64encode(path.read_bytes()).decode("ascii"), "width": width,
             "height": height, "words": figure_words(path.stem)}
 
@@ -188,7 +191,7 @@ def _fragility(folder):
         return None
     table = fragility_table(fits, "pga_g")
     return {"heads": list(table), "rows": [[cell(_plain(value)) for value in row] for row in table.to_numpy(object)],
-            "figures": [_drawn(name, figure) for name, figure in fragility_pictures(runs, fits)]}
+            "figures": list(starmap(_drawn, fragility_pictures(runs, fits)))}
 
 
 def _drawn(name, figure):

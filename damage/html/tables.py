@@ -97,6 +97,7 @@ def parameters(told):
 def versions(told):
     """(software, version) of what made a run; told: `damage.history.info.info`."""
     others = sorted(set(told["versions"]) - {"masonry-damage", "commit", "model"})
-    return [("masonry-damage", told["software"]), ("commit", told["commit"]), ("digest of the model", told["model_digest"]),
-            *((name, told["versions"][name]) for name in others), ("machine", told["machine"]),
+    return [("masonry-damage", told["software"]), ("commit", told["commit"]),
+            ("digest of the model", told["model_digest"]), *((name, told["versions"][name]) for name in others),
+            ("machine", told["machine"]),
             ("made", told["created_utc"])]

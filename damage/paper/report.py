@@ -205,7 +205,8 @@ def overview_table(findings):
     """(heads of solvers and lintels, rows) of a table with a row a statement: its name, its words, outcomes."""
     told = _told(findings, "solver", "lintel")
     rows = [[statement, STATEMENTS[statement], *(
-                 _cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS]) for solver, lintel in told)]
+                 _cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
+                 for solver, lintel in told)]
             for statement, members in _by(findings, "claim.statement")]
     return [f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}" for solver, lintel in told], rows
 

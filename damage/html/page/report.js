@@ -17,7 +17,8 @@ const TYPES = {f4: Float32Array, i4: Int32Array, i2: Int16Array, u2: Uint16Array
 
 async function arraysOf(run) {
   const buffer = await unpacked(run.packed).arrayBuffer();
-  for (const [name, [type, first, length]] of Object.entries(run.arrays)) run[name] = new TYPES[type](buffer, first, length);
+  for (const [name, [type, first, length]] of Object.entries(run.arrays))
+    run[name] = new TYPES[type](buffer, first, length);
   run.times = Array.from(run.instant, (point) => run.time_s[point]);
 }
 
@@ -44,7 +45,7 @@ function makeSortable(table) {
 
 // --- the wall ---------------------------------------------------------------------------------------
 
-// Where bodies are at instant k, motion magnified: shift, cosine and sine of each; the ground, -1, is one more, at rest.
+// Where bodies are at instant k, motion magnified: shift, cosine and sine of each; the ground is one more, at rest.
 function places(run, k, magnify) {
   const n = run.x.length, found = {x: new Float64Array(n + 1), z: new Float64Array(n + 1),
     cos: new Float64Array(n + 1).fill(1), sin: new Float64Array(n + 1)};
@@ -88,7 +89,7 @@ function widthClass(legend, millimetres) {
 
 const BROKEN = 1;
 
-// Lines of the joints that are not whole at instant k: broken, then by width and state; crosses; how many of each state.
+// Lines of the joints that are not whole at instant k: broken, by width and state, crosses; how many of each state.
 function cracks(run, k, at, legend, withWords) {
   const n = run.n_ever, lines = Array.from({length: 2 + legend.widths.length * legend.states.length},
     () => ({x: [], y: [], text: []})), counts = {};
@@ -121,7 +122,7 @@ function cracks(run, k, at, legend, withWords) {
 }
 
 function wallTraces(legend) {
-  const line = (colour, width, dash) => ({type: "scatter", mode: "lines", x: [], y: [], connectgaps: false, showlegend: false,
+  const line = (colour, width, dash) => ({...LINE, x: [], y: [], connectgaps: false, showlegend: false,
     line: {color: colour, width, dash: dash || "solid", simplify: false}, hoverinfo: "text"});
   const area = (colour) => ({...line("#b0b0b0", 0.6), fill: "toself", fillcolor: colour, hoverinfo: "skip"});
   const traces = [area("#f6f4f0"), area("#c4c4c4"), line("#777777", 0.9)];
@@ -147,7 +148,9 @@ function extent(run) {
 
 const FONT = {family: "Arial, Liberation Sans, Helvetica, sans-serif", size: 12, color: "#1a1a1a"};
 const CONFIG = {responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"]};
-const AXIS = {showline: true, linecolor: "#555", ticks: "outside", ticklen: 4, gridcolor: "#e8e8e8", zerolinecolor: "#bbb"};
+const LINE = {type: "scatter", mode: "lines"};
+const AXIS = {showline: true, linecolor: "#555", ticks: "outside", ticklen: 4, gridcolor: "#e8e8e8",
+  zerolinecolor: "#bbb"};
 const MARGIN = {l: 62, r: 10, t: 26, b: 42};  // plotly's own is not asked for: marks are laid over the plots by this
 const named = (text) => ({text, standoff: 6});
 
@@ -187,7 +190,8 @@ class Mark {
 
 function timeMarks(runs) {
   const shades = runs.flatMap((run) => run.settling.map(([x0, x1]) => (
-    {type: "rect", xref: "x", yref: "paper", x0, x1, y0: 0, y1: 1, fillcolor: "#e9e9e9", line: {width: 0}, layer: "below"})));
+    {type: "rect", xref: "x", yref: "paper", x0, x1, y0: 0, y1: 1, fillcolor: "#e9e9e9", line: {width: 0},
+      layer: "below"})));
   const falls = runs.filter((run) => run.collapsed_at_s !== null).map((run) => (
     {type: "line", xref: "x", yref: "paper", x0: run.collapsed_at_s, x1: run.collapsed_at_s, y0: 0, y1: 1,
       line: {color: "#b00000", width: 1, dash: "dash"}}));
@@ -225,7 +229,7 @@ const moving = (run, series, factor) => scaled(run[series].slice(0, run.moving),
 async function drawHysteresis(run, runs, drift) {
   const ranges = [["drift_ratio", drift.factor], ["base_shear_kn", 1]].map(
     ([series, factor]) => rangeOf(runs.map((one) => moving(one, series, factor)), 0.06));
-  await drawInto(`hysteresis-${run.letter}`, [{type: "scatter", mode: "lines", x: moving(run, "drift_ratio", drift.factor),
+  await drawInto(`hysteresis-${run.letter}`, [{...LINE, x: moving(run, "drift_ratio", drift.factor),
     y: moving(run, "base_shear_kn", 1), showlegend: false, line: {color: "#0072B2", width: 1}}], {
     xaxis: {...AXIS, range: ranges[0], title: named(`drift ratio [${drift.unit}]`)},
     yaxis: {...AXIS, range: ranges[1], title: named("base shear [kN]")}});
@@ -233,12 +237,12 @@ async function drawHysteresis(run, runs, drift) {
 }
 
 async function drawEnergy(run, runs, lines) {
-  const traces = lines.map((line) => ({type: "scatter", mode: "lines", x: run.time_s, y: run[line.series], name: line.name,
+  const traces = lines.map((line) => ({...LINE, x: run.time_s, y: run[line.series], name: line.name,
     line: {color: line.colour, dash: line.dash, width: line.series === "input_energy_j" ? 2 : 1.3}}));
   const across = rangeOf(runs.map((one) => one.time_s), 0);
   const up = rangeOf(runs.flatMap((one) => lines.map((line) => one[line.series])), 0.05);
-  await drawInto(`energy-${run.letter}`, traces, {shapes: timeMarks([run]), margin: {...MARGIN, r: 92}, legend: {x: 1.01,
-    font: {size: 11}}, xaxis: {...AXIS, range: across, title: named("time [s]")},
+  await drawInto(`energy-${run.letter}`, traces, {shapes: timeMarks([run]), margin: {...MARGIN, r: 92},
+    legend: {x: 1.01, font: {size: 11}}, xaxis: {...AXIS, range: across, title: named("time [s]")},
     yaxis: {...AXIS, range: up, title: named("energy [J]")}});
   run.cursor = new Mark(byId(`energy-${run.letter}`), "cursor");
 }
@@ -247,18 +251,20 @@ async function drawOverTime(runs, panels) {
   const traces = [], n = panels.length, gap = 0.05, tall = (1 - gap * (n - 1)) / n;
   const layout = {height: 80 + 150 * n, margin: {...MARGIN, l: 80, t: 36}, hovermode: "x", shapes: timeMarks(runs),
     legend: {orientation: "h", y: 1.005, yanchor: "bottom", x: 0, itemwidth: 50},
-    xaxis: {...AXIS, range: rangeOf(runs.map((run) => run.time_s), 0), title: named("time [s]"), anchor: n > 1 ? `y${n}` : "y"}};
+    xaxis: {...AXIS, range: rangeOf(runs.map((run) => run.time_s), 0), title: named("time [s]"),
+      anchor: n > 1 ? `y${n}` : "y"}};
   panels.forEach((panel, number) => {
     const several = runs.length > 1, top = 1 - number * (tall + gap), lists = [];
     for (const line of panel.lines) {
       const y = scaled(runs[line.run][line.series], panel.factor);
       lists.push(y);
-      traces.push({type: "scatter", mode: "lines", x: runs[line.run].time_s, y, yaxis: number ? `y${number + 1}` : "y",
-        name: line.name, showlegend: several ? number === 0 : panel.lines.length > 1, legendgroup: several ? line.name : "",
+      traces.push({...LINE, x: runs[line.run].time_s, y, yaxis: number ? `y${number + 1}` : "y",
+        name: line.name, legendgroup: several ? line.name : "",
+        showlegend: several ? number === 0 : panel.lines.length > 1,
         line: {color: line.colour, dash: line.dash, width: line.series === "DI" ? 2 : 1.4}});
     }
-    layout[`yaxis${number ? number + 1 : ""}`] = {...AXIS, domain: [Math.max(top - tall, 0), top], range: rangeOf(lists, 0.06),
-      title: named(panel.unit ? `${panel.title}<br>[${panel.unit}]` : panel.title)};
+    layout[`yaxis${number ? number + 1 : ""}`] = {...AXIS, domain: [Math.max(top - tall, 0), top],
+      range: rangeOf(lists, 0.06), title: named(panel.unit ? `${panel.title}<br>[${panel.unit}]` : panel.title)};
   });
   byId("over-time").style.height = `${layout.height}px`;
   await drawInto("over-time", traces, layout);
@@ -266,14 +272,16 @@ async function drawOverTime(runs, panels) {
 }
 
 function drawLegend(legend) {
-  const sample = (colour, width, dash, cross) => `<svg width="46" height="14" aria-hidden="true"><line x1="2" y1="7" x2="44" `
-    + `y2="7" stroke="${colour}" stroke-width="${width}"${dash === "solid" ? "" : ` stroke-dasharray="${dash}"`}/>`
+  const sample = (colour, width, dash, cross) => '<svg width="46" height="14" aria-hidden="true">'
+    + `<line x1="2" y1="7" x2="44" y2="7" stroke="${colour}" stroke-width="${width}" `
+    + `stroke-dasharray="${dash === "solid" ? "none" : dash}"/>`
     + (cross ? '<path d="M19 3l8 8M27 3l-8 8" stroke="#000"/>' : "") + "</svg>";
   const middle = legend.widths[2].pixels;
   const parts = legend.states.map((state, number) => `<span>${sample(state.colour, middle, state.dash,
     number === legend.states.length - 1)}${state.name}</span>`);
   parts.push(`<span>${sample("#777", 0.8, "solid")}broken, up to ${legend.widths[0].from_mm} mm</span>`);
-  parts.push(...legend.widths.map((one) => `<span>${sample("#444", one.pixels, "solid")}from ${one.from_mm} mm</span>`));
+  parts.push(...legend.widths.map((one) => (
+    `<span>${sample("#444", one.pixels, "solid")}from ${one.from_mm} mm</span>`)));
   byId("legend").innerHTML = parts.join("");
 }
 
@@ -358,16 +366,20 @@ class Player {
     const {lines, counts} = cracks(run, k, at, legend, !this.playing), all = [...outlines(run, at), ...lines];
     Plotly.restyle(byId(`wall-${run.letter}`), {x: all.map((one) => one.x), y: all.map((one) => one.y),
       text: all.map((one) => one.text || [])});
-    const point = run.instant[k], value = (name, digits) => run[name][point].toFixed(digits);
-    const {drift} = this.page;
-    const states = legend.states.map((one) => `${counts[one.code] || 0} ${one.name}`).join(", ");
-    const over = this.times[this.at] > run.times[run.times.length - 1] ? ", its end" : "";
-    byId(`told-${run.letter}`).textContent = `${run.times[k].toFixed(3)} s${over}: DI ${value("DI", 4)} (drift ${value("DI_drift", 4)}, `
-      + `open ${value("DI_open", 4)}, slip ${value("DI_slip", 4)}); drift ${(drift.factor * run.drift_ratio[point]).toPrecision(4)} `
-      + `${drift.unit}, base shear ${value("base_shear_kn", 2)} kN. Contact points: ${states}, ${counts[BROKEN] || 0} broken up to `
-      + `${this.page.threshold_mm} mm, of ${run.n_joints}. Displacements × ${MAGNIFICATIONS[this.magnification]}`
-      + (run.snapshot[k] ? "." : ", but no place of the bricks was written near this time.");
+    byId(`told-${run.letter}`).textContent = this.inWords(run, k, counts);
     run.shown = k;
+  }
+
+  inWords(run, k, counts) {
+    const {drift, states, threshold_mm} = this.page, point = run.instant[k];
+    const value = (name, digits) => run[name][point].toFixed(digits);
+    const over = this.times[this.at] > run.times[run.times.length - 1] ? ", its end" : "";
+    const told = states.states.map((one) => `${counts[one.code] || 0} ${one.name}`).join(", ");
+    return `${run.times[k].toFixed(3)} s${over}: DI ${value("DI", 4)} (drift ${value("DI_drift", 4)}, open `
+      + `${value("DI_open", 4)}, slip ${value("DI_slip", 4)}); `
+      + `drift ${(drift.factor * run.drift_ratio[point]).toPrecision(4)} ${drift.unit}, base shear `
+      + `${value("base_shear_kn", 2)} kN. Contact points: ${told}, ${counts[BROKEN] || 0} broken up to ${threshold_mm} mm, of ${run.n_joints}. Displacements × ${MAGNIFICATIONS[this.magnification]}`
+      + (run.snapshot[k] ? "." : ", but no place of the bricks was written near this time.");
   }
 
   showTime(time) {
@@ -384,8 +396,8 @@ const nextFrame = () => new Promise((done) => setTimeout(done));
 
 async function start() {
   const page = JSON.parse(byId("report-data").textContent);
-  if (typeof DecompressionStream === "undefined") throw new Error("this browser is too old for the drawings: Chrome or Edge "
-    + "80, Firefox 113, Safari 16.4 or later draws them");
+  if (typeof DecompressionStream === "undefined") throw new Error("this browser is too old for the drawings: Chrome or "
+    + "Edge 80, Firefox 113, Safari 16.4 or later draws them");
   const [library] = await Promise.all([unpacked(byId("library").textContent).text(), ...page.runs.map(arraysOf)]);
   const script = document.createElement("script");
   script.textContent = library;
