@@ -30,6 +30,7 @@ pytest.importorskip("plotly")
 pytest.importorskip("jinja2")
 
 from damage.html.instants import MOST_INSTANTS, MOST_POINTS, points
+from damage.html.library import packed_plotly
 from damage.html.packing import quantised, unpack_arrays
 from damage.html.report import page, write_report
 from damage.html.run_part import still
@@ -87,10 +88,11 @@ def damaged(path, **options):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _no_still():
-    """Stills are drawn in one test alone: they take most of a page's time."""
+def _quick():
+    """Stills and the library are in the pages of few tests: they take most of a page's time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("damage.html.run_part.still", lambda history: "")
+        patch.setattr("damage.html.report.packed_plotly", lambda: "")
         yield
 
 
@@ -199,7 +201,9 @@ class TestNothingElse:
         for text in ('<img src="https://a.b/c.png">', "<link href=//a.b>", "<a href='x.html'>", 'fetch("x")'):
             assert self.FETCHED.search(text)
 
-    def test_it_stays_small_though_every_joint_is_always_broken(self, tmp_path):
+    def test_it_stays_small_though_every_joint_is_always_broken(self, tmp_path, monkeypatch):
+        monkeypatch.setattr("damage.html.report.packed_plotly", packed_plotly)
+        monkeypatch.setattr("damage.html.run_part.still", still)
         layout = lay_out(Wall("large", 4.05, 2.7))
         n_times, random = MOST_INSTANTS + 1, np.random.default_rng(1)
         opening = random.uniform(0, 2e-3, (n_times, layout.n_joints))
@@ -210,7 +214,7 @@ class TestNothingElse:
         assert layout.n_joints > 2000
         path = write_report([history.path])
         assert path == tmp_path / "large.html"
-        assert path.stat().st_size < 10 * MIB
+        assert 2 * MIB < path.stat().st_size < 10 * MIB
         drawn = Page(path.read_text()).data["runs"][0]
         assert MOST_INSTANTS <= drawn["n_instants"] < MOST_INSTANTS + 12
 
@@ -246,6 +250,14 @@ class TestSaidFirst:
         assert "no offsets" in told.text and "slip accumulated" in told.text
         slip = unpack_arrays(told.data["runs"][0])["DI_slip"]
         assert slip.any() and np.array_equal(slip, history.index(slip="accumulated")["DI_slip"].astype("f4"))
+
+    @pytest.mark.parametrize(("loading", "still", "title"), [
+        ("cyclic", True, "Base shear"), ("free_vibration", True, "Base shear"), ("record", False, "Base acceleration")])
+    def test_whatever_drives_the_wall_is_drawn_above(self, tmp_path, loading, still, title):
+        row = {"base_acceleration_x_m_s2": 0.0} if still else {"base_acceleration_z_m_s2": RAMP}
+        history = damaged(tmp_path / "driven.h5", loading=loading, row=row | {"top_force_n": np.nan})
+        panel = Page(page([history.path], [])).data["charts"][0]
+        assert (panel["title"], len(panel["lines"])) == (title, 1 if still else 2)
 
     def test_a_run_without_snapshots_is_drawn_at_rest(self, tmp_path):
         drawn = Page(page([damaged(tmp_path / "bare.h5", snapshots={}).path], [])).data["runs"][0]

@@ -24,21 +24,31 @@ CRACK_DASHES = {"opened": "solid", "slipped": "2px,2px", "both": "solid"}
 
 def over_time(runs):
     """Panels over time, one below another: [{"title", "unit", "factor", "lines": [{"run", "series", "name", "colour",
-    "dash"}], "zero"}]; of one run the components share a panel, of several each has its own."""
+    "dash"}]}]; of one run the components share a panel, of several each has its own."""
     if not runs:
         return []
     factor, unit = drift_scale(*(run["history"].series["drift_ratio"] for run in runs))
-    vertical = any(np.nan_to_num(run["history"].series["base_acceleration_z_m_s2"]).any() for run in runs)
-    base = _panel("Base acceleration", "g", runs, "base_x_g")
-    if len(runs) == 1:
-        base["lines"][0] |= {"name": "base, along the wall", "colour": BLACK}
-        if vertical:
-            base["lines"].append(_line(0, "base_z_g", "base, upwards", "#777777", "dot"))
-        index = {"title": "Damage index", "unit": "", "factor": 1, "lines": [
-            _line(0, name, *style) for name, style in COMPONENT_STYLES.items()]}
-        return [base, _panel("Drift ratio", unit, runs, "drift_ratio", factor), index]
-    return [base, _panel("Drift ratio", unit, runs, "drift_ratio", factor),
-            *(_panel(label, "", runs, name) for name, (label, *_) in COMPONENT_STYLES.items())]
+    above = [_drive(runs), _panel("Drift ratio", unit, runs, "drift_ratio", factor)]
+    if len(runs) > 1:
+        return [*above, *(_panel(label, "", runs, name) for name, (label, *_) in COMPONENT_STYLES.items())]
+    return [*above, {"title": "Damage index", "unit": "", "factor": 1, "lines": [
+        _line(0, name, *style) for name, style in COMPONENT_STYLES.items()]}]
+
+
+def _drive(runs):
+    """The panel of what drives the runs: the base's motion or, where no base moves, the force that answers."""
+    if not any(_moves(run, axis) for run in runs for axis in "xz"):
+        return _panel("Base shear", "kN", runs, "base_shear_kn")
+    panel = _panel("Base acceleration", "g", runs, "base_x_g")
+    if len(runs) == 1 and _moves(runs[0], "z"):
+        panel["lines"] = [_line(0, "base_x_g", "base, along the wall", BLACK, "solid"),
+                          _line(0, "base_z_g", "base, upwards", VERMILLION, "dot")]
+    return panel
+
+
+def _moves(run, axis):
+    """Whether the base of a run moves along x or z."""
+    return bool(np.nan_to_num(run["history"].series[f"base_acceleration_{axis}_m_s2"]).any())
 
 
 def _panel(title, unit, runs, series, factor=1):

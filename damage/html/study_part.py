@@ -29,7 +29,7 @@ OFTEN_SHARED = ("solver", "wall", "motion", "members", "status", "collapsed")
 """Of these those that all points share are told once, above the table."""
 OF_POINTS = {"members": "how many runs the point has in its solver", "collapsed": "how many of them collapsed",
              "status": "complete when all its runs are"}
-MOST_FIGURES_MB = 4.0
+MOST_FIGURES_MB = 3.0
 """Of embedded figures; what is beyond it is named."""
 REPLICATES = 200
 """Bootstrap samples of a fragility curve's bounds; `python3 -m damage fragility` takes more."""

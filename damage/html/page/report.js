@@ -147,7 +147,9 @@ function extent(run) {
 // --- plots ------------------------------------------------------------------------------------------
 
 const FONT = {family: "Arial, Liberation Sans, Helvetica, sans-serif", size: 12, color: "#1a1a1a"};
-const CONFIG = {responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"]};
+// Named one by one: newer versions have buttons that send the data elsewhere.
+const CONFIG = {responsive: true, displaylogo: false,
+  modeBarButtons: [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]]};
 const LINE = {type: "scatter", mode: "lines"};
 const AXIS = {showline: true, linecolor: "#555", ticks: "outside", ticklen: 4, gridcolor: "#e8e8e8",
   zerolinecolor: "#bbb"};
