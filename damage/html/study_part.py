@@ -34,13 +34,13 @@ MOST_FIGURES_MB = 3.0
 REPLICATES = 200
 """Bootstrap samples of a fragility curve's bounds; `python3 -m damage fragility` takes more."""
 FIGURE_WORDS = {
-    "fig06": "the harmonic motions that shook the walls", "fig07": "damage index and its components over time",
-    "fig08": "damage index against the amplitude of the motion", "fig09": "drift over time by amplitude",
-    "fig10": "the records that shook the walls, with their spectra",
-    "fig11": "residual damage against peak acceleration",
-    "fig12": "damage index against the largest drift", "cracks": "cracked joints of the walls of single runs",
-    "sequences": "damage over sequences of shocks", "sensitivity": "how much modelling choices move the damage",
-    "fragility": "probability of exceeding levels of damage against intensity"}
+    "fig06": "The harmonic motions that shook the walls", "fig07": "Damage index and its components over time",
+    "fig08": "Damage index against the amplitude of the motion", "fig09": "Drift over time by amplitude",
+    "fig10": "The records that shook the walls, with their spectra",
+    "fig11": "Residual damage against peak acceleration",
+    "fig12": "Damage index against the largest drift", "cracks": "Cracked joints of the walls of single runs",
+    "sequences": "Damage over sequences of shocks", "sensitivity": "How much modelling choices move the damage",
+    "fragility": "Probability of exceeding levels of damage against intensity"}
 
 
 def studies_below(folder):
@@ -172,12 +172,12 @@ def figure_words(name):
     """What a figure shows, from its name.
 
     >>> figure_words("fig12_drift_symmetric"), figure_words("mine")
-    ('damage index against the largest drift (fig12_drift_symmetric)', 'figure mine')
+    ('Damage index against the largest drift (fig12_drift_symmetric)', 'Figure mine')
     """
     for start, words in FIGURE_WORDS.items():
         if re.match(start, name):
             return f"{words} ({name})"
-    return f"figure {name}"
+    return f"Figure {name}"
 
 
 # --- fragility, verdict ------------------------------------------------------------------------------
