@@ -127,7 +127,7 @@ class TestOneRun:
         for name, values in expected.items():
             assert np.array_equal(arrays[name], values.to_numpy().astype("f4")), name
         assert drawn["settling"] == [[series["time_s"].iloc[16], series["time_s"].iloc[20]]]
-        assert drawn["moving"] == 16
+        assert np.flatnonzero(arrays["settles"]).tolist() == [16, 17, 18, 19, 20]
 
     def test_joints_are_in_the_states_of_the_history(self, one, page_of_one):
         arrays = unpack_arrays(page_of_one.data["runs"][0])
@@ -310,6 +310,12 @@ class TestStudy:
             path.unlink()
         told = Page(page([], [study]))
         assert "point-b" in told.text and not told.all("noscript") and len(told.scripts) == 1
+
+    def test_a_history_that_is_damaged_is_said_first_and_the_others_are_shown(self, study):
+        (study / "runs" / "a.h5").write_bytes((study / "runs" / "a.h5").read_bytes()[:-99])
+        told = Page(page([], [study]))
+        assert "Histories that cannot be read" in told.text and "a.h5" in told.text
+        assert [run["letter"] for run in told.data["runs"]] == ["A"]
 
     def test_what_is_missing_or_growing_is_said_first(self, study):
         (study / "runs" / "c.part.h5").write_bytes(b"")

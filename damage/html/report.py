@@ -46,19 +46,21 @@ def page(files, folders):
         raise InputError(f"{len(files)} histories: expected up to {len(LETTERS)} side by side; name fewer, or the "
                          "folder of their study")
     studies = [study for folder in folders for study in studies_below(folder)]
-    shown = [*files, *_worst(studies, len(LETTERS) - len(files))]
-    runs = [run_part(read_history(path), letter) for path, letter in zip(shown, LETTERS)]
-    letters = {path.resolve(): letter for path, letter in zip(shown, LETTERS)}
+    histories, unread = _worst(studies, len(LETTERS) - len(files))
+    histories = [*map(read_history, files), *histories]
+    runs = [run_part(history, letter) for history, letter in zip(histories, LETTERS)]
+    letters = {history.path.resolve(): letter for history, letter in zip(histories, LETTERS)}
     parts = [study_part(folder, {path.stem: letter for path, letter in letters.items()
                                  if path.parent == (folder / "runs").resolve()}) for folder in studies]
     return _environment().get_template("report.html").render(
         runs=runs, studies=parts, of_folders=[_of_folder(folder, studies) for folder in folders],
         first=[(f"Run {run['letter']}, {run['file']}" if len(runs) > 1 or parts else run["file"], run["first"])
                for run in runs if run["first"]]
-        + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]],
+        + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]]
+        + ([("Histories that cannot be read", unread)] if unread else []),
         title=_title(runs, parts), measures=measures(runs) if runs else [],
         energies=energy_balance(runs) if runs else [], parameters=parameters, versions=versions,
-        charts=over_time(runs), legend=states_legend(), threshold_mm=THRESHOLD / MILLIMETRE,
+        threshold_mm=THRESHOLD / MILLIMETRE,
         data=_for_program(runs), style=(PAGE / "report.css").read_text(encoding="utf-8"),
         program=(PAGE / "report.js").read_text(encoding="utf-8"), library=packed_plotly() if runs else "",
         library_version=plotly_version() if runs else "", made_by=f"masonry-damage {VERSION}, commit {commit()}")
@@ -70,17 +72,22 @@ def _environment():
 
 
 def _worst(studies, most):
-    """Histories of the runs of studies with the largest DI, whose files are there, up to so many, the worst first."""
+    """(Histories of the runs of studies with the largest DI, up to so many, the worst first; what is said of those that
+    cannot be read).  Runs without a file are passed over, those that fell come first."""
     found = []
     for folder in studies:
         summary, _ = runs_of(folder)
-        for _, row in summary.iterrows():
-            path = folder / "runs" / f"{row['run']}.h5"
-            if path.is_file():
-                fell = row.get("collapsed_at_s")
-                found.append((fell is not None and fell == fell, row.get("max_DI", 0.0), path))
-    ranked = sorted(found, key=lambda one: (-one[0], -one[1], one[2]))
-    return [path for _, _, path in ranked[:most]]
+        measures = summary.reindex(columns=["collapsed_at_s", "max_DI"]).astype(float)
+        paths = [folder / "runs" / f"{run}.h5" for run in summary["run"]]
+        found += zip(-measures["collapsed_at_s"].notna().astype(int), -measures["max_DI"].fillna(0.0), paths)
+    histories, unread = [], []
+    for _, _, path in sorted(found):
+        if len(histories) < most and path.is_file():
+            try:
+                histories.append(read_history(path))
+            except InputError as error:
+                unread.append(str(error))
+    return histories, unread
 
 
 def _of_folder(folder, studies):

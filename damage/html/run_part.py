@@ -77,12 +77,11 @@ def drawn(history, index):
     kept = points(np.array([lines[name] for name in SERIES]), chosen)
     wall, more = _moving_wall(history, chosen)
     arrays = {name: values[kept].astype("f4") for name, values in lines.items()}
-    arrays |= {"instant": np.searchsorted(kept, chosen).astype("i4"), **wall}
     settling = (history.series["stage"] == "settling").to_numpy()[kept]
+    arrays |= {"instant": np.searchsorted(kept, chosen).astype("i4"), "settles": settling.astype("u1"), **wall}
     time_s = lines["time_s"]
     return more | pack_arrays(arrays) | {
         "settling": _spans(time_s[kept], settling), "collapsed_at_s": history.collapsed_at_s,
-        "moving": int(np.flatnonzero(~settling)[-1]) + 1 if not settling.all() else 0,  # points before settling
         "at_max": float(time_s[int(np.argmax(index["DI"]))]), "n_instants": len(chosen)}
 
 

@@ -226,7 +226,7 @@ function drawWall(run, legend) {
     yaxis: {...axis, range: box.y, title: named("z [m]"), scaleanchor: "x"}});
 }
 
-const moving = (run, series, factor) => scaled(run[series].slice(0, run.moving), factor);
+const moving = (run, series, factor) => run[series].map((value, point) => (run.settles[point] ? NaN : factor * value));
 
 async function drawHysteresis(run, runs, drift) {
   const ranges = [["drift_ratio", drift.factor], ["base_shear_kn", 1]].map(
