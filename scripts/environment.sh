@@ -5,6 +5,7 @@
 #     source scripts/environment.sh test    # also pytest with xdist, hypothesis, plotly and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
 #     source scripts/environment.sh browser # a Python with the packages, pytest and selenium, Chromium and its driver
+#     source scripts/environment.sh site    # a Python with the packages, Sphinx, MyST and the theme
 #     source scripts/environment.sh gates   # a Python with the packages and pytest, shellcheck, ruff
 #
 # A machine may have another python3 first on its path, without the packages; YADE uses Debian's.  So
@@ -74,8 +75,9 @@ _env_missing_packages() {
     done
     for module in $(_env_missing_modules "$(type -P "$SYSTEM_PYTHON" || true)" "$@"); do
         case $module in
-            snakemake) echo snakemake ;;
+            snakemake | furo) echo "$module" ;;
             xdist) echo python3-pytest-xdist ;;
+            myst_parser) echo python3-myst-parser ;;
             *) echo "python3-$module" ;;
         esac
     done
@@ -200,12 +202,16 @@ _env_main() {
             modules+=(jinja2 plotly pytest hypothesis selenium)
             _env_programs=(chromium chromedriver pdftoppm)
             ;;
+        site)
+            modules+=(sphinx myst_parser furo)
+            _env_programs=()
+            ;;
         gates)
             modules+=(pytest)
             _env_programs=(shellcheck)
             ;;
         *)
-            _env_say "error: environment.sh $1: expected run, test, coverage, browser or gates; mend the call"
+            _env_say "error: environment.sh $1: expected run, test, coverage, browser, site or gates; mend the call"
             return 2
             ;;
     esac

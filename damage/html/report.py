@@ -48,7 +48,7 @@ def page(files, folders):
     studies = [study for folder in folders for study in studies_below(folder)]
     histories, unread = _worst(studies, len(LETTERS) - len(files))
     histories = [*map(read_history, files), *histories]
-    runs = [run_part(history, letter) for history, letter in zip(histories, LETTERS)]
+    runs = list(map(run_part, histories, LETTERS))
     letters = {history.path.resolve(): letter for history, letter in zip(histories, LETTERS)}
     parts = [study_part(folder, {path.stem: letter for path, letter in letters.items()
                                  if path.parent == (folder / "runs").resolve()}) for folder in studies]

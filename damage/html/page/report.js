@@ -216,12 +216,13 @@ function drawInto(id, traces, layout) {
   return Plotly.newPlot(div, traces, {font: FONT, margin: MARGIN, hovermode: "closest", ...layout}, CONFIG);
 }
 
-function drawWall(run, legend) {
+function drawWall(run, legend, lines) {
   const box = extent(run);
   const ground = {type: "rect", xref: "paper", yref: "y", x0: 0, x1: 1, y0: box.y[0], y1: 0, fillcolor: "#d9d9d9",
     line: {width: 0}, layer: "below"};
   const axis = {...AXIS, showgrid: false, zeroline: false, constrain: "domain"};
-  return drawInto(`wall-${run.letter}`, wallTraces(legend), {shapes: [ground], margin: {...MARGIN, l: 48},
+  const traces = wallTraces(legend).map((trace, number) => ({...trace, ...lines[number]}));
+  return drawInto(`wall-${run.letter}`, traces, {shapes: [ground], margin: {...MARGIN, l: 48},
     xaxis: {...axis, range: box.x, title: named("x [m]")},
     yaxis: {...axis, range: box.y, title: named("z [m]"), scaleanchor: "x"}});
 }
@@ -359,15 +360,21 @@ class Player {
     byId("time-told").textContent = told;
     byId("magnify-told").textContent = `× ${MAGNIFICATIONS[this.magnification]}`;
     byId("magnify").setAttribute("aria-valuetext", `${MAGNIFICATIONS[this.magnification]} times`);
-    for (const run of this.page.runs) this.showWall(run, lastUpTo(run.times, time));
+    for (const run of this.page.runs) this.showWall(run);
     if (this.ready) this.showTime(time);
   }
 
-  showWall(run, k) {
-    const legend = this.page.states, at = places(run, k, MAGNIFICATIONS[this.magnification]);
-    const {lines, counts} = cracks(run, k, at, legend, !this.playing), all = [...outlines(run, at), ...lines];
-    Plotly.restyle(byId(`wall-${run.letter}`), {x: all.map((one) => one.x), y: all.map((one) => one.y),
-      text: all.map((one) => one.text || [])});
+  // What is drawn of a wall now, and how many of its contact points are in each state.
+  linesOf(run) {
+    const k = lastUpTo(run.times, this.times[this.at]), at = places(run, k, MAGNIFICATIONS[this.magnification]);
+    const {lines, counts} = cracks(run, k, at, this.page.states, !this.playing);
+    return {k, counts, lines: [...outlines(run, at), ...lines]};
+  }
+
+  showWall(run) {
+    const {k, counts, lines} = this.linesOf(run);
+    Plotly.restyle(byId(`wall-${run.letter}`), {x: lines.map((one) => one.x), y: lines.map((one) => one.y),
+      text: lines.map((one) => one.text || [])});
     byId(`told-${run.letter}`).textContent = this.inWords(run, k, counts);
     run.shown = k;
   }
@@ -380,7 +387,8 @@ class Player {
     return `${run.times[k].toFixed(3)} s${over}: DI ${value("DI", 4)} (drift ${value("DI_drift", 4)}, open `
       + `${value("DI_open", 4)}, slip ${value("DI_slip", 4)}); `
       + `drift ${(drift.factor * run.drift_ratio[point]).toPrecision(4)} ${drift.unit}, base shear `
-      + `${value("base_shear_kn", 2)} kN. Contact points: ${told}, ${counts[BROKEN] || 0} broken up to ${threshold_mm} mm, of ${run.n_joints}. Displacements × ${MAGNIFICATIONS[this.magnification]}`
+      + `${value("base_shear_kn", 2)} kN. Contact points: ${told}, ${counts[BROKEN] || 0} broken up to `
+      + `${threshold_mm} mm, of ${run.n_joints}. Displacements × ${MAGNIFICATIONS[this.magnification]}`
       + (run.snapshot[k] ? "." : ", but no place of the bricks was written near this time.");
   }
 
@@ -396,20 +404,29 @@ class Player {
 
 const nextFrame = () => new Promise((done) => setTimeout(done));
 
+// As a file of its own: the browser reads it beside what else it does.
+function runScript(code) {
+  const script = document.createElement("script");
+  script.src = URL.createObjectURL(new Blob([code], {type: "text/javascript"}));
+  return new Promise((done, failed) => {
+    script.onload = done;
+    script.onerror = () => failed(new Error("plotly.js in this file cannot be run"));
+    document.head.append(script);
+  });
+}
+
 async function start() {
   const page = JSON.parse(byId("report-data").textContent);
   if (typeof DecompressionStream === "undefined") throw new Error("this browser is too old for the drawings: Chrome or "
     + "Edge 80, Firefox 113, Safari 16.4 or later draws them");
-  const [library] = await Promise.all([unpacked(byId("library").textContent).text(), ...page.runs.map(arraysOf)]);
-  const script = document.createElement("script");
-  script.textContent = library;
-  document.head.append(script);
+  const [library] = await Promise.all([unpacked(byId("library").textContent).blob(), ...page.runs.map(arraysOf)]);
+  await runScript(library);
   page.drift = page.charts.find((panel) => panel.lines[0].series === "drift_ratio");
   drawLegend(page.states);
-  await Promise.all(page.runs.map((run) => drawWall(run, page.states)));
   const player = new Player(page);
-  player.show();
+  await Promise.all(page.runs.map((run) => drawWall(run, page.states, player.linesOf(run).lines)));
   performance.mark("wall-drawn");
+  player.show();
   await nextFrame();
   player.cursor = await drawOverTime(page.runs, page.charts);
   for (const run of page.runs) {
