@@ -186,7 +186,7 @@ class TestOneRun:
 
 
 class TestNothingElse:
-    FETCHED = re.compile(r"""(?:src|href|action|data|poster)\s*=\s*["']?\s*(?!data:|#)[^"'\s>]|url\(|@import|fetch\(|"""
+    FETCHED = re.compile(r"""(?:src|href|action|data|poster)\s*=\s*["']?\s*(?!data:|#|URL\.createObjectURL\()[^"'\s>]|url\(|@import|fetch\(|"""
                          r"XMLHttpRequest|import\(|sendBeacon|WebSocket", re.IGNORECASE)
 
     def test_nothing_is_fetched(self, one):
