@@ -186,8 +186,9 @@ class TestOneRun:
 
 
 class TestNothingElse:
-    FETCHED = re.compile(r"""(?:src|href|action|data|poster)\s*=\s*["']?\s*(?!data:|#|URL\.createObjectURL\()[^"'\s>]|url\(|@import|fetch\(|"""
-                         r"XMLHttpRequest|import\(|sendBeacon|WebSocket", re.IGNORECASE)
+    FETCHED = re.compile(r"""(?:src|href|action|data|poster)\s*=\s*["']?\s*(?!data:|#|URL\.createObjectURL)[^"'\s>]|"""
+                         r"\burl\(|@import|fetch\(|XMLHttpRequest|import\(|sendBeacon|WebSocket", re.IGNORECASE)
+    """An object's URL is that of a piece of the file itself."""
 
     def test_nothing_is_fetched(self, one):
         text = page([one.path], [])
