@@ -2,7 +2,7 @@
 # Finds, or installs on Debian, what the programs of this repository need.  Other scripts source it:
 #
 #     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
-#     source scripts/environment.sh test    # also pytest with xdist, hypothesis, plotly and, where it can be had, obspy
+#     source scripts/environment.sh test    # also pytest with xdist, hypothesis, jinja2 and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
 #     source scripts/environment.sh browser # a Python with the packages, pytest and selenium, Chromium and its driver
 #     source scripts/environment.sh site    # a Python with the packages, Sphinx, MyST and the theme
@@ -196,10 +196,10 @@ _env_main() {
     local modules=(numpy scipy pandas h5py matplotlib numba)
     case ${1:-run} in
         run) modules+=(snakemake) ;;
-        test) modules+=(snakemake pytest xdist hypothesis jinja2 plotly) ;;
-        coverage) modules+=(snakemake pytest xdist hypothesis jinja2 plotly coverage) ;;
+        test) modules+=(snakemake pytest xdist hypothesis jinja2) ;;
+        coverage) modules+=(snakemake pytest xdist hypothesis jinja2 coverage) ;;
         browser)
-            modules+=(jinja2 plotly pytest hypothesis selenium)
+            modules+=(jinja2 pytest hypothesis selenium)
             _env_programs=(chromium chromedriver pdftoppm)
             ;;
         site)

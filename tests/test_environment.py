@@ -109,7 +109,7 @@ class TestMissing:
         packages = ["yade", *(f"python3-{name}" for name in ("numpy", "scipy", "pandas", "h5py", "matplotlib",
                                                              "numba")),
                     "snakemake", "python3-pytest", "python3-pytest-xdist", "python3-hypothesis",
-                    "python3-jinja2", "python3-plotly"]
+                    "python3-jinja2"]
         assert missing == f"error: missing on this machine: {' '.join(packages)}"
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
 

@@ -1,4 +1,4 @@
-"""Arrays and programs as text that a browser unpacks: gzip, then base64."""
+"""Arrays and pictures as text that a browser unpacks: gzip, then base64."""
 
 import base64
 import gzip
@@ -7,11 +7,6 @@ import io
 import numpy as np
 
 _ALIGNED = 8  # bytes: where an array may begin, so that a browser can look at it in place
-
-
-def pack_text(text):
-    """A text, compressed; the same text always comes out the same."""
-    return _as_base64(text.encode("utf-8"))
 
 
 def pack_arrays(arrays):

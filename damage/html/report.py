@@ -9,7 +9,7 @@ from damage.errors import InputError
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.html.charts import over_time, states_legend
-from damage.html.library import packed_plotly, plotly_version
+from damage.html.library import PAGE, plotly_code, plotly_version
 from damage.html.run_part import run_part
 from damage.html.study_part import figures, runs_of, studies_below, study_part, verdict_of
 from damage.html.tables import energy_balance, measures, parameters, versions
@@ -18,8 +18,6 @@ from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
-PAGE = Path(__file__).parent / "page"
-"""The template of the page, its style and its program."""
 LETTERS = "ABCDEF"
 """What runs side by side are called; no more than so many."""
 ENDINGS = (".html", ".htm")
@@ -62,7 +60,7 @@ def page(files, folders):
         energies=energy_balance(runs) if runs else [], parameters=parameters, versions=versions,
         threshold_mm=THRESHOLD / MILLIMETRE,
         data=_for_program(runs), style=(PAGE / "report.css").read_text(encoding="utf-8"),
-        program=(PAGE / "report.js").read_text(encoding="utf-8"), library=packed_plotly() if runs else "",
+        program=(PAGE / "report.js").read_text(encoding="utf-8"), library=plotly_code() if runs else "",
         library_version=plotly_version() if runs else "", made_by=f"masonry-damage {VERSION}, commit {commit()}")
 
 

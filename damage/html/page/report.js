@@ -9,14 +9,11 @@ function bytesOf(base64) {
   return bytes;
 }
 
-function unpacked(base64) {
-  return new Response(new Blob([bytesOf(base64)]).stream().pipeThrough(new DecompressionStream("gzip")));
-}
-
 const TYPES = {f4: Float32Array, i4: Int32Array, i2: Int16Array, u2: Uint16Array, u1: Uint8Array};
 
 async function arraysOf(run) {
-  const buffer = await unpacked(run.packed).arrayBuffer();
+  const stream = new Blob([bytesOf(run.packed)]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const buffer = await new Response(stream).arrayBuffer();
   for (const [name, [type, first, length]] of Object.entries(run.arrays))
     run[name] = new TYPES[type](buffer, first, length);
   run.times = Array.from(run.instant, (point) => run.time_s[point]);
@@ -404,23 +401,11 @@ class Player {
 
 const nextFrame = () => new Promise((done) => setTimeout(done));
 
-// As a file of its own: the browser reads it beside what else it does.
-function runScript(code) {
-  const script = document.createElement("script");
-  script.src = URL.createObjectURL(new Blob([code], {type: "text/javascript"}));
-  return new Promise((done, failed) => {
-    script.onload = done;
-    script.onerror = () => failed(new Error("plotly.js in this file cannot be run"));
-    document.head.append(script);
-  });
-}
-
 async function start() {
   const page = JSON.parse(byId("report-data").textContent);
   if (typeof DecompressionStream === "undefined") throw new Error("this browser is too old for the drawings: Chrome or "
     + "Edge 80, Firefox 113, Safari 16.4 or later draws them");
-  const [library] = await Promise.all([unpacked(byId("library").textContent).blob(), ...page.runs.map(arraysOf)]);
-  await runScript(library);
+  await Promise.all(page.runs.map(arraysOf));
   page.drift = page.charts.find((panel) => panel.lines[0].series === "drift_ratio");
   drawLegend(page.states);
   const player = new Player(page);
