@@ -84,7 +84,7 @@ function widthClass(legend, millimetres) {
   return found;
 }
 
-const BROKEN = 1;
+const BROKEN = 1, CROSS_PX = 8;
 
 // Lines of the joints that are not whole at instant k: broken, by width and state, crosses; how many of each state.
 function cracks(run, k, at, legend, withWords) {
@@ -126,7 +126,7 @@ function wallTraces(legend) {
   for (const width of legend.widths) for (const state of legend.states) traces.push(
     line(state.colour, width.pixels, state.dash));
   traces.push({type: "scatter", mode: "markers", x: [], y: [], hoverinfo: "skip", showlegend: false,
-    marker: {symbol: "x-thin-open", size: 6, color: "#000000", line: {width: 1}}});
+    marker: {symbol: "x-thin-open", size: CROSS_PX, color: "#000000", line: {width: 1}}});
   return traces;
 }
 
@@ -205,6 +205,8 @@ function printable(run, legend, onPaper) {
     onPaper ? {color: "#000000", width: 1.7 * width.pixels} : {color: state.colour, width: width.pixels})));
   Plotly.restyle(byId(`wall-${run.letter}`), {"line.color": lines.map((one) => one.color),
     "line.width": lines.map((one) => one.width)}, lines.map((_, number) => 3 + number));
+  Plotly.restyle(byId(`wall-${run.letter}`), {"marker.size": (onPaper ? 1.8 : 1) * CROSS_PX,
+    "marker.line.width": onPaper ? 1.6 : 1}, [3 + lines.length]);
 }
 
 function drawInto(id, traces, layout) {
