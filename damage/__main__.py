@@ -205,6 +205,22 @@ def _plot(asked):
     print(*save_all(read_history(asked.history), asked.out), sep="\n")
 
 
+@_command("a history in the formats of VTK, for ParaView", _HISTORY,
+          _path("--vtkhdf", "FILE.vtkhdf", "one file with all samples, for ParaView 5.12 or newer"),
+          _path("--vtk", "DIR", "a VTU file a snapshot and a PVD file that lists them, for any ParaView"))
+def _export(asked):
+    from damage.export.vtkhdf import write_vtkhdf
+    from damage.export.vtu import write_vtu
+
+    if not (asked.vtkhdf or asked.vtk):
+        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf or --vtk DIR; give one")
+    history = read_history(asked.history)
+    if asked.vtkhdf:
+        print(write_vtkhdf(history, asked.vtkhdf))
+    if asked.vtk:
+        print(write_vtu(history, asked.vtk))
+
+
 @_command("compare a history with another, or an ensemble", _path("first", "A.h5"),
           _path("others", "B.h5", "of several the median counts", nargs="+"), _JSON,
           _out("folder for a picture of drift and joints", required=False))
