@@ -205,6 +205,19 @@ def _plot(asked):
     print(*save_all(read_history(asked.history), asked.out), sep="\n")
 
 
+@_command("the moving wall and its cracks as GIF, or as MP4 where ffmpeg is there", _HISTORY,
+          _out("the film (default: beside the history, .gif)", "FILE.gif|FILE.mp4", required=False),
+          _arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the run (default: all of it, or "
+               "of a long one what is around its maximum DI)"),
+          _arg("--magnify", type=number_from(0, 1e6), metavar="FACTOR", help="on displacements (default: what makes "
+               "them visible)"))
+def _animate(asked):
+    from damage.draw.animation import write_film
+
+    print(write_film(read_history(asked.history), asked.out or asked.history.with_suffix(".gif"), asked.window,
+                     asked.magnify))
+
+
 @_command("a history in the formats of VTK, for ParaView", _HISTORY,
           _path("--vtkhdf", "FILE.vtkhdf", "one file with all samples, for ParaView 5.12 or newer"),
           _path("--vtk", "DIR", "a VTU file a snapshot and a PVD file that lists them, for any ParaView"))
