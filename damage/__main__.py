@@ -207,8 +207,8 @@ def _plot(asked):
 
 @_command("the moving wall and its cracks as GIF, or as MP4 where ffmpeg is there", _HISTORY,
           _out("the film (default: beside the history, .gif)", "FILE.gif|FILE.mp4", required=False),
-          _arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the run (default: all of it, or "
-               "of a long one what is around its maximum DI)"),
+          _arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the run (default: all of it, "
+               "or of a long one what is around its maximum DI)"),
           _arg("--magnify", type=number_from(0, 1e6), metavar="FACTOR", help="on displacements (default: what makes "
                "them visible)"))
 def _animate(asked):

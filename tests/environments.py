@@ -1,4 +1,4 @@
-"""Environments of their own, for checks with software that the project does not need; they go when the check is over."""
+"""Environments of their own, for checks with software that the project does not need; they go when these are over."""
 
 import subprocess
 import sys
@@ -16,12 +16,17 @@ def environment(*packages, needs=()):
     with tempfile.TemporaryDirectory(prefix="environment-") as folder:
         python = Path(folder) / "bin" / "python"
         install = [python, "-m", "pip", "install", "--quiet", "--only-binary", ":all:"]
-        for words in ([sys.executable, "-m", "venv", folder], [*install, *needs], [*install, "--no-deps", *packages]):
-            if words != install:
-                done = subprocess.run(words, capture_output=True, text=True, timeout=900)
-                if done.returncode:
-                    pytest.skip(f"{' '.join((*needs, *packages))} cannot be installed: {done.stderr.splitlines()[-1:]}")
+        _do_or_skip(sys.executable, "-m", "venv", folder)
+        if needs:
+            _do_or_skip(*install, *needs)
+        _do_or_skip(*install, "--no-deps", *packages)
         yield python
+
+
+def _do_or_skip(*words):
+    done = subprocess.run(words, capture_output=True, text=True, timeout=900)
+    if done.returncode:
+        pytest.skip(f"{' '.join(map(str, words))} failed: {done.stderr.splitlines()[-1:]}")
 
 
 def run_in(python, script, *words):

@@ -57,8 +57,9 @@ def test_a_window_and_the_maximum_choose_the_frames(history):
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
 def test_an_mp4_has_a_frame_a_snapshot(history, tmp_path):
     path = write_film(history, tmp_path / "film.mp4")
-    done = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames,codec_name",
-                           "-of", "csv=p=0", path], capture_output=True, text=True)
+    asked = "stream=nb_read_frames,codec_name"
+    done = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", asked, "-of", "csv=p=0", path],
+                          capture_output=True, text=True)
     assert done.stdout.strip().split(",") == ["h264", str(N_SNAPSHOTS)], done.stderr
 
 

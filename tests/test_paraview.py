@@ -1,4 +1,4 @@
-"""Histories as VTKHDF and VTU: the layout here, on a history made by hand; VTK's own reading, of both solvers' (long)."""
+"""Histories as VTKHDF and VTU: the layout, of one made by hand; what VTK's readers make of both solvers' (long)."""
 
 import base64
 import json

@@ -57,13 +57,13 @@ def _writer(path):
 
 
 def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
-    """Snapshots to show, an array of indices: those in a window [s], or up to `most` around the maximum of the index."""
+    """Snapshots to show, an array of indices: those in a window [s], or up to `most` around the index's maximum."""
     times, series = history.snapshot_time_s, history.series
     start, end = window_s or (-np.inf, np.inf)
     chosen = np.flatnonzero((times >= start) & (times <= end))
     if len(chosen) == 0 or len(series) == 0:
-        raise InputError(f"{history.path} has no snapshot from {start:g} to {end:g} s; expected one or more, give another "
-                         "--window, or let the run go on")
+        raise InputError(f"{history.path} has no snapshot from {start:g} to {end:g} s; expected one or more, give "
+                         "another --window, or let the run go on")
     if len(chosen) <= most:
         return chosen
     if window_s:

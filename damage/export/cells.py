@@ -1,8 +1,8 @@
 """A wall's history as an unstructured grid over time, as ParaView shows it: bricks are hexahedra, joints are lines.
 
-The points lie where they are at rest and `displacement_m` says how far they have moved: ParaView's filter Warp By Vector
-shows the moved wall, magnified as one likes.  Every brick has eight points of its own and every contact point two, the
-ends of its tributary length on the front face, so that a joint can open:
+The points lie where they are at rest and `displacement_m` says how far they have moved: ParaView's filter Warp By
+Vector shows the moved wall, magnified as one likes.  Every brick has eight points of its own and every contact point
+two, the ends of its tributary length on the front face, so that a joint can open:
 
         3 ---- 2         z          4 to 7 in front, at y = -thickness/2, 0 to 3 behind;
         |      |         |          the joints' lines are in front
@@ -103,14 +103,14 @@ class WallCells:
         return np.concatenate([np.tile(moved, (1, 2, 1)).reshape(-1, 3), ends.reshape(-1, 3)]).astype(np.float32)
 
     def rotation(self, snapshot):
-        """Rotation of every cell in a snapshot, x towards z, (n_cells,) [rad]: of a joint the mean of its two bodies."""
+        """Rotation of every cell in a snapshot, x towards z, (n_cells,) [rad]: of a joint the mean of its bodies'."""
         turn = np.append(self._motion(snapshot)[:, 2], 0.0)  # the ground, -1, is the last
         first, second = (turn[self.history.joints[name]] for name in ("first_body", "second_body"))
         return np.concatenate([turn[:-1], (first + second) / 2]).astype(np.float32)
 
     def joint_fields(self, sample):
-        """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m (not of a
-        history without), crack_width_m; state, a code of `damage.history.moments.STATES`, in bodies -1; broken;
+        """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m (not of
+        a history without), crack_width_m; state, a code of `damage.history.moments.STATES`, in bodies -1; broken;
         at_shear_limit."""
         history, slip = self.history, "displacement"
         metres = {"opening_m": history.opening_m[sample], "accumulated_slip_m": history.slip_m[sample]}

@@ -1,8 +1,8 @@
 """A history as one VTKHDF file with all its times, for ParaView 5.12 and VTK 9.3 or newer.
 
-The grid is stored once.  Every sample of the history is a step: joints, index and series as they were then, bodies as in
-the snapshot nearest to it, whose time is `snapshot_time_s`; nothing is interpolated.  The layout is that of Kitware's
-VTKHDF 2.2: https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html
+The grid is stored once.  Every sample of the history is a step: joints, index and series as they were then, bodies as
+in the snapshot nearest to it, whose time is `snapshot_time_s`; nothing is interpolated.  The layout is that of
+Kitware's VTKHDF 2.2: https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html
 """
 
 import io
