@@ -331,7 +331,9 @@ def _cracks(asked):
           _arg("--intensity", default="pga_g", metavar="COLUMN", help="column of summary.csv: pga_g (default), "
                "pgv_m_s, sa_0.2_s_g, sa_eigen_period_g, avg_sa_g or arias_m_s"),
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
-           help="bootstrap samples (default 500)"))
+           help="bootstrap samples (default 500)"),
+          _path("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
+                "coefficients with units, arrays"))
 def _fragility(asked):
     from damage.measure.columns import made_by_words, slip_criteria
     from damage.measure.tables import write_table
@@ -346,6 +348,10 @@ def _fragility(asked):
     efficiency = efficiency_table(runs)
     print(efficiency.to_string(index=False, float_format="%.3f"))
     print(write_table(efficiency, asked.out / "efficiency.csv"))
+    if asked.export:
+        from damage.export.curves import write_curves
+
+        print(*write_curves(fits, asked.export, runs.groupby("wall")["eigen_period_s"].median()), sep="\n")
     _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
 
 
