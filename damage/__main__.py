@@ -368,5 +368,13 @@ def _study_tables(asked):
     print(*write_study_tables(load_study(asked.study, asked.solver, asked.root), asked.folder, asked.jobs), sep="\n")
 
 
+@_command("the JSON Schema of study files, by which editors complete and check them: put it beside yours, and "
+          "'#:schema ./study.schema.json' on its first line")
+def _study_schema(asked):
+    from damage.studies.schema import study_schema
+
+    print(json_text(study_schema(), indent=1))
+
+
 if __name__ == "__main__":
     leave(main())
