@@ -14,7 +14,8 @@ from damage.measure import pushed
 from damage.measure.summary import summarise
 
 TESTS = DATA / "eucentre" / "tests.csv"
-SPECIMENS = {"squat": "COMP1_3", "squat_tested": "COMP1_3", "comp2_1": "COMP2_1", "comp2_4": "COMP2_4"}
+SPECIMENS = {"squat": "COMP1_3", "squat_tested": "COMP1_3", "comp2_1": "COMP2_1", "comp2_3": "COMP2_3",
+             "comp2_4": "COMP2_4"}
 """Name of a shipped wall -> the test that it models."""
 MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear"}
 
