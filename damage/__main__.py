@@ -376,5 +376,13 @@ def _study_schema(asked):
     print(json_text(study_schema(), indent=1))
 
 
+@_command("the data dictionary: every column of every table, as dictionary.csv and dictionary.md",
+          _out("folder for both"))
+def _dictionary(asked):
+    from damage.export.dictionary import write_dictionary
+
+    print(*write_dictionary(asked.out), sep="\n")
+
+
 if __name__ == "__main__":
     leave(main())
