@@ -58,7 +58,7 @@ CYCLES = {
     **_SPAN, "duration_s": Column("s", "from start to end"),
     "max_drift_ratio": Column("1", "largest absolute drift ratio in the cycle"),
     **_index("max_", "largest in the cycle: "),
-    **{f"cumulative_max_{prefix}DI": Column("1", f"largest damage index from the shock's start to the cycle's end{words}")
+    **{f"cumulative_max_{prefix}DI": Column("1", "largest index from the shock's start to the cycle's end" + words)
        for prefix, words in CRITERION_WORDS.items()}, **SLIP}
 SHOCKS = {
     "shock": Column("1", "number of the shock, from 1"), "factor": Column("1", "on the motion"), **_SPAN,
