@@ -1,3 +1,4 @@
+# PYTHON_ARGCOMPLETE_OK
 """`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
 from damage.start import begin, is_of_output, leave, missing_library
@@ -5,7 +6,10 @@ from damage.start import begin, is_of_output, leave, missing_library
 if __name__ == "__main__":
     begin()  # before what takes its time to import
 
+import io
+import os
 import sys
+from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 
 from damage.errors import InputError, one_line
@@ -13,29 +17,53 @@ from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
-from damage.run.options import OneLineParser, add_model_options, file_path, model_of, number_from
+from damage.provenance import commit
+from damage.run.options import OneLineParser, add_model_options, file_path, make_parser, model_of, number_from
 from damage.units import MILLIMETRE
+from damage.version import VERSION
 
 COMMANDS = {}
 """Name -> (function of the parsed options, what it is for, functions that add an argument to its parser)."""
+
+
+class _Silence(io.StringIO):
+    """Where output goes that nobody wants to see."""
 
 
 def main(arguments=None):
     """Run one command; returns the exit status: 0 done, 1 out of memory, or `check` found a file without an end, 2 bad
     input, 3 a library is missing."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
+    quiet = arguments[:1] == ["--quiet"]
+    if "_ARGCOMPLETE" in os.environ:
+        _complete()
     try:
-        if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
-            from damage.reference.session import run_reference
-
-            return run_reference(arguments[1:])
-        hold_buffers()
-        asked = _parser().parse_args(arguments)
-        return asked.command(asked) or 0
+        with redirect_stdout(_Silence()) if quiet else nullcontext():
+            return _run(arguments[quiet:], quiet)
     except KeyboardInterrupt:
         return 130
     except Exception as error:
         return _failed(error)
+
+
+def _run(arguments, quiet):
+    if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
+        from damage.reference.session import run_reference
+
+        return run_reference([*arguments[1:], *["--quiet"] * (quiet and len(arguments) > 1)])
+    if arguments == ["--version"]:
+        print(f"masonry-damage {VERSION}, commit {commit()}")
+        return 0
+    hold_buffers()
+    asked = _parser().parse_args(arguments)
+    return asked.command(asked) or 0
+
+
+def _complete():
+    """Tell a shell how the command line before its cursor may go on, and end; needs argcomplete."""
+    import argcomplete
+
+    argcomplete.autocomplete(_parser(whole=True))
 
 
 def _failed(error):
@@ -57,11 +85,17 @@ def _failed(error):
     return status
 
 
-def _parser():
-    parser = OneLineParser(prog="python3 -m damage", allow_abbrev=False,
-                           description="Damage of masonry walls under induced seismicity.")
+def _parser(whole=False):
+    """The parser of all commands; whole: with the options of `reference`, which has a parser of its own."""
+    parser = OneLineParser(prog="python3 -m damage", allow_abbrev=False, description=(
+        f"Damage of masonry walls under induced seismicity: masonry-damage {VERSION}. Installed by pip, it has the "
+        "command masonry-damage, too."))
+    parser.add_argument("--version", action="store_true", help="print the version and the commit, and end")
+    parser.add_argument("--quiet", action="store_true", help="before a command: print warnings and errors only")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
-    commands.add_parser("reference", help="run a wall in the reference solver (see reference --help)")
+    run = [make_parser("reference", "reference")] if whole else []
+    commands.add_parser("reference", help="run a wall in the reference solver (see reference --help)", parents=run,
+                        conflict_handler="resolve")
     for name, (function, purpose, arguments) in COMMANDS.items():
         command = commands.add_parser(name, help=purpose, description=purpose, allow_abbrev=False)
         command.set_defaults(command=function)
@@ -114,7 +148,8 @@ def _save(figures, folder, made=""):
     from damage.draw.style import save_figures
 
     for path in save_figures(figures, folder, made):
-        print(f"picture: {path}", file=sys.stderr)
+        if not isinstance(sys.stdout, _Silence):
+            print(f"picture: {path}", file=sys.stderr)
 
 
 # --- a history, a wall, a record --------------------------------------------------------------------

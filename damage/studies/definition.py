@@ -38,7 +38,7 @@ from damage.run.options import parse_run
 from damage.studies.grid import expand
 
 PATH_OPTIONS = ("--record", "--vertical")
-RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--view", "--help", "-h")
+RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
 SOLVERS = ("yade", "reference")
