@@ -71,8 +71,8 @@ def test_a_wrong_keyword_names_the_right_ones(tmp_path, call, nearest):
 
 def test_a_wall_in_python_says_how_it_is_run():
     """By an interpreter that has no YADE, as others than Debian's have none."""
-    code = "import sys, runpy; sys.modules['yade'] = None; sys.argv = ['walls/solid.py']; " \
-           "runpy.run_path('walls/solid.py', run_name='__main__')"
+    code = ("import sys, runpy; sys.modules['yade'] = None; sys.argv = ['walls/solid.py']\n"
+            "runpy.run_path('walls/solid.py', run_name='__main__')")
     done = run_command(sys.executable, "-c", code)
     assert done.returncode == 3
     assert "expected yade walls/solid.py [OPTIONS]" in done.stderr
