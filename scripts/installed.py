@@ -47,23 +47,27 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--python", action="append", choices=OLDEST, help="one of them (default: all)")
     parser.add_argument("--versions", action="append", choices=VERSIONS, help="one of them (default: both)")
-    asked, failed = parser.parse_args(), 0
+    asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         wheel = make_wheel(Path(folder))
         print(f"wheel: {wheel.name}, {wheel.stat().st_size / 1e6:.2g} MB", flush=True)
-        for version in asked.python or OLDEST:
-            python = find_python(version)
-            if python is None:
-                print(f"Python {version}: skipped, it is not on this machine", flush=True)
-                continue
-            for kind in asked.versions or VERSIONS:
-                began = time.monotonic()
-                try:
-                    told = try_wheel(wheel, python, OLDEST[version] if kind == "oldest" else NEEDS.split())
-                except Failed as error:
-                    failed, told = 1, f"FAILED: {error}"
-                print(f"Python {version}, {kind}: {told}, {time.monotonic() - began:.0f} s", flush=True)
-    return failed
+        went_well = [works(wheel, version, kind) for version in asked.python or OLDEST
+                     for kind in asked.versions or VERSIONS]
+    return 0 if all(went_well) else 1
+
+
+def works(wheel, version, kind):
+    """Try the wheel on a Python with the oldest or the newest packages and tell how it went; False where it failed."""
+    python, began = find_python(version), time.monotonic()
+    if python is None:
+        print(f"Python {version}, {kind}: skipped, there is no Python {version} on this machine", flush=True)
+        return True
+    try:
+        told = try_wheel(wheel, python, OLDEST[version] if kind == "oldest" else NEEDS.split())
+    except Failed as error:
+        told = f"FAILED: {error}"
+    print(f"Python {version}, {kind}: {told}, {time.monotonic() - began:.0f} s", flush=True)
+    return not told.startswith("FAILED")
 
 
 def find_python(version):
