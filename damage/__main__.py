@@ -253,20 +253,29 @@ def _animate(asked):
                      asked.magnify))
 
 
-@_command("a history in the formats of VTK, for ParaView", _HISTORY,
-          _path("--vtkhdf", "FILE.vtkhdf", "one file with all samples, for ParaView 5.12 or newer"),
-          _path("--vtk", "DIR", "a VTU file a snapshot and a PVD file that lists them, for any ParaView"))
+@_command("a history for ParaView, or the tables of a study for other programs",
+          _path("source", "FILE.h5|STUDY_DIR", "a history, or the folder of a study, as results/quick"),
+          _path("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
+          _path("--vtk", "DIR", "of a history: a VTU file a snapshot and a PVD file that lists them, for any ParaView"),
+          _path("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
+          _path("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)"))
 def _export(asked):
+    from damage.export.study import write_netcdf, write_parquet
     from damage.export.vtkhdf import write_vtkhdf
     from damage.export.vtu import write_vtu
 
-    if not (asked.vtkhdf or asked.vtk):
-        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf or --vtk DIR; give one")
-    history = read_history(asked.history)
+    if not (asked.vtkhdf or asked.vtk or asked.parquet or asked.netcdf):
+        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf or --vtk DIR of a history, --parquet "
+                         "DIR or --netcdf FILE.nc of a study; give one")
+    history = read_history(asked.source) if asked.vtkhdf or asked.vtk else None
     if asked.vtkhdf:
         print(write_vtkhdf(history, asked.vtkhdf))
     if asked.vtk:
         print(write_vtu(history, asked.vtk))
+    if asked.parquet:
+        print(*write_parquet(asked.source, asked.parquet), sep="\n")
+    if asked.netcdf:
+        print(write_netcdf(asked.source, asked.netcdf))
 
 
 @_command("compare a history with another, or an ensemble", _path("first", "A.h5"),

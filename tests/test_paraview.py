@@ -117,7 +117,7 @@ def test_a_history_without_samples_is_refused(tmp_path):
 
 def test_the_command_asks_for_a_format(damage_command, history):
     done = damage_command("export", history.path)
-    assert done.returncode == 2 and "expected --vtkhdf FILE.vtkhdf or --vtk DIR" in done.stderr
+    assert done.returncode == 2 and "expected --vtkhdf FILE.vtkhdf or --vtk DIR of a history" in done.stderr
 
 
 # --- VTK's own readers ------------------------------------------------------------------------------

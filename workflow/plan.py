@@ -86,7 +86,7 @@ def tell(study, folder, jobs):
     n_bytes = sum(most_members(run) * costs[run].n_bytes for run in left) * scale.n_bytes
     up_to = "up to " if most != least else ""
     print(f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; runs to make: {up_to}{most}\n"
-          f"expected: {up_to}about {duration(seconds)} with {jobs} at a time and {n_bytes / 1e6:.3g} MB of histories in "
+          f"expected: {up_to}about {duration(seconds)} with {jobs} at a time, {n_bytes / 1e6:.3g} MB of histories in "
           f"{folder}, which has {free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
           f"by {by}; compiling, tables and pictures come to it", flush=True)
 
