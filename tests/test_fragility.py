@@ -110,6 +110,18 @@ class TestRecords:
                 held[over] += row[f"median_{over}_low_g"] <= 0.2 <= row[f"median_{over}_high_g"]
         assert held["both"] >= 10 > 8 > held["walls"]
 
+    def test_bounds_over_few_records_are_stretched_and_hold_the_true_median_oftener(self):
+        """Over 24 studies of 3 records: 20 expected, and 15 of the samples as they are drawn."""
+        held = {"stretched": 0, "drawn": 0}
+        for seed in range(24):
+            one = fragility(recorded(3, 0.6, seed, n_walls=4), "max_DI", 0.1, replicates=60, over=("records",))
+            low, high = one.median_bounds("records")[:, 0]
+            least, most = np.percentile(one.replicates["records"][:, 0], (5, 95))
+            assert low <= least <= most <= high
+            held["stretched"] += low <= 0.2 <= high
+            held["drawn"] += least <= 0.2 <= most
+        assert held["stretched"] >= 18 > held["drawn"]
+
     def test_one_record_has_no_bounds_over_records(self):
         one = fragility(walls(10, seed=1), "max_DI", 0.05, replicates=20)
         assert one.bounds([0.2], "records") is None is one.bounds([0.2], "both")

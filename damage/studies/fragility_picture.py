@@ -47,7 +47,7 @@ def few_note(n_records):
     """A line of the heading where the records are too few to bound what others would do, else ""."""
     return "" if n_records >= FEW_RECORDS else (
         f"{n_records} {'records are' if n_records != 1 else 'record is'} few: bounds over walls leave others out, "
-        "and those over records are rough, rather too narrow")
+        "and those over records are rough")
 
 
 def _draw(ax, x, runs, one, style, intensity):
