@@ -3,7 +3,7 @@
     python3 scripts/installed.py [--python 3.12] [--versions oldest|newest]
 
 Each environment gets the wheel and packages from a package index, wheels alone, and in a folder elsewhere runs the
-reference solver, index, pictures, a table of a study and an export; prints a line each.  A Python is looked for on PATH
+reference solver, index, pictures, a table, exports and a film; prints a line each.  A Python is looked for on PATH
 and among pyenv's; one that is not there is skipped by name.  Minutes each.  Exit status: 1 where one failed, else 0.
 """
 

@@ -24,8 +24,6 @@ DRAFT = "http://json-schema.org/draft-07/schema#"
 """The newest that Taplo knows."""
 _NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
 _NAMED = r"\{[A-Za-z_][A-Za-z0-9_]*\}"
-_NAMED_VALUE = {"type": "string", "pattern": _NAMED}
-_POSITIVE = {"type": "number", "exclusiveMinimum": 0}
 
 
 def study_schema():
@@ -44,30 +42,35 @@ def _identifier(longest=None):
 
 
 def _varied(schema, grid):
-    """In a grid a value may be the name of a varied one, too."""
-    return {"anyOf": [schema, _NAMED_VALUE]} if grid else schema
+    """In a grid a value may be the name of a varied one, too: a string with a name in braces."""
+    if not grid:
+        return schema
+    if "enum" in schema:
+        return {"anyOf": [schema, {"type": "string", "pattern": _NAMED}]}
+    types = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+    if "string" in types:
+        return schema | ({"pattern": f"{schema['pattern']}|{_NAMED}"} if "pattern" in schema else {})
+    return schema | {"type": [*types, "string"], "pattern": _NAMED}  # of strings, as all that follows is of its type
 
 
 def _entry(grid):
     """A table of one point, or of a grid."""
-    def value(schema):
-        return _varied(schema, grid)
-
-    whole = value({"type": "integer", "minimum": 1, "maximum": MOST_MEMBERS})
+    whole = _varied({"type": "integer", "minimum": 1, "maximum": MOST_MEMBERS}, grid)
+    positive = _varied({"type": "number", "exclusiveMinimum": 0}, grid)
     entry = {
         "type": "object", "additionalProperties": False, "required": ["wall", "vary"] if grid else ["wall"],
         "properties": _told(ENTRY_KEYS, {
-            "id": value(_identifier(LONGEST_ID)), "wall": {"type": "string"},
-            "options": {"anyOf": [_options(grid), {"type": "array", "items": {"type": ["string", "number"]}}]},
+            "id": _varied(_identifier(LONGEST_ID), grid), "wall": {"type": "string"}, "options": _options(grid),
             "solvers": {"type": "array", "items": {"enum": list(SOLVERS)}, "minItems": 1},
-            "members": whole, "scatter": value(_POSITIVE), "perturb": value(_POSITIVE), "samples": whole}),
+            "members": whole, "scatter": positive, "perturb": positive, "samples": whole}),
         "dependencies": {"scatter": ["members"], "perturb": ["members"]},
         "not": {"anyOf": [{"required": pair} for pair in (["members", "samples"], ["scatter", "perturb"])]}}
     if grid:
-        span = {"type": "object", "required": ["from", "to"], "additionalProperties": False,
-                "properties": {"from": {"type": "integer"}, "to": {"type": "integer"}}}
+        whole_number = {"type": "integer"}
+        values = {"type": ["array", "object"], "minItems": 1, "required": ["from", "to"],
+                  "additionalProperties": False, "properties": {"from": whole_number, "to": whole_number}}
         entry["properties"]["vary"] = {"type": "object", "minProperties": 1, "description": VARY,
-                                       "additionalProperties": {"anyOf": [{"type": "array", "minItems": 1}, span]}}
+                                       "additionalProperties": values}
     return entry
 
 
@@ -77,12 +80,14 @@ def _told(meanings, schemas):
 
 
 def _options(grid):
-    """A table of a run's options, those of either solver."""
+    """A table of a run's options, those of either solver, or a list of words."""
     parsers = [make_parser("study", solver) for solver in SOLVERS]
     actions = {action.option_strings[0]: action for parser in parsers for action in parser._actions}
-    return {"type": "object", "additionalProperties": False, "properties": {
+    properties = {
         name.removeprefix("--"): {"description": action.help, **_varied(_option(name, action, grid), grid)}
-        for name, action in actions.items() if not {*action.option_strings} & {*RESERVED_OPTIONS}}}
+        for name, action in actions.items() if not {*action.option_strings} & {*RESERVED_OPTIONS}}
+    return {"type": ["object", "array"], "properties": properties, "additionalProperties": False,
+            "items": {"type": ["string", "number"]}}
 
 
 def _option(name, action, grid):
@@ -93,7 +98,7 @@ def _option(name, action, grid):
     if isinstance(action.nargs, int):
         return {"type": "array", "items": _varied(one, grid), "minItems": action.nargs, "maxItems": action.nargs}
     if name in PATH_OPTIONS:  # a list: the first of them that is there
-        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
+        return {"type": ["string", "array"], "items": one, "minItems": 1}
     return one
 
 
@@ -104,4 +109,4 @@ def _word(action):
     kind = {float: "number", int: "integer"}.get(action.type)
     if kind is None:
         return {"type": "string" if action.type is file_path else ["string", "number"]}
-    return {"anyOf": [{"type": kind}, {"type": "string", "pattern": _NUMBER}]}
+    return {"type": [kind, "string"], "pattern": _NUMBER}
