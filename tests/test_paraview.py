@@ -4,6 +4,7 @@ import base64
 import json
 import sys
 import zlib
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import h5py
@@ -107,6 +108,15 @@ class TestVtu:
         values = np.frombuffer(zlib.decompress(data), np.float32)
         assert size == values.nbytes
         assert_array_equal(values, WallCells(history).joint_fields(20)["opening_m"])
+
+
+def test_of_two_snapshots_at_one_time_the_last_counts(history, tmp_path):
+    """A run that collapses at a snapshot takes another one as its end."""
+    times = np.append(history.snapshot_time_s, history.snapshot_time_s[-1])
+    twice = replace(history, snapshot_time_s=times, displacement=history.displacement[[0, 1, 0, 2]])
+    listed = ElementTree.parse(write_vtu(twice, tmp_path)).findall(".//DataSet")
+    assert [float(one.get("timestep")) for one in listed] == [0.0, 0.1, 0.2]
+    assert listed[2].get("file") == "small_0003.vtu"
 
 
 def test_a_history_without_samples_is_refused(tmp_path):

@@ -91,9 +91,16 @@ class WallCells:
         return np.array([-1 if one is None else one for one in found])
 
     @cached_property
+    def snapshots(self):
+        """Indices of snapshots of different times; a run that ends at one takes another, of which the last counts."""
+        times = self.history.snapshot_time_s
+        return np.flatnonzero(np.append(times[1:] > times[:-1], True)[:len(times)])
+
+    @cached_property
     def sample_of(self):
-        """The sample nearest to every snapshot, (n_snapshots,)."""
-        return np.array([int(np.argmin(np.abs(self.time_s - time))) for time in self.history.snapshot_time_s], int)
+        """The sample nearest to each of `snapshots`."""
+        times = self.history.snapshot_time_s[self.snapshots]
+        return np.array([int(np.argmin(np.abs(self.time_s - time))) for time in times], int)
 
     def displacement(self, snapshot):
         """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""

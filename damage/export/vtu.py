@@ -30,7 +30,7 @@ def write_vtu(history, folder):
         raise InputError(f"{history.path} holds no snapshot yet; expected one or more, let the run go on")
     listed = _root("Collection")
     collection = Xml.SubElement(listed, "Collection")
-    for snapshot, sample in enumerate(cells.sample_of):
+    for snapshot, sample in zip(cells.snapshots, cells.sample_of):
         name = f"{stem}_{snapshot:04d}.vtu"
         _write(_grid(cells, snapshot, sample), Path(folder) / name)
         Xml.SubElement(collection, "DataSet", timestep=repr(float(history.snapshot_time_s[snapshot])), part="0",
