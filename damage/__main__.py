@@ -360,7 +360,7 @@ def _cracks(asked):
     from damage.laboratory.crack_report import crack_report, describe
 
     report, drawn = crack_report(**{name: value for name, value in vars(asked).items()
-                                    if name not in ("command", "json")})
+                                    if name not in ("command", "json", "version", "quiet")})
     if asked.out:
         from damage.laboratory.crack_picture import crack_pictures
 
