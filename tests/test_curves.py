@@ -23,7 +23,8 @@ OPENQUAKE_NEEDS = ("numpy", "scipy", "pandas", "h5py", "toml", "decorator", "sha
 
 
 def made(level, median, dispersion, intensity="pga_g", step=None):
-    return Fragility("max_DI", level, median, dispersion, 100, 50, {}, 0, 5, intensity, step)
+    return Fragility("max_DI", level, median, dispersion, n_runs=100, n_exceeding=50, replicates={}, n_replicates=0,
+                     n_records=5, n_walls=20, intensity=intensity, step=step)
 
 
 MILD, GRAVE = made(0.02, 0.15, 0.3), made(0.05, 0.3, 0.5)

@@ -13,6 +13,7 @@ from damage.export.curves import coefficients
 from damage.export.dictionary import DICTIONARY, dictionary_table, write_dictionary
 from damage.laboratory.crack_file import COLUMNS
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
+from damage.studies.after_damage import table_after_damage
 from damage.studies.fragility import INTENSITIES, efficiency_table, fit_all, fragility_table
 from damage.studies.tables import points_of, write_hdf5
 
@@ -70,6 +71,16 @@ def test_every_column_of_fragility_is_written_for_some_intensity():
         runs[intensity] = runs["pga_g"]
         written |= set(fragility_table(fit_all(runs, intensity, replicates=2), intensity).assign(slip="displacement"))
     assert written == known("fragility_INTENSITY.csv")
+
+
+def test_the_table_of_fragility_after_damage():
+    """Runs of one class are shocks as `load_shocks` gives them."""
+    written = set()
+    for intensity in ("pga_g", "pgv_m_s"):
+        shocks = walls(10, seed=1).assign(before="undamaged")
+        shocks[intensity] = shocks["pga_g"]
+        written |= set(table_after_damage(shocks, intensity, 2))
+    assert written == known("fragility_after_damage_INTENSITY.csv")
 
 
 def test_crack_files():

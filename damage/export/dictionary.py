@@ -15,6 +15,7 @@ from damage.index import COMPONENTS
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, each
 from damage.measure.cycles import BY_OTHERS
 from damage.measure.tables import write_table
+from damage.studies.after_damage import BEFORE
 from damage.studies.fragility import INTENSITIES, LEVELS, OVER, unit_of
 
 CRITERION_WORDS = {"": "", "accumulated_": ", slip accumulated", "shear_limit_": ", slip by the shear limit"}
@@ -64,7 +65,11 @@ SHOCKS = {
     "shock": Column("1", "number of the shock, from 1"), "factor": Column("1", "on the motion"), **_SPAN,
     "max_drift_ratio": Column("1", "largest absolute drift ratio in the shock"),
     "residual_drift_ratio": Column("1", "drift ratio at its end, with its sign"),
-    **_index("max_", "largest in the shock: "), **_index("residual_", "at its end: "), **SLIP}
+    **_index("max_", "largest in the shock: "), **_index("residual_", "at its end: "),
+    **{f"{kind}_{name}": Column(unit, f"{words}: {meaning}")
+       for kind, words in (("max", "largest in the shock"), ("residual", "at its end"))
+       for name, unit, meaning in (("psi", "1", "Korswagen's damage parameter of the cracks"),
+                                   ("crack_width_mm", "mm", "width of the widest crack"))}, **SLIP}
 
 RUNS = {name: column for table in (PARAMETERS, RUN, MADE_BY, *MEASURES.values())
         for name, column in each(table).items()}
@@ -96,6 +101,9 @@ FRAGILITY = {
        for over in OVER for end, words in (("low", "lower"), ("high", "upper"))},
     **{f"fitted_{over}": Column("1", f"bootstrap samples that could be fitted, {over} drawn anew") for over in OVER},
     "confidence": Column("1", "of the bounds"), "replicates": Column("1", "bootstrap samples that were drawn"), **SLIP}
+AFTER_DAMAGE = FRAGILITY.copy()
+del AFTER_DAMAGE["slip"]
+AFTER_DAMAGE["before"] = Column("", f"damage at rest before the shock: {', '.join(BEFORE)}, more")
 EFFICIENCY = {
     **_CURVE, "scatter": Column("1", "standard deviation of ln(measure) about a line over ln(intensity)"),
     "median": Column("as `unit` says", "intensity at which half of the runs exceed the level"),
@@ -118,7 +126,8 @@ CRACKS = {
 DICTIONARY = {
     "summary.csv, study.h5 runs": RUNS | MEMBERS, "points.csv, study.h5 points": POINTS,
     "RUN_index.csv": INDEX, "RUN_events.csv": EVENTS, "RUN_joints.csv": JOINTS_OF_A_RUN, "RUN_cycles.csv": CYCLES,
-    "RUN_shocks.csv": SHOCKS, "fragility_INTENSITY.csv": FRAGILITY, "efficiency.csv": EFFICIENCY,
+    "RUN_shocks.csv": SHOCKS, "fragility_INTENSITY.csv": FRAGILITY,
+    "fragility_after_damage_INTENSITY.csv": AFTER_DAMAGE, "efficiency.csv": EFFICIENCY,
     "fragility_coefficients.csv": COEFFICIENTS, "crack files": CRACKS,
     **{f"RUN.h5 {group}": columns for group, columns in TABLES.items()}}
 """{tables, as their files are called: {column: Column}}; `summary.csv` of `python3 -m damage tables` has no members."""
