@@ -397,6 +397,8 @@ def _fragility(asked):
     from damage.studies.fragility import efficiency_table, fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_pictures
 
+    if asked.after_damage and asked.export:
+        raise InputError("--export with --after-damage: expected one of them; those curves are in the CSV alone")
     runs = load_runs(asked.study)
     if asked.after_damage:
         from damage.studies.after_damage import load_shocks, table_after_damage
