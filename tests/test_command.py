@@ -21,7 +21,8 @@ def test_the_version_has_the_package_s_name(capsys):
 
 
 def test_quiet_leaves_files_and_no_word(tmp_path, capsys):
-    wall = REPOSITORY / "walls/solid.py"
+    wall = tmp_path / "wall.py"
+    wall.write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
     assert main(["modes", str(wall), "--out", str(tmp_path / "told")]) == 0
     told = capsys.readouterr()
     assert "mode 1" in told.out and "picture: " in told.err
