@@ -209,8 +209,10 @@ def load_compiled(task):
 
 
 def _begin_worker():
-    """A worker ends politely with its parent, which is told of interrupts, too."""
+    """A worker ends politely with its parent, which is told of interrupts, too; its lines are whole among others."""
     end_with_parent(signal.SIGTERM)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(line_buffering=True, write_through=False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
 

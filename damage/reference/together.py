@@ -49,7 +49,8 @@ def _run_group(lines):
         prepared[name] = prepare(BACKEND, wall, lambda: load_wall(wall), words, prog=f"{PROG} {wall}")
         return EXIT_OK
 
-    with attended(", ".join(lines)) as keep_going:
+    others = f" and {len(lines) - 1} more" if len(lines) > 1 else ""
+    with attended(f"{next(iter(lines))}{others}") as keep_going:
         for name, (wall, *words) in lines.items():
             statuses[name] = told(lambda name=name, wall=wall, words=words: begin(name, wall, words), f"{name}: ")
         meeting = Meeting(len(prepared))
