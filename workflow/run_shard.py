@@ -24,8 +24,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from shards import FIRST_TABLES
 from shared import end_with_parent, tell
+from shards import FIRST_TABLES
 
 from damage.errors import InputError
 from damage.files import write_text
@@ -41,6 +41,7 @@ from damage.studies.members import most_members, runs_needed
 from damage.studies.records import add_record, read_records, record_of
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+
 
 def main():
     """Run one shard; returns the exit status."""

@@ -63,13 +63,7 @@ def _write_rows(base, shards):
 
 
 def grouped(points, size):
-    """Lists of points, in their order, each of so many runs or a point more.
-
-    >>> from types import SimpleNamespace
-    >>> points = [SimpleNamespace(adaptive=False, members=members) for members in (25, 25, 25, 1)]
-    >>> [len(shard) for shard in grouped(points, 40)]
-    [2, 2]
-    """
+    """Lists of points, in their order, each of so many runs or a point more."""
     shard, runs = [], 0
     for point in points:
         shard.append(point)
@@ -90,11 +84,7 @@ def shard_of(run, folder):
 
 
 def point_of(name):
-    """The StudyRun.id that a run of the reference solver belongs to, by its name.
-
-    >>> point_of("drawn_reference_s12"), point_of("single_reference")
-    ('drawn_reference', 'single_reference')
-    """
+    """The StudyRun.id that a run of the reference solver belongs to, by its name."""
     return re.sub(r"_s\d+$", "", name)
 
 

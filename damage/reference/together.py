@@ -5,6 +5,7 @@ other there, and moves those that are to go equally far as lanes of one block.  
 """
 
 import threading
+
 from damage.reference.lanes import MOST_LANES, are_alike, run_together
 from damage.reference.session import BACKEND, PROG
 from damage.reference.solver import ReferenceSolver

@@ -17,11 +17,11 @@ FOLDER = "shards"
 
 def record_of(history, name, point):
     """The record of a run from its History; point: that of the study."""
-    tables = {table: make(history).to_dict("records") for table, make in TABLES.items()}
-    if history.series["shock"].iloc[-1] == 1:
-        tables["shocks"] = []
+    sequence = history.series["shock"].iloc[-1] > 1
     return {"run": name, "intact": not bool(history.broken.any() or history.at_limit.any()),
-            "row": summary_row(history, run=name, point=point), **tables}
+            "row": summary_row(history, run=name, point=point),
+            **{table: make(history).to_dict("records") if sequence or table != "shocks" else []
+               for table, make in TABLES.items()}}
 
 
 def add_record(file, record):
