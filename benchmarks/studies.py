@@ -68,17 +68,15 @@ def measure(folder, members, rounds):
     count = members * len(SCALES)
     for name, way in ways.items():
         tell_account(name, way, folder, members)
-    for name, way in ways.items():
-        alone, both = (wall_time(way, folder, members, processes) for processes in (1, 2))
-        print(f"{name}: {3600 * count / alone:.0f} runs an hour of one process, {3600 * 2 * count / both:.0f} of two at "
-              f"once ({2 * alone / both:.2f} times as many)")
-        scaling = 2 * alone / both / 2
+    alone, both = (wall_time(folder, members, processes) for processes in (1, 2))
+    print(f"in lanes: {3600 * members / alone:.0f} runs an hour of one process, {3600 * 2 * members / both:.0f} of two at "
+          f"once, at {SCALES[0]}")
     histories = [path.stat().st_size for path in folder.rglob("*.h5")]
     records = [len(json.dumps(record_of(read_history(path), path.stem, "p"))) for path in folder.rglob("*.h5")]
-    tell_extrapolation(statistics.median(seconds["in lanes"]) / count, scaling, histories, records, members)
+    tell_extrapolation(statistics.median(seconds["in lanes"]) / count, alone / both, histories, records)
 
 
-def tell_extrapolation(a_run_s, scaling, histories, records, members):
+def tell_extrapolation(a_run_s, scaling, histories, records):
     """Print what a large study would take: by the processor's seconds a run, by the share of it that is left of a core
     where its neighbour works, too, and by the mean sizes [bytes]."""
     history, record = statistics.mean(histories), statistics.mean(records)
@@ -124,13 +122,12 @@ def timed(way, *arguments):
     return time.process_time() - start
 
 
-def wall_time(way, folder, members, processes):
-    """Seconds that so many processes take side by side, each with all points."""
+def wall_time(folder, members, processes):
+    """Seconds that so many processes take side by side, each with the members of the first point in lanes."""
     def work(number):
         mine = folder / str(number)
         mine.mkdir(exist_ok=True)
-        for scale in SCALES:
-            timed(way, mine, lines(mine, scale, members))
+        timed(in_lanes, mine, lines(mine, SCALES[0], members))
 
     workers = [multiprocessing.get_context("fork").Process(target=work, args=(number,)) for number in range(processes)]
     start = time.monotonic()
