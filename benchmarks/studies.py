@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.history.reader import read_history
-from damage.measure.tables import summary_row, write_run_tables
+from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
 from damage.reference import lanes, together
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
@@ -69,8 +69,8 @@ def measure(folder, members, rounds):
     for name, way in ways.items():
         tell_account(name, way, folder, members)
     alone, both = (wall_time(folder, members, processes) for processes in (1, 2))
-    print(f"in lanes: {3600 * members / alone:.0f} runs an hour of one process, {3600 * 2 * members / both:.0f} of two at "
-          f"once, at {SCALES[0]}")
+    print(f"in lanes, at {SCALES[0]}: {3600 * members / alone:.0f} runs an hour of one process, "
+          f"{3600 * 2 * members / both:.0f} of two at once")
     histories = [path.stat().st_size for path in folder.rglob("*.h5")]
     records = [len(json.dumps(record_of(read_history(path), path.stem, "p"))) for path in folder.rglob("*.h5")]
     tell_extrapolation(statistics.median(seconds["in lanes"]) / count, alone / both, histories, records)
@@ -99,7 +99,7 @@ def one_after_another(folder, asked):
     for number, (name, words) in enumerate(asked.items()):
         run_reference(words)
         history = read_history(folder / f"{name}.h5")
-        write_run_tables(history, folder / name, ("index", "events", "joints", "cycles") if number == 0 else ("cycles",))
+        write_run_tables(history, folder / name, RUN_TABLES if number == 0 else ("cycles",))
         summary_row(history)
 
 
@@ -141,7 +141,8 @@ def wall_time(folder, members, processes):
 # --- where the time goes ----------------------------------------------------------------------------
 
 PARTS = {
-    "record, options": (session, ["parse_run"]), "layout": (session, ["lay_out"]), "modes": (session, ["natural_modes"]),
+    "record, options": (session, ["parse_run"]), "layout": (session, ["lay_out"]),
+    "modes": (session, ["natural_modes"]),
     "history: begin": (session, ["HistoryWriter"]),
     "history: write": (session.HistoryWriter, ["append", "event", "snapshot", "static_stage", "flush"]),
     "history: seal": (session.HistoryWriter, ["finish"]),

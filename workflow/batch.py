@@ -27,8 +27,8 @@ from pathlib import Path
 import pandas as pd
 import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
-from shared import MARK, ROOT, Log, end_with_parent
 from shards import RUNS_AN_HOUR, shard_of, write_shards
+from shared import MARK, ROOT, Log, end_with_parent
 
 from damage.errors import InputError
 from damage.files import whole_or_nothing

@@ -24,8 +24,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from shared import end_with_parent, tell
 from shards import FIRST_TABLES
+from shared import end_with_parent, tell
 
 from damage.errors import InputError
 from damage.files import write_text

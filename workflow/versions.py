@@ -3,8 +3,8 @@
 import re
 import shutil
 
-from shared import ROOT
 from shards import point_of
+from shared import ROOT
 
 from damage.errors import InputError
 from damage.history.head import read_head
