@@ -57,7 +57,7 @@ def measure(folder, members, rounds):
     """Measure and print all."""
     ways = {"one after another": one_after_another, "in lanes": in_lanes}
     for way in ways.values():  # compiles, or loads what is compiled
-        way(folder, lines(folder, SCALES[0], 1))
+        timed(way, folder, lines(folder, SCALES[0], 1))
     seconds = {name: [] for name in ways}
     for number in range(rounds):
         for name in sorted(ways, reverse=number % 2 == 1):

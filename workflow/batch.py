@@ -72,7 +72,8 @@ def main():
     status = batch.snakemake()
     if status != 0 and not batch.ended and batch.simulated():
         (folder / "tables" / "summary.csv").unlink(missing_ok=True)
-        batch.snakemake("tables/summary.csv", partial="true")  # of the runs that are there
+        pictures = [f"pictures/{run.first}" for run in batch.simulated() if study.pictures == "all"]
+        batch.snakemake("tables/summary.csv", *pictures, partial="true")  # of the runs that are there
     return report(batch, status)
 
 
@@ -212,7 +213,7 @@ class Batch:
         return [sys.executable, "-m", "snakemake", *targets, *where,
                 "--snakefile", str(ROOT / "workflow" / "Snakefile"), "--directory", str(self.folder),
                 "--scheduler", "greedy", "--nolock", "--nocolor", "--keep-going",
-                "--rerun-incomplete", "--rerun-triggers", "mtime", "params", "input",
+                "--rerun-incomplete", "--rerun-triggers", "mtime", "params",
                 "--config", *(f"{key}={value}" for key, value in config.items())]
 
     def _slurm(self):
@@ -331,7 +332,7 @@ def last_words(log, run):
     """The last line of a log that is about a run, or the last of all, in brackets, where there is one."""
     lines = log.read_text(encoding="utf-8", errors="replace").split("\n") if log.is_file() else []
     lines = [line.strip() for line in lines if line.strip() and not line.startswith(MARK)]
-    lines = [line for line in lines if line.startswith(f"error: {run}")] or lines
+    lines = [line for line in lines if line.startswith("error: ") and run in line] or lines
     return f" ({lines[-1][:200]})" if lines else ""
 
 
