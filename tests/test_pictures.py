@@ -19,6 +19,8 @@ from damage.draw.run import (
     PICTURES,
     drift_picture,
     energy_picture,
+    has_heap,
+    heap_picture,
     hysteresis_picture,
     index_picture,
     save_all,
@@ -370,6 +372,24 @@ class TestFiles:
         for path in paths:
             signature = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-"}[path.suffix]
             assert path.read_bytes().startswith(signature)
+
+    def test_a_heap_is_drawn_where_bricks_were_followed_into_it(self, history, tmp_path):
+        fallen = REST + [0.4, -0.1, 2.0]
+        before, after = ({0.0: REST, time_s: fallen} for time_s in (0.2, 0.9))
+        assert not has_heap(history(**CASES["collapsed"], snapshots=before))
+        run = history(**CASES["collapsed"], snapshots=after)
+        assert "heap.png" in [path.name for path in save_all(run, tmp_path)]
+        figure = heap_picture(run)
+        assert "0.70 s after the first brick fell" in title(figure)
+        drawn = np.concatenate([[path.vertices[:4] for path in collection(figure, label).get_paths()]
+                                for label in ("bricks", "top mass")])
+        assert_allclose(drawn, body_corners(run.bodies, run.displacement[-1].astype(float)), rtol=ROUND_OFF)
+        boxes = [figure.axes[0].get_tightbbox(), figure.legends[0].get_window_extent()]
+        assert_apart([*boxes, figure._suptitle.get_window_extent()])
+
+    def test_a_run_without_a_heap_says_so(self, cracked):
+        with pytest.raises(InputError, match="expected a run with --past-collapse"):
+            heap_picture(cracked)
 
     def test_a_picture_says_what_made_it(self, cracked, tmp_path, monkeypatch):
         monkeypatch.setattr(pictures, "PICTURES", {"index": index_picture})

@@ -65,4 +65,4 @@ def _what_is_left_out(one):
         return 0.0
     fall = one.before - one.force
     one.before, one.closed = Vector3(one.force), is_closed
-    return fall.dot(fall * one.half_compliance - one.increment / 2)
+    return fall.squaredNorm() * one.half_compliance - fall.dot(one.increment) / 2

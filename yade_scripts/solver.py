@@ -185,16 +185,18 @@ class YadeSolver(Solver):
         if self._held is not None:
             power = self._push_force() * self._velocity
         else:
-            power = -float(np.dot(base, self._momentum())) if np.any(base) else 0.0
+            power = -sum(float(base[axis]) * self._momentum(axis) for axis in (0, 1) if base[axis] != 0)
         time = self.clock * self.time_step
         self._input_energy += (power + self._input_power) / 2 * (time - self._input_time)
         self._input_power, self._input_time = power, time
 
-    def _momentum(self):
-        mass = self.scene.mass[:, 0]
-        force = np.array([-self.scene.base_shear(), self.scene.base_reaction()])
-        gravity = np.array(self.model.newton.gravity)[[0, 2]]
-        return mass @ self.scene.velocities()[:, :2] + self.time_step / 2 * (force + mass.sum() * gravity)
+    def _momentum(self, axis):
+        """Of all bodies at the instant of the positions, along x (0) or z (1) [kg m/s]."""
+        scene, coordinate = self.scene, 2 * axis
+        force = scene.base_reaction() if axis else -scene.base_shear()
+        mass, gravity = scene.mass[:, 0], self.model.newton.gravity[coordinate]
+        return float(mass @ [state.vel[coordinate] for state in scene.states]
+                     + self.time_step / 2 * (force + mass.sum() * gravity))
 
     def _push_force(self):
         """Horizontal force that moves the held bodies [N]: what the joints below hold them back with."""

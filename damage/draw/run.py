@@ -14,12 +14,14 @@ from matplotlib.patches import Patch
 
 from damage.draw import style
 from damage.draw.wall import legend_widths_mm, line_width, wall_shape
+from damage.errors import InputError
 from damage.history.info import origin
 from damage.history.moments import STATES, choose_sample, moving
 from damage.index import THRESHOLD
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_scale, imbalance
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
+from damage.wall.geometry import body_corners
 
 JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": style.BLUE, "opened": style.ORANGE, "both": style.BLACK}
 SLIP_NOTES = {"displacement": "", "accumulated": " (accumulated)", "shear-limit": " (shear limit)"}
@@ -55,13 +57,49 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     shape = wall_shape(history, sample, slip, threshold, magnify)
     figure, ax = style.new_figure(1.0)
     ratio = draw_wall(ax, shape)
+    return _with_words(figure, ratio, history, _moment(shape, sample),
+                       joint_handles(shape, history.judged_by(slip), threshold))
+
+
+def _with_words(figure, ratio, history, lines, handles):
+    """The figure of a wall, its axes of that height over width, with a title of these lines and a legend."""
     labels = 0.45  # [inch] that ticks and labels take beside and below
     figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
-    style.add_title(figure, history, *_moment(shape, sample))
-    style.legend_below(figure, joint_handles(shape, history.judged_by(slip), threshold), columns=3)
+    style.add_title(figure, history, *lines)
+    style.legend_below(figure, handles, columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
         figure.draw_without_rendering()
     return figure
+
+
+def has_heap(history):
+    """Whether a History's bodies were followed beyond its collapse (`--past-collapse`)."""
+    times = history.snapshot_time_s
+    return history.collapsed_at_s is not None and len(times) > 0 and times[-1] > history.series["time_s"].iloc[-1]
+
+
+@style.styled
+def heap_picture(history):
+    """Where all bodies lie at the last snapshot, in true scale and not magnified, over the outlines of the wall.
+
+    InputError where the run ended with its first fallen brick.
+    """
+    if not has_heap(history):
+        raise InputError(f"{history.path} follows no brick beyond a collapse; expected a run with --past-collapse S "
+                         "(YADE) whose wall fell, run it again with that")
+    motion = history.displacement[-1].astype(float)
+    before, now = body_corners(history.bodies, np.zeros_like(motion)), body_corners(history.bodies, motion)
+    is_cap = history.bodies["course"].to_numpy() < 0
+    figure, ax = style.new_figure(1.0)
+    layers = [(before, "none", "0.8", "where they were"), (now[~is_cap], style.BRICK_COLOUR, "none", "bricks"),
+              (now[is_cap], style.CAP_COLOUR, "none", "top mass"), (now, "none", style.DARK, None)]
+    for corners, face, edge, label in layers:  # all edges above all faces
+        ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=0.3, label=label))
+    after_s = history.snapshot_time_s[-1] - history.collapsed_at_s
+    handles = [Patch(facecolor=face, edgecolor=style.DARK if edge == "none" else edge, linewidth=0.3, label=label)
+               for _, face, edge, label in layers if label]
+    return _with_words(figure, _show_all(ax, before, now), history,
+                       [f"{after_s:.2f} s after the first brick fell, not magnified"], handles)
 
 
 def draw_wall(ax, shape):
@@ -75,7 +113,12 @@ def draw_wall(ax, shape):
         widths = [THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen])
         ax.add_collection(LineCollection(shape.segments[chosen], colors=JOINT_COLOURS[state], label=state,
                                          linewidths=widths, capstyle="butt", zorder=layer))
-    points = shape.corners.reshape(-1, 2)
+    return _show_all(ax, shape.corners)
+
+
+def _show_all(ax, *corners):
+    """Axes in true scale that hold all corners, (..., 2) [m], and the ground; returns their height over width."""
+    points = np.concatenate([some.reshape(-1, 2) for some in corners])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.02 * (high - low).max()
     low, high = np.minimum(low, 0) - margin, high + margin
@@ -259,5 +302,7 @@ PICTURES = {
 
 
 def save_all(history, folder):
-    """Write every picture as PNG and PDF into `folder`, made where missing; returns their paths."""
-    return style.save_figures(((name, draw(history)) for name, draw in PICTURES.items()), folder, origin(history))
+    """Write every picture as PNG and PDF into `folder`, made where missing, and one of the heap where bricks were
+    followed into it; returns their paths."""
+    chosen = PICTURES | ({"heap": heap_picture} if has_heap(history) else {})
+    return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))

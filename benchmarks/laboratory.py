@@ -1,0 +1,118 @@
+"""The tables of docs/laboratory.md: all tested walls by all laws of the joint, beside the tests.
+
+    python3 benchmarks/laboratory.py [--out DIR] [TABLE ...]
+
+TABLE: laws, cycles; both by default, in the reference solver, about half an hour on one core.  And yade: pushes and a
+short cycle in both solvers, about an hour.  Histories that are already in DIR are not run again.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+from benchmarks.softening import Bench, print_row, print_table
+from damage.laboratory.pushed import SPECIMENS, read_test
+from damage.measure import pushed
+from damage.measure.summary import summarise
+
+WALLS = {"squat_tested": (0.3, []), "comp2_1": (0.3, ["--boundary", "fixed"]),
+         "comp2_3": (0.3, ["--boundary", "fixed"]), "comp2_4": (0.3, ["--boundary", "fixed"])}
+"""Wall -> the drift to which it is pushed [%], and how it is held."""
+LAWS = {"rule, tested c and φ": "rule", "5/50, calibrated": "5/50", "11/209, clay": "11/209", "brittle": "brittle",
+        "paper's joints, brittle": "paper"}
+"""What a table calls a case, and what the bench does."""
+CLAY_MODULUS = 4850e6
+"""Of masonry [Pa], at which the clay walls have the measured stiffness: COMP2_4's."""
+SLOW, QUICK = ["--speed", 2e-3], ["--speed", 1e-2]
+CYCLES = ["--cyclic", "0.025,0.05,0.1,0.2,0.3", "--cycles", 1, "--speed", 5e-3]
+
+
+def row(history, wall, law):
+    """One wall by one law beside its test."""
+    test, found, shares = read_test(SPECIMENS[wall]), summarise(history), pushed.mode_shares(history)
+    line = pushed.bilinear(pushed.envelope(history), history.attributes["drift_height_m"])
+    crack, most = pushed.drift_at_first_crack(history), float(history.series["drift_ratio"].abs().max())
+    fell = line["ultimate_drift"] < 0.99 * most
+    peak, measured = found["peak_force_n"], float(np.mean(test.peak_force_n))
+    print_row(f"{test.specimen}", law, f"{peak / 1e3:.1f}", f"{100 * (peak / measured - 1):+.0f} %",
+              f"{found['secant_stiffness_n_per_m'] / 1e6:.0f}",
+              f"{100 * (found['secant_stiffness_n_per_m'] / np.mean(test.stiffness_n_per_m) - 1):+.0f} %",
+              f"{shares['mode']} ({100 * shares['stair_share']:.0f} %)", test.mode,
+              f"{100 * crack:.4f}" if crack else "-", f"{100 * test.first_crack:.4f}" if test.first_crack else "-",
+              f"{100 * line['ultimate_drift']:.3f}" if fell else f"over {100 * most:.2f}",
+              " / ".join(f"{100 * drift:.2f}" for drift in test.ultimate_drift))
+
+
+HEADS = ("wall", "joints", "peak [kN]", "to the test", "secant [kN/mm]", "to the test", "failure (on stairs)", "test",
+         "first crack at [%]", "test", "80 % of the peak left at [%]", "test")
+
+
+def laws(bench):
+    """All walls by all laws, pushed over at 2 mm/s."""
+    print_table(*HEADS)
+    for wall, (drift, held) in WALLS.items():
+        words = ["--pushover", drift, *held, *SLOW]
+        for label, case in LAWS.items():
+            row(bench.run(wall, case, words), wall, label)
+        if wall.startswith("comp"):
+            row(bench.run(wall, "rule", words, CLAY_MODULUS), wall, "rule, E 4.85 GPa")
+
+
+def cycles(bench):
+    """Full cycles, one at each amplitude, at 5 mm/s, by the rule."""
+    print_table("wall", "amplitude [%]", "drift [%]", "force [kN]", "dissipated [J]", "equivalent damping",
+                "DI at both ends", "DI_open", "DI_slip")
+    for wall, (_, held) in WALLS.items():
+        cycle_rows(wall, bench.run(wall, "rule", [*CYCLES, *held]))
+
+
+def cycle_rows(label, history):
+    for cycle in pushed.cycles_table(history).to_dict("records"):
+        pairs = [f"{cycle[f'{name}_at_max']:.3f}, {cycle[f'{name}_at_min']:.3f}"
+                 for name in ("DI", "DI_open", "DI_slip")]
+        print_row(label, f"{cycle['amplitude_pct']:g}", f"{cycle['max_drift_pct']:.3f}, {cycle['min_drift_pct']:.3f}",
+                  f"{cycle['max_force_kn']:.1f}, {cycle['min_force_kn']:.1f}", f"{cycle['dissipated_j']:.0f}",
+                  f"{cycle['equivalent_damping']:.2f}", *pairs)
+
+
+def yade(bench):
+    """Pushes at 10 mm/s by the rule in both solvers, with YADE's fibres and damping, and a cycle of 0.05 %."""
+    print_table("wall", "solver", *HEADS[2:])
+    alike = ["--relaxation", "local"]
+    for wall, (_, held) in WALLS.items():
+        words = ["--pushover", 0.12, *held, *QUICK, "--fibres", 16]
+        for solver, history in (("reference", bench.run(wall, "rule", [*words, *alike])),
+                                ("YADE", bench.run_in_yade(wall, "rule", words))):
+            row(history, wall, solver)
+    words = ["--cyclic", "0.05", "--cycles", 1, *QUICK, "--fibres", 16]
+    cycled = {"squat_tested, reference": bench.run("squat_tested", "rule", [*words, *alike]),
+              "squat_tested, YADE": bench.run_in_yade("squat_tested", "rule", words)}
+    print_table("wall, solver", "amplitude [%]", "drift [%]", "force [kN]", "dissipated [J]", "equivalent damping",
+                "DI at both ends", "DI_open", "DI_slip")
+    for label, history in cycled.items():
+        cycle_rows(label, history)
+
+
+TABLES = {table.__name__: table for table in (laws, cycles, yade)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tables", nargs="*", default=["laws", "cycles"], metavar="TABLE", help=", ".join(TABLES))
+    parser.add_argument("--out", type=Path, default=Path("results/laboratory"))
+    parsed = parser.parse_args()
+    unknown = [name for name in parsed.tables if name not in TABLES]
+    if unknown:
+        sys.exit(f"error: no table {unknown[0]}; expected one of {', '.join(TABLES)}")
+    parsed.out.mkdir(parents=True, exist_ok=True)
+    for name in parsed.tables:
+        TABLES[name](Bench(parsed.out))
+
+
+if __name__ == "__main__":
+    main()
