@@ -21,7 +21,8 @@ import sys
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache
+from itertools import islice
 from pathlib import Path
 
 from shards import FIRST_TABLES
@@ -81,12 +82,18 @@ class Task:
         """Where it grows."""
         return self.folder / "runs" / f"{self.name}.part.h5"
 
-    @cached_property
+    @property
     def company(self):
         """What runs have in common that step together from beginning to end."""
-        settings = parse_run(self.point.command(self.number)[1:], prog="", solver="reference")
-        return (self.point.wall, replace(settings.model, strength_seed=0), settings.duration_s, settings.time_step_s,
-                settings.alpha_1_s, settings.beta_s)
+        return company_of(self.point)
+
+
+@cache
+def company_of(point):
+    """As Task.company, of all runs of a point."""
+    settings = parse_run(point.command(1)[1:], prog="", solver="reference")
+    return (point.wall, replace(settings.model, strength_seed=0), settings.duration_s, settings.time_step_s,
+            settings.alpha_1_s, settings.beta_s)
 
 
 class Point:
@@ -195,11 +202,10 @@ class Shard:
 def take_group(waiting, idle):
     """Take the next tasks for one of so many idle processes off a list: up to eight that step together, where there
     are enough for all of these processes, else one."""
-    alike = [task for task in waiting if task.company == waiting[0].company][:MOST_LANES]
+    alike = [*islice((k for k, task in enumerate(waiting) if task.company == waiting[0].company), MOST_LANES)]
     share = min(len(alike), math.ceil(len(waiting) / idle))
-    group = alike[:share if share >= LEAST_LANES else 1]
-    waiting[:] = [task for task in waiting if task not in group]
-    return group
+    chosen = alike[:share if share >= LEAST_LANES else 1]
+    return [waiting.pop(k) for k in reversed(chosen)][::-1]
 
 
 def load_compiled(task):

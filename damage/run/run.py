@@ -191,7 +191,7 @@ class Run:
     def _check_finite(self, values):
         for name, value in values.items():
             # Of a number numpy would ask ten times as long.
-            if not (math.isfinite(value) if np.ndim(value) == 0 else np.isfinite(value).all()):
+            if not (np.isfinite(value).all() if isinstance(value, np.ndarray) else math.isfinite(value)):
                 raise self._failure(f"{name} is no longer finite")
 
     def _energies(self, now, motion):
