@@ -5,6 +5,7 @@ import resource
 import signal
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import replace
 
@@ -83,16 +84,25 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
         too_large = 20 if prepared.writer.path.stem == "m7" else 1
         return simulate_as_before(replace(prepared, time_step=too_large * prepared.time_step), *more)
 
+    class Thread(threading.Thread):
+        def start(self):
+            if self.name == "m8":
+                raise RuntimeError("can't start new thread")
+            super().start()
+
     simulate_as_before = together.simulate
     monkeypatch.setattr(together, "simulate", simulate)
+    monkeypatch.setattr(together.threading, "Thread", Thread)
+    monkeypatch.setattr(together, "LEAST_LANES", 2)
     asked = lines(tiny, tmp_path / "together")
     asked["m2"] += ["--dt", "0.1"]
     (ended,) = run_references(asked)
-    assert ended == dict.fromkeys(asked, 0) | {"m2": 2, "m7": 1}
+    assert ended == dict.fromkeys(asked, 0) | {"m2": 2, "m7": 1, "m8": 1}
     told = without_progress(capsys.readouterr().err).splitlines()
-    assert told[0].startswith("error: m2: --dt 0.1 s is above") and told[1].startswith("error: m7: the run blew up")
-    assert len(told) == 2 and read_history(tmp_path / "together" / "m7.h5").status == "failed"
-    for name in alone.keys() - {"m2", "m7"}:
+    assert sorted(line[:24] for line in told) == [
+        "error: m2: --dt 0.1 s is", "error: m7: the run blew ", "error: m8: out of memory"]
+    assert {read_history(tmp_path / "together" / f"{name}.h5").status for name in ("m7", "m8")} == {"failed"}
+    for name in alone.keys() - {"m2", "m7", "m8"}:
         assert contents(tmp_path / "together" / f"{name}.h5") == alone[name]
 
 

@@ -56,18 +56,29 @@ def _run_group(lines):
             statuses[name] = told(lambda name=name, wall=wall, words=words: begin(name, wall, words), f"{name}: ")
         meeting = Meeting(len(prepared))
 
-        def run(name):
+        def run(name, simulate):
             try:
                 statuses[name] = told(lambda: simulate(prepared[name], keep_going, meeting.solver), f"{name}: ")
             finally:
                 meeting.leave()
 
-        threads = [threading.Thread(target=run, args=(name,), name=name) for name in prepared]
-        for thread in threads:
-            thread.start()
+        threads = []
+        for name in prepared:
+            thread = threading.Thread(target=run, args=(name, simulate), name=name)
+            try:
+                thread.start()
+                threads.append(thread)
+            except RuntimeError:  # the others would wait for it
+                run(name, _give_up)
         for thread in threads:
             thread.join()
     return statuses
+
+
+def _give_up(prepared, *_):
+    """In place of `simulate`, where there is no thread to be had."""
+    prepared.writer.finish("failed")
+    raise MemoryError("for one more thread")
 
 
 class Meeting:
