@@ -57,7 +57,8 @@ def _without_slurm(folder):
 
 def on_slurm(test):
     """Marks of a test that needs a SLURM of its own."""
-    there = find_spec("snakemake") and all(shutil.which(name, path=f"{os.environ['PATH']}:/usr/sbin") for name in PROGRAMS)
+    path = f"{os.environ['PATH']}:/usr/sbin"
+    there = find_spec("snakemake") and all(shutil.which(name, path=path) for name in PROGRAMS)
     for mark in (pytest.mark.long, pytest.mark.skipif(not there, reason="SLURM is not installed"),
                  pytest.mark.skipif(os.geteuid() != 0, reason="SLURM's node starts jobs as root only")):
         test = mark(test)
