@@ -234,6 +234,16 @@ def _tables(asked):
             write_run_tables(read_history(path), asked.out)
 
 
+@_command("one HTML file to send: a run, runs side by side, or a study, for any browser, without a network",
+          _path("paths", "PATH", "a history (.h5), up to six of them, or the folder of studies", nargs="+"),
+          _out("the file (default: beside the first PATH, of its name, or report.html in a folder)", "FILE.html",
+               required=False))
+def _report(asked):
+    from damage.html.report import write_report
+
+    print(write_report(asked.paths, asked.out))
+
+
 # --- studies ----------------------------------------------------------------------------------------
 
 @_command("figures 6 to 12 of the source paper and crack maps from the results of studies",
