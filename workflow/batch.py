@@ -74,7 +74,17 @@ def main():
         (folder / "tables" / "summary.csv").unlink(missing_ok=True)
         pictures = [f"pictures/{run.first}" for run in batch.simulated() if study.pictures == "all"]
         batch.snakemake("tables/summary.csv", *pictures, partial="true")  # of the runs that are there
-    return report(batch, status)
+    return report(batch, status) or conclude(study, folder)
+
+
+def conclude(study, folder):
+    """Run the command that sums a whole study up, where it names one; returns the exit status."""
+    if study.conclusion is None:
+        return 0
+    document = folder / "tables" / f"{study.conclusion}.md"
+    print(f"{study.conclusion}: {document}", flush=True)
+    return subprocess.run([sys.executable, "-m", "damage", study.conclusion, str(folder), "--markdown", str(document)],
+                          env={**os.environ, "PYTHONPATH": str(ROOT)}, check=False).returncode
 
 
 def _parse():

@@ -44,6 +44,7 @@ RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--quiet", "--view"
 
 SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
+CONCLUSIONS = ("readings",)
 SCATTER = 0.001
 """Coefficient of variation of the strengths in an ensemble where the study says nothing else (docs/softening.md)."""
 MOST_MEMBERS = 10_000
@@ -53,6 +54,7 @@ DEEPEST = 20
 KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
     "title": "one line for people", "pictures": "of single runs: all (default) or none",
+    "conclusion": "a command that sums the whole study up, as readings does the paper's claims",
     "runs": "points of the study, one table [[runs]] each",
     "grid": "points of the study, every combination of the values in `vary` in a table [[grid]]"}
 ENTRY_KEYS = {
@@ -137,6 +139,7 @@ class Study:
     runs: tuple[StudyRun, ...]
     of_both: tuple[StudyRun, ...] = ()
     pictures: str = "all"
+    conclusion: str | None = None
 
     def __post_init__(self):
         if not isinstance(self.name, str) or not ID.fullmatch(self.name):
@@ -144,6 +147,9 @@ class Study:
                              "since it names a folder; rename the study")
         if self.pictures not in PICTURES:
             raise InputError(f"{self.path}: pictures = {self.pictures!r}; expected {' or '.join(PICTURES)}; mend it")
+        if self.conclusion not in (None, *CONCLUSIONS):
+            raise InputError(f"{self.path}: conclusion = {self.conclusion!r}; expected {' or '.join(CONCLUSIONS)}; "
+                             "mend it, or leave it out")
         if not self.of_both:
             raise InputError(f"{self.path}: no runs; expected at least one table [[runs]] or [[grid]]; add one")
         if not self.runs:
@@ -177,7 +183,7 @@ def load_study(path, solver="yade", root=None):
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
     study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
                   runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
-                  pictures=table.get("pictures", "all"))
+                  pictures=table.get("pictures", "all"), conclusion=table.get("conclusion"))
     for run, where in chosen:  # last, as each may read a record
         _try_options(run, where, root)
     return study

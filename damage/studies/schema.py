@@ -8,6 +8,7 @@ and values make sense is for `load_study` to say, which every command calls.
 
 from damage.run.options import file_path, make_parser
 from damage.studies.definition import (
+    CONCLUSIONS,
     ENTRY_KEYS,
     ID,
     KEYS,
@@ -33,6 +34,7 @@ def study_schema():
         "required": ["name"], "anyOf": [{"required": ["runs"]}, {"required": ["grid"]}],
         "properties": _told(KEYS, {
             "name": _identifier(), "title": {"type": "string"}, "pictures": {"enum": list(PICTURES)},
+            "conclusion": {"enum": list(CONCLUSIONS)},
             "runs": {"type": "array", "items": _entry(grid=False)},
             "grid": {"type": "array", "items": _entry(grid=True)}})}
 
