@@ -9,15 +9,16 @@ for their second moment of area is that of the section times 1 - 1 / n^2.  Each 
 strength: a brick that is bent splits at the moment of beam theory, exactly, since what is left of the section then
 bears less than that; one that is pulled apart without bending, at n / (n + 1) of its strength.  In shear the points bear
 the mean V / (t h), and a third of the cohesion is taken off them, so that the cut fails where 1.5 V / (t h), a beam's
-shear stress in its middle, reaches it.  Cuts are brittle, with the friction of the joints, and do not crush.
+shear stress in its middle, reaches it.  Head joints have a brick's compliance from centre to centre; the cut takes its
+share of it over.  Cuts are brittle, with the friction of the joints, and do not crush.
 """
 
-import dataclasses
 import math
+from dataclasses import fields, replace
 
 import numpy as np
 
-from damage.wall.kinds import CAP, CUT, GROUND
+from damage.wall.kinds import CAP, CUT, GROUND, HEAD
 
 CUT_POINTS = 4
 """Contact points of a cut: bending stiffness 15/16 of the section's, 4/5 of its strength in pure tension."""
@@ -47,44 +48,58 @@ def split_bricks(layout):
     number = np.arange(len(old))
     number[n:] += len(whole)
     cells = _on_halves(layout.cells, old, number, right)
-    contacts = _under_new_numbers(layout.contacts, cells, number)
+    halves, contacts = _halves(old, whole, n), _under_new_numbers(layout.contacts, cells, number)
+    contacts = replace(contacts, **_stiffer_heads(layout.contacts, old, contacts, halves, wall.brick))
     cuts = _cuts(old, whole, right, cells, wall)
     glue = int(np.sum(contacts.kind != CAP))
-    return dataclasses.replace(
-        layout, bodies=_halves(old, whole, n), cells=cells, n_bricks=n + len(whole),
+    return replace(
+        layout, bodies=halves, cells=cells, n_bricks=n + len(whole),
         contacts=_with(contacts, np.full(len(cuts["x"]), glue), cuts), n_joints=layout.n_joints + len(cuts["x"]),
         drift_bodies=np.concatenate([number[layout.drift_bodies], right[np.intersect1d(layout.drift_bodies, whole)]]))
 
 
 def _with(table, places, added):
     """A record of arrays with rows put in before these places."""
-    return dataclasses.replace(table, **{name: np.insert(getattr(table, name), places, values)
+    return replace(table, **{name: np.insert(getattr(table, name), places, values)
                                          for name, values in added.items()})
 
 
 def _halves(old, whole, n_bricks):
     """Bodies: left halves in the places of their bricks, right halves behind the bricks."""
-    values = {field.name: getattr(old, field.name).copy() for field in dataclasses.fields(old)}
+    values = {field.name: getattr(old, field.name).copy() for field in fields(old)}
     values["length"][whole] /= 2
     values["mass"][whole] /= 2
     values["inertia"][whole] = (values["mass"] * (values["length"]**2 + values["height"]**2) / 12)[whole]
     quarter = old.length[whole] / 4
     values["x"][whole] -= quarter
     added = {name: column[whole] for name, column in values.items()} | {"x": old.x[whole] + quarter}
-    return _with(dataclasses.replace(old, **values), np.full(len(whole), n_bricks), added)
+    return _with(replace(old, **values), np.full(len(whole), n_bricks), added)
 
 
 def _on_halves(cells, old, number, right):
     """Cells under their bodies' new numbers, each of the half that its middle lies in."""
     on_right = (right[cells.body] != GROUND) & ((cells.left + cells.right) / 2 > old.x[cells.body] + _TINY)
-    return dataclasses.replace(cells, body=np.where(on_right, right[cells.body], number[cells.body]))
+    return replace(cells, body=np.where(on_right, right[cells.body], number[cells.body]))
 
 
 def _under_new_numbers(contacts, cells, number):
     """Contacts between the bodies that their cells belong to now."""
     bodies = {side: np.where(cell == GROUND, GROUND, cells.body[cell]) for side, cell in
               (("first", contacts.first_cell), ("second", contacts.second_cell))}
-    return dataclasses.replace(contacts, **bodies)
+    return replace(contacts, **bodies)
+
+
+def _stiffer_heads(before, bodies, after, halves, brick):
+    """{field: values} of the contacts' stiffnesses: head joints keep of the bricks' compliance, which they had from centre
+    to centre, what does not lie beyond a cut."""
+    head = np.flatnonzero(before.kind == HEAD)
+    apart, apart_now = (of.x[contacts.second[head]] - of.x[contacts.first[head]]
+                        for of, contacts in ((bodies, before), (halves, after)))
+    found = {}
+    for name, modulus in (("normal_stiffness", brick.young_modulus), ("shear_stiffness", brick.shear_modulus)):
+        found[name] = getattr(before, name).copy()
+        found[name][head] = 1 / (1 / found[name][head] - (apart - apart_now) / modulus)
+    return found
 
 
 def _cuts(old, whole, right, cells, wall):
