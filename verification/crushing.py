@@ -142,7 +142,8 @@ def problems():
         Problem("crushed column", "largest force under it", "N", column_force(layout), "f_c A",
                 {"reference": 1e-9, "yade": 2e-2}, {"reference": column, "yade": lambda: ask_yade("column")})]
     for form, (quantity, measure) in product(FORMS, (
-            ("energy dissipated", lambda done: done.dissipated), ("... by its own account", lambda done: done.fracture))):
+            ("energy dissipated", lambda done: done.dissipated),
+            ("... by its own account", lambda done: done.fracture))):
         in_yade = softening.NOT_IN_YADE if form == "softening" else \
             lambda form=form, measure=measure: measure(driven("yade", form))
         found.append(Problem(

@@ -12,7 +12,7 @@ doi:10.1061/(ASCE)0733-9445(2004)130:5(779).
 import argparse
 import math
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,6 @@ from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
 from verification.collapse import settled_wall
 from verification.limit_analysis import collapse_load, top_load
 from verification.push_picture import picture
-from verification.split_stones import split_stones
 
 DATA = Path(__file__).with_name("data") / "lourenco2005"
 LOADS_N = {"SW.30": 30e3, "SW.200": 200e3}
@@ -60,21 +59,18 @@ def measured_peak(name):
     return float(np.mean([test.force_n.max() for test in measured(name)]))
 
 
-def lay(name, *, friction=FRICTION, stiffness=STIFFNESS, base_course="half", cells=4):
+def lay(name, *, friction=FRICTION, stiffness=STIFFNESS, base_course="half", cells=4, stone=STONE):
     """The Layout of a wall; its load is a rigid beam on top, glued to the top course."""
     wall = Wall(name.replace(".", ""), LENGTH, HEIGHT, precompression=LOADS_N[name] / (LENGTH * THICKNESS),
-                base_course=base_course, brick=STONE,
+                base_course=base_course, brick=stone,
                 joint=Joint(stiffness, 0.4 * stiffness, math.atan(friction), 0.0, 0.0))
     return lay_out(wall, ModelOptions(lintel="none", contacts="corners", top="beam", cells=cells))
 
 
 def lay_splitting(name, strength=SPLITTING, **options):
-    """A wall whose stones split in the middle when beam theory reaches their tensile strength [Pa].
-
-    The cut's two points, each with half the section, carry three times the moment of a beam's edge stress
-    6 M / (t h^2): a third of the strength; in shear the cut breaks where 1.5 V / A reaches it.
-    """
-    return split_stones(lay(name, **options), strength / 3, strength / 1.5)
+    """A wall whose stones split in the middle when beam theory reaches their tensile strength [Pa], in bending by the
+    edge stress 6 M / (t h^2), in shear by 1.5 V / A."""
+    return lay(name, stone=replace(STONE, tensile_strength=strength, cohesion=strength), **options)
 
 
 # --- by hand and by limit analysis ----------------------------------------------------------------

@@ -47,7 +47,8 @@ class Case:
         O.run(steps, True)
 
     def step(self):
-        """What the engine does in every step: broken bonds become dry joints, joints crush, then what `run` was given."""
+        """What the engine does in every step: broken bonds become dry joints, joints crush, then what `run` was
+        given."""
         for joint in self.scene.newly_broken():
             self.scene.loosen(joint)
         self.crushing.step(anew=True)
@@ -257,8 +258,8 @@ def _mover(case):
     return forces_after
 
 
-CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, onset, fall_back, stack, cantilever, toe, column,
-                                       splitting_load)}
+CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, onset, fall_back, stack, cantilever, toe,
+                                           column, splitting_load)}
 
 
 def main():

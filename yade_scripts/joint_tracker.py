@@ -14,8 +14,8 @@ _SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint s
 
 class JointTracker:
     """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit, crushed; dry:
-    share of the area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the means over all, by shares,
-    and broken and at the limit are those whose last one is.
+    share of the area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the means over
+    all, by shares, and broken and at the limit are those whose last one is.
 
     friction_energy, fracture_energy [J]; of the first what fibres take as they break: breaking_energy.
     """

@@ -218,8 +218,8 @@ class YadeSolver(Solver):
         friction = tracker.friction_energy if summed is None else summed + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, base_acceleration)
         return Instant(self.scene.motion(), tracker.opening, tracker.slip, tracker.offset,
-                       BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed, self.scene.base_shear(),
-                       np.nan if self._held is None else self._push_force(),
+                       BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed,
+                       self.scene.base_shear(), np.nan if self._held is None else self._push_force(),
                        0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),
                        self._input_energy, friction, tracker.fracture_energy, None)
 

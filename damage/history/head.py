@@ -1,6 +1,6 @@
 """The first 512 bytes of a history, before HDF5's own (its user block): what made the file, and a seal on the rest.
 
-    masonry-damage-history 3
+    masonry-damage-history 4
     software 0.2.0
     model reference 6b1f0c9a52e4
     sealed sha256 5891b5b522d5df08... of 412345 bytes

@@ -42,8 +42,8 @@ class History:
     bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
     (motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
-    opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed: bool of that shape; offset_m: the same of the offsets,
-    None in a file that has none (schema versions 1 and 2).
+    opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed: bool of that shape; offset_m: the same of the
+    offsets, None in a file that has none (schema versions 1 and 2).
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad].
     static: what the static stage ended with; parameters: all that defined the run, as the file holds it; most of
     it comes back as records, too: `loading`, `model`, `masonry_wall`; `wall` is the wall's name.

@@ -29,8 +29,8 @@ STATIC = {
     "duration_s": Column("s", "length of the static stage"),
 }
 JOINTS = {
-    "kind": Column("code", "bed (the base joint, too), head; brick: the cut where a brick can split, no joint and not in "
-                           "the index", "u1"),
+    "kind": Column("code", "bed (the base joint, too), head; brick: the cut where a brick can split, no joint and not "
+                           "in the index", "u1"),
     "first_body": Column("index, -1 ground", "lower body, or left one", "i8"),
     "second_body": Column("index", "upper body, or right one", "i8"),
     "x_m": Column("m", "place in the undeformed wall, along it"), "z_m": Column("m", "the same, upwards"),

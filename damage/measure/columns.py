@@ -131,8 +131,8 @@ MEASURES = {
     },
     "Energy": {
         "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),
-        "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost as bonds soften and break and as "
-                                                       "joints crush, up to the run's end"),
+        "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost as bonds soften and break and "
+                                                       "as joints crush, up to the run's end"),
         "dissipated_energy_j": Column("J", "their sum"),
         "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
         "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out"),

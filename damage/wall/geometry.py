@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from damage.wall.kinematics import rigid_displacement
 from damage.wall.kinds import KINDS
+from damage.wall.kinematics import rigid_displacement
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]

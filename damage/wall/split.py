@@ -7,10 +7,10 @@ under a moment M and an axial force N the outermost bears, at (n - 1) / (2 n) h 
 
 for their second moment of area is that of the section times 1 - 1 / n^2.  Each has n / (n + 1) of the brick's tensile
 strength: a brick that is bent splits at the moment of beam theory, exactly, since what is left of the section then
-bears less than that; one that is pulled apart without bending, at n / (n + 1) of its strength.  In shear the points bear
-the mean V / (t h), and a third of the cohesion is taken off them, so that the cut fails where 1.5 V / (t h), a beam's
-shear stress in its middle, reaches it.  Head joints have a brick's compliance from centre to centre; the cut takes its
-share of it over.  Cuts are brittle, with the friction of the joints, and do not crush.
+bears less than that; one that is pulled apart without bending, at n / (n + 1) of its strength.  In shear the points
+bear the mean V / (t h), and a third of the cohesion is taken off them, so that the cut fails where 1.5 V / (t h), a
+beam's shear stress in its middle, reaches it.  Head joints have a brick's compliance from centre to centre; the cut
+takes its share of it over.  Cuts are brittle, with the friction of the joints, and do not crush.
 """
 
 import math
@@ -90,8 +90,8 @@ def _under_new_numbers(contacts, cells, number):
 
 
 def _stiffer_heads(before, bodies, after, halves, brick):
-    """{field: values} of the contacts' stiffnesses: head joints keep of the bricks' compliance, which they had from centre
-    to centre, what does not lie beyond a cut."""
+    """{field: values} of the contacts' stiffnesses: head joints keep of the bricks' compliance, which they had from
+    centre to centre, what does not lie beyond a cut."""
     head = np.flatnonzero(before.kind == HEAD)
     apart, apart_now = (of.x[contacts.second[head]] - of.x[contacts.first[head]]
                         for of, contacts in ((bodies, before), (halves, after)))
