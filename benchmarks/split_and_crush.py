@@ -36,8 +36,8 @@ from damage.wall.parameters import softening_energies
 WALLS = {"squat_tested": [], "comp2_1": ["--boundary", "fixed"], "comp2_3": ["--boundary", "fixed"],
          "comp2_4": ["--boundary", "fixed"]}
 """Wall -> how it is held."""
-CASES = {"as shipped": (False, False), "bricks split": (True, False), "joints crush": (False, True),
-         "both": (True, True)}
+CASES = {"as shipped": "", "bricks split": "split", "joints crush": "crush", "both": "split, crush",
+         "bricks split in shear, too": "split, shear"}
 SPEED = ["--speed", 4e-3]
 IN_YADE = '''"""The wall {name} by benchmarks/split_and_crush.py."""
 
@@ -69,16 +69,19 @@ def strengths(specimen, share):
 
 def of_case(name, case, share):
     """The wall of a case."""
-    wall, (splits, crushes) = load_wall(REPOSITORY / "walls" / f"{name}.py"), CASES[case]
+    wall, does = load_wall(REPOSITORY / "walls" / f"{name}.py"), CASES[case]
     tension, pressure = strengths(SPECIMENS[name], share)
     joint = replace(wall.joint, **softening_energies(wall.joint.tensile_strength),
-                    compressive_strength=pressure if crushes else None)
-    return replace(wall, joint=joint, brick=replace(wall.brick, tensile_strength=tension if splits else None))
+                    compressive_strength=pressure if "crush" in does else None)
+    brick = replace(wall.brick, tensile_strength=tension if "split" in does else None,
+                    cohesion=tension if "shear" in does else None)
+    return replace(wall, joint=joint, brick=brick)
 
 
 def run(folder, name, case, share, words, solver):
     """The History of a case."""
-    told = "_".join([solver, name, case.replace(" ", "-"), f"{share:g}", *(str(word).strip("-") for word in words)])
+    told = "_".join([solver, name, *case.replace(",", "").split(), f"{share:g}",
+                     *(str(word).strip("-") for word in words)])
     out = folder / f"{told}.h5"
     if out.exists() and read_history(out).complete:
         return read_history(out)

@@ -39,7 +39,8 @@ JOINTS = {
     "shear_stiffness_pa_m": Column("Pa/m", "with the bricks' compliance"),
     "elastic": Column("bool", "held by the lintel, cannot break", "?"),
     "tensile_strength_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
-    "cohesion_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
+    "cohesion_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them); infinite of a "
+                          "brick's cut that tension alone breaks"),
 }
 BODIES = {
     "x_m": Column("m", "centre, along the wall"), "z_m": Column("m", "centre, upwards"),

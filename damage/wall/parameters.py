@@ -25,8 +25,8 @@ class Brick:
     density [kg/m3]: not in the paper; 1900 is usual for calcium silicate and clay brickwork.
     young_modulus, shear_modulus [Pa]: Table 2.
     tensile_strength, cohesion [Pa]: at which whole bricks split in the middle, in bending and in shear
-        (`damage.wall.split`); None, the first, for bricks that do not split, as in the paper; the second, for a
-        cohesion as high as the tensile strength.
+        (`damage.wall.split`); None, the first, for bricks that do not split, as in the paper; the second, for those
+        that tension alone splits.
     """
 
     length: float = 0.225

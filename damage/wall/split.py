@@ -7,13 +7,16 @@ under a moment M and an axial force N the outermost bears, at (n - 1) / (2 n) h 
 
 for their second moment of area is that of the section times 1 - 1 / n^2.  Each has n / (n + 1) of the brick's tensile
 strength: a brick that is bent splits at the moment of beam theory, exactly, since what is left of the section then
-bears less than that; one that is pulled apart without bending, at n / (n + 1) of its strength.  In shear the points
-bear the mean V / (t h), and a third of the cohesion is taken off them, so that the cut fails where 1.5 V / (t h), a
-beam's shear stress in its middle, reaches it.  Head joints have a brick's compliance from centre to centre; the cut
-takes its share of it over.  Cuts are brittle, with the friction of the joints, and do not crush.
+bears less than that; one that is pulled apart without bending, at n / (n + 1) of its strength.  As in Lourenço and Rots
+(1997, J. Eng. Mech. 123(7), 660-668), where it is not said otherwise, tension alone splits bricks.  With a cohesion c
+they split in shear, too: the points bear the mean V / (t h), and have 2/3 c, so that the cut fails where 1.5 V / (t h),
+a beam's shear stress in its middle, reaches c, or less where it is pulled: c = f_t is the diagonal tension of a brick
+without vertical compression, which helps and is not seen here.
+
+Head joints have a brick's compliance from centre to centre; the cut takes its share of it over.  Cuts are brittle, have
+the friction of the joints once they are open, and do not crush.
 """
 
-import math
 from dataclasses import fields, replace
 
 import numpy as np
@@ -25,15 +28,10 @@ CUT_POINTS = 4
 _TINY = 1e-6  # [m]
 
 
-def cut_strengths(brick, joint):
-    """Tensile strength and cohesion [Pa] of the contact points of a Brick's cut.
-
-    Where the cohesion is not given it is at least what tension up to its strength needs beside the joint's friction.
-    """
-    tension = brick.tensile_strength * CUT_POINTS / (CUT_POINTS + 1)
-    if brick.cohesion is not None:
-        return tension, brick.cohesion / 1.5
-    return tension, max(brick.tensile_strength / 1.5, 1.001 * tension * math.tan(joint.friction_angle))
+def cut_strengths(brick):
+    """Tensile strength and cohesion [Pa] of the contact points of a Brick's cut."""
+    cohesion = np.inf if brick.cohesion is None else brick.cohesion / 1.5
+    return brick.tensile_strength * CUT_POINTS / (CUT_POINTS + 1), cohesion
 
 
 def split_bricks(layout):
@@ -108,7 +106,7 @@ def _cuts(old, whole, right, cells, wall):
     heights = ((np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5) * brick.height
     last, first = ({body: cell for cell, body in order} for order in (
         enumerate(cells.body), reversed(list(enumerate(cells.body)))))
-    tensile_strength, cohesion = cut_strengths(brick, wall.joint)
+    tensile_strength, cohesion = cut_strengths(brick)
     distance = brick.length / 2  # of the halves' centres
     values = {
         "kind": CUT, "first": np.repeat(whole, CUT_POINTS), "second": np.repeat(right[whole], CUT_POINTS),
