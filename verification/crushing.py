@@ -35,9 +35,12 @@ STRENGTH = 2e6
 """Compressive strength of the joint that is pressed again and again [Pa]."""
 PRESSED = (2.0, 3.0, 4.0)
 """How far, over the depth at which it crushes, the joint is pressed each time."""
-FORMS = {"brittle": (0, None, None), "softening": (0, JOINT.mode_i_fracture_energy, JOINT.mode_ii_fracture_energy),
-         "softening, 8 fibres": (8, JOINT.mode_i_fracture_energy, JOINT.mode_ii_fracture_energy)}
-"""Name -> fibres, fracture energies."""
+DRY, OPENED = "without a bond, to 1.2 mm", 10.0
+"""The form whose bond is broken first, and how far it is opened for that and pressed then, over the others."""
+_BRITTLE = {"mode_i_fracture_energy": None, "mode_ii_fracture_energy": None}
+FORMS = {"brittle": (0, _BRITTLE), DRY: (0, {"tensile_strength": 0.0, "cohesion": 0.0, **_BRITTLE}),
+         "softening": (0, {}), "softening, 8 fibres": (8, {})}
+"""Name -> fibres, what is changed of JOINT beside its compressive strength."""
 
 
 def weight(layout):
@@ -95,27 +98,26 @@ def column():
 
 def joint_of(form):
     """(fibres, {parameter: value}) of a form's joint: what makes of JOINT one that crushes."""
-    fibres, *energies = FORMS[form]
-    return fibres, {"compressive_strength": STRENGTH} | dict(zip(
-        ("mode_i_fracture_energy", "mode_ii_fracture_energy"), energies))
+    fibres, changes = FORMS[form]
+    return fibres, {"compressive_strength": STRENGTH, **changes}
 
 
-def cycles(steps=400):
+def cycles(form, steps=400):
     """Path (n, 2) of opening and shear displacement [m]: pressed further each time and unloaded, at last to nothing."""
     layout = pair()
     depth = STRENGTH / layout.contacts.normal_stiffness[between(layout)]
-    corners = [0.0]
+    further = OPENED if form == DRY else 1.0
+    corners = [0.0, depth, 0.0] if form == DRY else [0.0]
     for pressed in PRESSED:
-        corners += [-pressed * depth, -(pressed - 1) * depth]
+        corners += [-further * pressed * depth, -(further * pressed - 1) * depth]
     parts = [np.linspace(a, b, steps, endpoint=False) for a, b in zip(corners[:-1], corners[1:])]
     opening = np.concatenate([*parts, corners[-1:]])
     return np.column_stack([opening, np.zeros_like(opening)])
 
 
-def closure():
+def closure(form):
     """By how much the cycles close the joint for good [m]."""
-    layout = pair()
-    return (PRESSED[-1] - 1) * STRENGTH / layout.contacts.normal_stiffness[between(layout)]
+    return -float(cycles(form)[-1, 0])
 
 
 @cache
@@ -123,13 +125,13 @@ def driven(solver, form):
     """The joint Driven through the cycles."""
     fibres, joint = joint_of(form)
     if solver == "reference":
-        return drive(cycles(), fibres, **joint)
+        return drive(cycles(form), fibres, **joint)
     with tempfile.TemporaryDirectory() as folder:
         given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
-        np.savez(given, cycles=cycles())
+        np.savez(given, cycles=cycles(form))
         run_yade("verification/yade_paths.py", given, found, fibres, json.dumps(joint))
         with np.load(found) as results:
-            return Driven(cycles(), results["cycles"], results["cycles/energies"])
+            return Driven(cycles(form), results["cycles"], results["cycles/energies"])
 
 
 def problems():
@@ -147,7 +149,7 @@ def problems():
         in_yade = softening.NOT_IN_YADE if form == "softening" else \
             lambda form=form, measure=measure: measure(driven("yade", form))
         found.append(Problem(
-            f"crushing in cycles, {form}", quantity, "J/m²", STRENGTH * closure(), "f_c times the closure",
+            f"crushing in cycles, {form}", quantity, "J/m²", STRENGTH * closure(form), "f_c times the closure",
             dict.fromkeys(solvers, 5e-3),
             {"reference": lambda form=form, measure=measure: measure(driven("reference", form)), "yade": in_yade}))
     return found

@@ -34,7 +34,7 @@ def drive(path, fibres, changes):
     for there in path:
         opening, shear = (there - here) / STEP
         states[1].vel, here = Vector3(shear, 0, opening), there
-        O.step()
+        solver.advance(1)
         solver._follow_joints()
         along, upward, _ = scene.resultants()[1]
         stresses.append((-upward / area, -along / area))

@@ -114,10 +114,17 @@ class FaceWall(YadeWall):
         """Another tip in the place of one that crushing has made too small, farther inside its brick."""
         place = self.frayed if joint in self.frayed else self.bonds
         old = place[joint]
-        O.interactions.erase(old.id1, old.id2)
-        place[joint] = contact = self._touch(joint, old.phys.kn, old.phys.ks)
-        contact.phys.shearForce = old.phys.shearForce
+        stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
         self._work.forget(old)
+        gone = self._tip_of[joint]
+        force, torque, there = O.forces.f(gone, True), O.forces.t(gone, True), Vector3(O.bodies[gone].state.pos)
+        self.members[self.tips[joint].body].remove(gone)
+        O.bodies.erase(gone)  # left where it is it would meet the face again
+        place[joint] = contact = self._touch(joint, *stiffness)
+        point = self._tip_of[joint]
+        O.forces.addF(point, force)
+        O.forces.addT(point, torque + (there - O.bodies[point].state.pos).cross(force))
+        contact.phys.shearForce = shear
         self._work.renew(contact)
 
     def _touch(self, joint, normal_stiffness, shear_stiffness):
