@@ -213,14 +213,16 @@ def draw(pushes):
 
 
 def vary(strengths, tension_alone):
-    """Print the peaks of both walls whose stones split at these tensile strengths [MPa]."""
-    print("| tensile strength [MPa] | wall | peak [kN] | over the measured | at 10 and 20 mm [kN] |\n" + "| --- " * 5 + "|")
+    """Print the peaks of both walls whose stones split at these tensile strengths [MPa]; the exit status."""
+    print("| tensile strength [MPa] | wall | peak [kN] | over the measured | at 10 and 20 mm [kN] |")
+    print("| --- " * 5 + "|")
     for strength in strengths:
         for name in LOADS_N:
             done = push(lay_splitting(name, 1e6 * strength, not tension_alone), speed=SPLITTING_PUSH_M_S)
             later = [done.force[np.abs(done.displacement - far) < 1e-3].mean() / 1e3 for far in (0.01, 0.02)]
             print(f"| {strength:g} | {name} | {done.peak / 1e3:.1f} | {_ratio(done.peak, name)} | "
                   f"{later[0]:.0f}, {later[1]:.0f} |", flush=True)
+    return 0
 
 
 def main(arguments=None):
