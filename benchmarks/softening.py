@@ -10,6 +10,7 @@ on one core.  Histories that are already in DIR are not run again.
 import argparse
 import contextlib
 import io
+import math
 import os
 import subprocess
 import sys
@@ -40,6 +41,8 @@ PUSHED = {"squat_tested": ("COMP1_3", ["--pushover", 0.3], None),
           "comp2_4": ("COMP2_4", ["--pushover", 0.2, "--boundary", "fixed"], None),
           "comp2_4, E 4.85 GPa": ("COMP2_4", ["--pushover", 0.2, "--boundary", "fixed"], 4850e6),
           "comp2_1": ("COMP2_1", ["--pushover", 0.2, "--boundary", "fixed"], None)}
+PAPERS_JOINT = {"cohesion": 0.24e6, "tensile_strength": 0.21e6, "friction_angle": math.radians(32)}
+"""Sarhosis et al. (2021), Table 1."""
 SLOW = ["--speed", 2e-3]
 MILD, HARD = ("symmetric", ["--harmonic", 0.2, 0.05, "--rest", 0.5]), ("solid", ["--harmonic", 0.1, 0.3, "--rest", 0.5])
 SHIPPED = (0.35, 1e-6)
@@ -116,6 +119,8 @@ def softened(wall, case):
     """The wall with the fracture energies of a case."""
     if case == "brittle":
         return wall
+    if case == "paper":
+        return replace(wall, joint=replace(wall.joint, **PAPERS_JOINT))
     energies = softening_energies(wall.joint.tensile_strength) if case == "rule" else dict(zip(
         ("mode_i_fracture_energy", "mode_ii_fracture_energy"), map(float, case.split("/"))))
     return replace(wall, joint=replace(wall.joint, **energies))

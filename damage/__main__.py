@@ -271,6 +271,18 @@ def _paper(asked):
     print(json_text(as_json(findings), indent=2) if asked.json else describe(findings))
 
 
+@_command("which modelling choices move the paper's claims, by the tables of the study readings",
+          _path("results", "RESULTS_DIR", "folder with the study below it"),
+          _path("--markdown", "FILE", "write the document, too"))
+def _readings(asked):
+    from damage.paper.readings import as_markdown, conclusions, judge_readings, table
+
+    found = judge_readings(asked.results)
+    if asked.markdown:
+        write_text(asked.markdown, as_markdown(found))
+    print("\n".join([*table(found), "", *conclusions(found)]))
+
+
 @_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
           _path("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
           _path("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
@@ -301,6 +313,7 @@ def _cracks(asked):
           _out("folder for table and pictures"),
           _arg("--intensity", default="pga_g", metavar="COLUMN", help="column of summary.csv: pga_g (default), "
                "pgv_m_s, sa_0.2_s_g, sa_eigen_period_g, avg_sa_g or arias_m_s"),
+          _arg("--after-damage", action="store_true", help="of a study of sequences: by Psi before each shock"),
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
            help="bootstrap samples (default 500)"))
 def _fragility(asked):
@@ -310,6 +323,18 @@ def _fragility(asked):
     from damage.studies.fragility_picture import fragility_pictures
 
     runs = load_runs(asked.study)
+    if asked.after_damage:
+        from damage.studies.after_damage import load_shocks, table_after_damage
+        from damage.studies.fragility_picture import picture_after_damage
+
+        shocks = load_shocks(runs, asked.study)
+        table = table_after_damage(shocks, asked.intensity, asked.replicates)
+        print(table.to_string(index=False, float_format="%.3f"))
+        print(write_table(table, asked.out / f"fragility_after_damage_{asked.intensity}.csv"))
+        figures = [(f"fragility_after_damage_{wall}_{asked.intensity}", picture_after_damage(
+            wall, of_wall, table[table["wall"] == wall], asked.intensity)) for wall, of_wall in shocks.groupby("wall")]
+        _save(figures, asked.out, f"study {asked.study}; {made_by_words(runs)}")
+        return
     fits = fit_all(runs, asked.intensity, asked.replicates)
     table = fragility_table(fits, asked.intensity).assign(slip=" or ".join(slip_criteria(runs)))
     print(table.to_string(index=False, float_format="%.3f"))

@@ -4,6 +4,7 @@
 #     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
 #     source scripts/environment.sh test    # also pytest with xdist, hypothesis and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
+#     source scripts/environment.sh site    # a Python with the packages, Sphinx, MyST and the theme
 #     source scripts/environment.sh gates   # a Python with the packages and pytest, shellcheck, ruff
 #
 # A machine may have another python3 first on its path, without the packages; YADE uses Debian's.  So
@@ -69,8 +70,9 @@ _env_missing_packages() {
     done
     for module in $(_env_missing_modules "$(type -P "$SYSTEM_PYTHON" || true)" "$@"); do
         case $module in
-            snakemake) echo snakemake ;;
+            snakemake | furo) echo "$module" ;;
             xdist) echo python3-pytest-xdist ;;
+            myst_parser) echo python3-myst-parser ;;
             *) echo "python3-$module" ;;
         esac
     done
@@ -191,12 +193,16 @@ _env_main() {
         run) modules+=(snakemake) ;;
         test) modules+=(snakemake pytest xdist hypothesis) ;;
         coverage) modules+=(snakemake pytest xdist hypothesis coverage) ;;
+        site)
+            modules+=(sphinx myst_parser furo)
+            _env_programs=()
+            ;;
         gates)
             modules+=(pytest)
             _env_programs=(shellcheck)
             ;;
         *)
-            _env_say "error: environment.sh $1: expected run, test, coverage or gates; mend the call"
+            _env_say "error: environment.sh $1: expected run, test, coverage, site or gates; mend the call"
             return 2
             ;;
     esac

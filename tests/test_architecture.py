@@ -21,7 +21,7 @@ ROOMS = [
     ("damage",),  # its __init__ and __main__
     ("yade_scripts",),
     ("walls",),
-    ("verification", "workflow", "scripts"),
+    ("verification", "workflow", "scripts", "docs"),
     ("benchmarks", "examples"),
     ("tests",),
 ]

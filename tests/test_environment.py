@@ -133,7 +133,8 @@ class TestMissing:
     def test_an_unknown_group_is_refused(self, machine):
         done = machine.source("everything")
         assert done.returncode == 2
-        assert done.stderr == "error: environment.sh everything: expected run, test, coverage or gates; mend the call\n"
+        assert done.stderr == ("error: environment.sh everything: expected run, test, coverage, site or gates; mend "
+                               "the call\n")
 
 
 OS_RELEASE = Path("/etc/os-release")

@@ -1,5 +1,7 @@
 """Fragility curves: known medians and dispersions come back, bounds hold what they say, bad studies are refused."""
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,6 +10,7 @@ from numpy.testing import assert_allclose
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.measure.tables import write_table
+from damage.studies.after_damage import load_shocks
 from damage.studies.fragility import LEVELS, curve, efficiency_table, fit, fragility, load_runs
 from damage.studies.fragility_picture import few_note, fragility_picture
 
@@ -110,6 +113,18 @@ class TestRecords:
                 held[over] += row[f"median_{over}_low_g"] <= 0.2 <= row[f"median_{over}_high_g"]
         assert held["both"] >= 10 > 8 > held["walls"]
 
+    def test_bounds_over_few_records_are_stretched_and_hold_the_true_median_oftener(self):
+        """Over 24 studies of 3 records: 20 expected, and 15 of the samples as they are drawn."""
+        held = {"stretched": 0, "drawn": 0}
+        for seed in range(24):
+            one = fragility(recorded(3, 0.6, seed, n_walls=4), "max_DI", 0.1, replicates=60, over=("records",))
+            low, high = one.median_bounds("records")[:, 0]
+            least, most = np.percentile(one.replicates["records"][:, 0], (5, 95))
+            assert low <= least <= most <= high
+            held["stretched"] += low <= 0.2 <= high
+            held["drawn"] += least <= 0.2 <= most
+        assert held["stretched"] >= 18 > held["drawn"]
+
     def test_one_record_has_no_bounds_over_records(self):
         one = fragility(walls(10, seed=1), "max_DI", 0.05, replicates=20)
         assert one.bounds([0.2], "records") is None is one.bounds([0.2], "both")
@@ -173,3 +188,54 @@ def test_studies_without_scattered_strengths_are_refused(tmp_path):
     write_table(pd.DataFrame({"run": ["a"]}), tmp_path / "tables" / "summary.csv")
     with pytest.raises(InputError, match="no column max_DI"):
         load_runs(tmp_path)
+
+
+class TestAfterDamage:
+    """Walls whose second shock is twice as harmful where the first one has left a crack."""
+
+    @pytest.fixture
+    def study(self, tmp_path):
+        rows = []
+        for wall, first, second in product(range(8), (0.25, 0.5), (1.0, 0.5, 0.25)):
+            name, capacity = f"run-{wall}-{first}-{second}", 0.9 + 0.03 * wall
+            strongest = max(first, second)
+            left = 1.0 if first == 0.5 else 0.0
+            psi = [1.5 * first / capacity, 1.5 * second * (1 + left) / capacity]
+            write_table(pd.DataFrame({
+                "shock": [1, 2], "factor": [first, -second], "end_s": [1.0, 2.0], "max_DI": 0.0,
+                "max_crack_width_mm": 0.0, "max_psi": psi, "residual_psi": [left, 0.0]}),
+                tmp_path / "tables" / f"{name}_shocks.csv")
+            rows.append({"run": name, "wall": "w", "record": "r", "pga_g": 0.2 * strongest, "arias_m_s": strongest**2,
+                         "strength_seed": wall, "strength_cov": 0.3, "status": "complete", "collapsed_at_s": np.nan,
+                         "shocks": 2, "max_DI": 0.0, "max_crack_width_mm": 0.0, "max_psi": max(psi)})
+        write_table(pd.DataFrame(rows), tmp_path / "tables" / "summary.csv")
+        return tmp_path
+
+    def test_each_shock_has_its_own_intensity_and_damage_before(self, study):
+        shocks = load_shocks(load_runs(study), study)
+        assert len(shocks) == 2 * 8 * 2 * 3
+        assert set(shocks["before"]) == {"undamaged", "Psi about 1"}
+        one = shocks[(shocks["run"] == "run-0-0.5-0.25")].set_index("shock")
+        assert_allclose(one["pga_g"], [0.1, 0.05])
+        assert_allclose(one["arias_m_s"], [0.25, 0.0625])
+        assert_allclose(one["max_psi"], [0.75 / 0.9, 0.75 / 0.9])
+
+    def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path, capsys):
+        assert main(["fragility", str(study), "--out", str(tmp_path / "f"), "--after-damage", "--replicates", "5"]) == 0
+        table = pd.read_csv(tmp_path / "f" / "fragility_after_damage_pga_g.csv")
+        median = table[(table["measure"] == "max_psi") & (table["level"] == 1.0)].set_index("before")["median_g"]
+        # Psi is 1.5 f / c, or twice that: it reaches 1 at f = c / 1.5, c about 1, between the factors that were run.
+        assert 0.05 <= median["Psi about 1"] <= 0.1 <= median["undamaged"] <= 0.2
+        assert (tmp_path / "f" / "fragility_after_damage_w_pga_g.png").stat().st_size > 10_000
+
+    def test_a_fall_in_the_second_shock_is_none_of_the_first(self, study):
+        runs = load_runs(study)
+        runs["collapsed_at_s"] = 1.5
+        shocks = load_shocks(runs, study)
+        assert shocks.loc[shocks["shock"] == 1, "collapsed_at_s"].isna().all()
+        assert (shocks.loc[shocks["shock"] == 2, "collapsed_at_s"] == 1.5).all()
+
+    def test_a_study_without_sequences_is_refused(self, tmp_path, capsys):
+        write_table(walls(2, seed=1).assign(shocks=1), tmp_path / "tables" / "summary.csv")
+        assert main(["fragility", str(tmp_path), "--out", str(tmp_path), "--after-damage"]) == 2
+        assert "expected a study of sequences" in capsys.readouterr().err

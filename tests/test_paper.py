@@ -14,6 +14,7 @@ from damage.measure.columns import CRITERIA
 from damage.paper import report
 from damage.paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
 from damage.paper.margins import EDGE, above, at_least, at_most, within
+from damage.paper.readings import conclusions, judge_readings, table
 from damage.paper.report import BEGIN, END, SOLVER_NAMES, STATEMENTS, lintel_in_words, merged
 from damage.paper.verdict import DIFFERS, HOLDS, JUDGES, UNJUDGED, judge, statement_verdict
 
@@ -98,6 +99,46 @@ def where(table, wall="symmetric", period=None, amplitude=None, cycles=3, scale=
     for name, value in (("motion_period_s", period), ("amplitude_g", amplitude), ("scale", scale)):
         mask &= True if value is None else table[name] == value
     return mask & ((table["cycles"] == cycles) | table["cycles"].isna())
+
+
+class TestReadings:
+    def test_each_reading_is_judged_by_its_own_runs(self, papers_world, tmp_path):
+        """The default contradicts P4 by displacement, other loads and periods do not."""
+        mended = papers_world.assign(run="b-" + papers_world["run"], load="piers")
+        stiff = papers_world[papers_world["wall"] == "symmetric"].assign(eigen_period_s=0.1742, time_step_s=1.5e-5)
+        papers_world.loc[where(papers_world, period=0.33, amplitude=0.025), "max_DI"] = 0.05
+        folder = tmp_path / "readings" / "tables"
+        folder.mkdir(parents=True)
+        stiff = stiff.assign(run="c-" + stiff["run"], load="length")
+        pd.concat([papers_world.assign(load="length"), mended, stiff]).to_csv(folder / "summary.csv", index=False)
+        found = {reading.words: findings for reading, findings in judge_readings(tmp_path).items()}
+        assert list(found) == ["by default", "0.3 MPa in the piers", "2 cycles", "T0 0.175 s"]
+
+        def cell(words, claim, slip="displacement"):
+            verdict, = (one.verdict for one in found[words] if (one.claim.id, one.slip) == (claim, slip))
+            return verdict
+
+        assert cell("by default", "P4") == DIFFERS and cell("by default", "P4", "shear-limit") == HOLDS
+        assert cell("0.3 MPa in the piers", "P4") == HOLDS == cell("T0 0.175 s", "P4")
+        assert cell("T0 0.175 s", "P7") == UNJUDGED  # of the asymmetric wall there is none so fast
+        assert cell("2 cycles", "P4") == UNJUDGED
+        lines = table(judge_readings(tmp_path))
+        assert len({line.count("|") for line in lines}) == 1
+        row, = (line for line in lines if line.startswith("| P4,"))
+        assert row.endswith("| s | das | ? | das |")
+        assert "0.3 MPa in the piers: mends nothing; breaks nothing." in conclusions(judge_readings(tmp_path))
+
+    def test_the_command_writes_a_document(self, papers_world, tmp_path, capsys):
+        (tmp_path / "tables").mkdir()
+        papers_world.to_csv(tmp_path / "tables" / "summary.csv", index=False)
+        assert main(["readings", str(tmp_path), "--markdown", str(tmp_path / "readings.md")]) == 0
+        assert "Most claims" in capsys.readouterr().out and "| by default |" in (tmp_path / "readings.md").read_text()
+
+    def test_results_without_a_reading_are_refused(self, papers_world, tmp_path, capsys):
+        (tmp_path / "tables").mkdir()
+        papers_world.assign(solver="yade").to_csv(tmp_path / "tables" / "summary.csv", index=False)
+        assert main(["readings", str(tmp_path)]) == 2
+        assert "run_all.sh readings" in capsys.readouterr().err
 
 
 def test_every_claim_has_its_judge_and_every_statement_its_claims():

@@ -25,7 +25,7 @@ class LaboratoryTest:
     """Measured numbers of one wall; pairs are of the two directions of loading.
 
     peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (positive, negative);
-    drifts are ratios; mode: of MODES; height [m].
+    drifts are ratios; first_crack: the drift at which it was seen, None where none is told; mode: of MODES; height [m].
     """
 
     specimen: str
@@ -36,6 +36,7 @@ class LaboratoryTest:
     bilinear_force_n: tuple[float, float]
     elastic_drift: tuple[float, float]
     ultimate_drift: tuple[float, float]
+    first_crack: float | None
 
     @property
     def stiffness_n_per_m(self):
@@ -61,7 +62,7 @@ def read_test(specimen):
 
     return LaboratoryTest(specimen, MODES[row["Failure mode"]], float(row["H_m"]), pair("Vmax", "kN", 1e3),
                           pair("dVmax", "pct", 0.01), pair("Vbil", "kN", 1e3), pair("de", "pct", 0.01),
-                          pair("du", "pct", 0.01))
+                          pair("du", "pct", 0.01), 0.01 * row["dcr+_pct"] if np.isfinite(row["dcr+_pct"]) else None)
 
 
 def test_of(history):
@@ -86,7 +87,8 @@ def beside_test(history):
         ("drift at the peak force", "%", 100 * summary["drift_at_peak_force"], 100 * measured["drift_at_peak"]),
         ("bilinear force", "kN", line["force_n"] / 1e3, measured["bilinear_force_n"] / 1e3),
         ("ultimate drift, or the largest", "%", 100 * line["ultimate_drift"], 100 * measured["ultimate_drift"]),
-        ("drift at the first crack of 0.1 mm", "%", None if crack is None else 100 * crack, None),
+        ("drift at the first crack (of 0.1 mm)", "%", *(None if drift is None else 100 * drift
+                                                        for drift in (crack, test.first_crack))),
         ("share of the slipped length on stairs", "1", shares["stair_share"], None),
         ("failure mode", "", shares["mode"], test.mode),
     ]

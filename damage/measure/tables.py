@@ -18,11 +18,12 @@ from damage.history.info import info, made_by
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
 from damage.measure.columns import slip_criteria
+from damage.measure.cracks import psi_history
 from damage.measure.cycles import cycles_table, index_by_all
 from damage.measure.motion import motion_measures
 from damage.measure.summary import summarise
 from damage.motion.intensity import APPLIED
-from damage.units import GRAVITY
+from damage.units import GRAVITY, MILLIMETRE
 
 
 def summary_row(history, run="", point=""):
@@ -85,19 +86,21 @@ def index_table(history):
 
 
 def shocks_table(history):
-    """A row a shock: its factor on the motion, the largest index, by each slip criterion, and drift in it, and those
-    at its end.
+    """A row a shock: its factor on the motion, the largest index, by each slip criterion, drift, crack width and Psi in
+    it, and those at its end.
 
     Residual values are those of the last sample of its settling stage, empty where it has none.
     """
     index, rows = index_by_all(history), []
+    cracks = psi_history(history)
+    cracks = pd.DataFrame({"psi": cracks["psi"], "crack_width_mm": cracks["max_width_m"] / MILLIMETRE})
     for shock, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
         row = {"shock": shock, "factor": history.sequence[shock - 1], "start_s": members["time_s"].iloc[0],
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
-        mine = index.loc[members.index]
-        for name in index:
+        mine = index.join(cracks).loc[members.index]
+        for name in mine:
             row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
         rows.append(row)
     return pd.DataFrame(rows).assign(slip=history.judged_by("displacement"))

@@ -56,11 +56,22 @@ def load_runs(folder):
     return runs[runs["status"] == "complete"].reset_index(drop=True)
 
 
-def comparable(runs):
-    """The runs with the parameters of SHAPE, brittle joints, the usual step, and the usual period of the wall."""
-    kept = ~(runs["time_step_s"] < LEAST_STEP_S) & ~(runs["beta_s"] > BETA_S) & ~(runs[SOFTENS] > 0)
-    for name, value in SHAPE.items():
-        kept &= runs[name].isna() | (runs[name] == value)
+def unknown_or(value):
+    """Which of a column's values are this one, or missing as in older tables: a function of the column."""
+    return lambda column: column.isna() | (column == value)
+
+
+USUAL = {name: unknown_or(value) for name, value in SHAPE.items()} | {
+    "time_step_s": lambda step_s: ~(step_s < LEAST_STEP_S), "beta_s": lambda beta_s: ~(beta_s > BETA_S),
+    SOFTENS: lambda energy: ~(energy > 0)}
+"""{column: function of it that says which runs are those of the paper's model, as it is read here by default}."""
+
+
+def comparable(runs, changes=None):
+    """The runs of the model of USUAL, or with `changes` of its functions, and the usual period of the wall."""
+    kept = pd.Series(True, runs.index)
+    for name, fits in (USUAL | (changes or {})).items():
+        kept &= fits(runs[name])
     runs = runs[kept]
     usual = runs.groupby("wall")["eigen_period_s"].transform("median")
     return runs[~((runs["eigen_period_s"] - usual).abs() > OTHER_WALL * usual)]
@@ -109,7 +120,7 @@ class Evidence:
     """What one solver has to say with one lintel and one slip criterion.
 
     runs: comparable runs of one solver, all lintels; points: theirs, of `gather`; records: {name: Record} of
-    the paper's two.
+    the paper's two; usual_cycles: of the harmonic motions, where a claim does not say.
     """
 
     runs: pd.DataFrame
@@ -117,18 +128,19 @@ class Evidence:
     lintel: str
     slip: str
     records: dict
+    usual_cycles: int = 3
 
     def column(self, kind, component):
         """Name of a column of the index, kind "max" or "residual", with this slip criterion."""
         return f"{kind}_{CRITERIA[self.slip]}{component}"
 
-    def harmonic(self, wall, period_s, cycles=3):
+    def harmonic(self, wall, period_s, cycles=None):
         """{amplitude [g]: Point} of a wall's harmonic motions, rising."""
-        return self.points.get(_harmonic_key(wall, self.lintel, period_s, cycles), {})
+        return self.points.get(_harmonic_key(wall, self.lintel, period_s, cycles or self.usual_cycles), {})
 
-    def harmonic_at(self, wall, period_s, amplitudes_g, cycles=3):
+    def harmonic_at(self, wall, period_s, amplitudes_g, cycles=None):
         """Points at these amplitudes, in their order; raises Fell if one fell, NotThere if one is missing."""
-        count = "" if cycles == 3 else f", {cycles} cycles"
+        count = f", {cycles or self.usual_cycles} cycles" if (cycles or self.usual_cycles) != 3 else ""
         return _chosen(self.harmonic(wall, period_s, cycles), amplitudes_g,
                        f"no run of the {wall} wall at {period_s:g} s{count}, amplitude [g]")
 

@@ -52,8 +52,7 @@ def judge(folder):
 
     Raises InputError where there is no table of a study.
     """
-    runs = comparable(load_runs(folder))
-    records = {name: read_record(shipped_record_path(shipped)) for name, shipped in RECORD_NAMES.items()}
+    runs, records = comparable(load_runs(folder)), shipped_records()
     of = {solver: runs[runs["solver"] == solver] for solver in SOLVERS if (runs["solver"] == solver).any()}
     if not of:
         raise InputError(f"{folder}: its tables hold no complete run with the default model; expected the results of "
@@ -61,6 +60,16 @@ def judge(folder):
     points = {solver: gather(mine) for solver, mine in of.items()}
     return [_finding(claim, solver, Evidence(of[solver], points[solver], lintel, slip, records))
             for claim in CLAIMS for solver in of for lintel in _lintels(of[solver]) for slip in CRITERIA]
+
+
+def judge_with(solver, evidence):
+    """Findings on all claims by each piece of Evidence of one solver."""
+    return [_finding(claim, solver, one) for claim in CLAIMS for one in evidence]
+
+
+def shipped_records():
+    """{name: Record} of the paper's two."""
+    return {name: read_record(shipped_record_path(shipped)) for name, shipped in RECORD_NAMES.items()}
 
 
 def _lintels(runs):

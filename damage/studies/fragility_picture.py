@@ -5,8 +5,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from damage.draw.panels import add_heading, finish, grid, letter, record_label, slip_note
-from damage.draw.style import BLUE, GREEN, ORANGE, styled
-from damage.studies.fragility import CONFIDENCE, FEW_RECORDS, INTENSITIES, exceeding, unit_of
+from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, styled
+from damage.studies.fragility import CONFIDENCE, FEW_RECORDS, INTENSITIES, LEVELS, curve, exceeding, unit_of
 
 _PANELS = {"max_DI": "maximum DI", "max_crack_width_mm": "maximum crack width [mm]", "max_psi": r"maximum $\Psi$"}
 _BANDS = {"both": (0.15, "walls and records drawn anew"), "walls": (0.35, "walls drawn anew, records held")}
@@ -47,7 +47,7 @@ def few_note(n_records):
     """A line of the heading where the records are too few to bound what others would do, else ""."""
     return "" if n_records >= FEW_RECORDS else (
         f"{n_records} {'records are' if n_records != 1 else 'record is'} few: bounds over walls leave others out, "
-        "and those over records are rough, rather too narrow")
+        "and those over records are rough")
 
 
 def _draw(ax, x, runs, one, style, intensity):
@@ -67,3 +67,38 @@ def _draw(ax, x, runs, one, style, intensity):
     else:
         told += f": {one.n_exceeding} of {one.n_runs} runs"
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=told)
+
+
+@styled
+def picture_after_damage(wall, shocks, table, intensity="pga_g"):
+    """A panel for Psi of 1 and of 2, a curve for each class of the damage before; shocks, table: of one wall, of
+    `damage.studies.after_damage`."""
+    levels = LEVELS["max_psi"]
+    figure, axes = grid(1, len(levels), 2.3)
+    x = np.linspace(0.005, 1.08, 200) * shocks[intensity].max()
+    for number, (ax, level) in enumerate(zip(axes[0], levels)):
+        rows = table[(table["measure"] == "max_psi") & (table["level"] == level)]
+        handles = [_draw_after(ax, x, shocks, row, style, intensity)
+                   for (_, row), style in zip(rows.iterrows(), (*_STYLES, (VERMILLION, "v", ":"), (BLACK, "x", "-")))]
+        ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
+        letter(ax, number, rf"$\Psi$ > {level:g}")
+        ax.set(xlabel=INTENSITIES[intensity], xlim=(0, x[-1]), ylim=(-0.03, 1.03))
+    axes[0, 0].set_ylabel("probability of exceeding")
+    records = shocks["record"].dropna().unique()
+    add_heading(figure, f"{wall} wall, {len(shocks)} shocks of {shocks['run'].nunique()} runs, by the damage before",
+                "; ".join(record_label(name) for name in records), slip_note(shocks), few_note(len(records)))
+    return finish(figure, [Line2D([], [], color="0.3", label="lognormal fit"), Line2D(
+        [], [], color="0.3", marker="o", ls="", ms=3, label="share of the shocks at one intensity")], columns=2)
+
+
+def _draw_after(ax, x, shocks, row, style, intensity):
+    """Shares and curve of one class of the damage before; returns the legend's entry."""
+    colour, marker, line = style
+    mine, median = shocks[shocks["before"] == row["before"]], row[f"median_{unit_of(intensity)[0]}"]
+    shares = exceeding(mine, row["measure"], row["level"]).groupby(mine[intensity].round(6)).mean()
+    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
+    told = f"{row['before']}: {row['exceeding']} of {row['runs']} shocks"
+    if np.isfinite(median):
+        ax.plot(x, curve(x, median, row["dispersion"]), color=colour, ls=line)
+        told = f"{row['before']}: median {median:#.3g} {unit_of(intensity)[1]}, dispersion {row['dispersion']:.2f}"
+    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=told.replace("Psi", r"$\Psi$"))

@@ -1,0 +1,62 @@
+"""Fragility by the damage that was there before: each shock of a sequence as a run of its own.
+
+A wall comes into its second shock with the cracks of the first one, and Psi counts them; so shocks are told apart by
+Psi at rest before them.  P. A. Korswagen's curves for walls with damage before (docs/published-fragility.md) are of
+that kind.
+"""
+
+import pandas as pd
+
+from damage.errors import InputError
+from damage.measure.columns import read_table
+from damage.studies.fragility import INTENSITIES, LEVELS, fragility
+
+BEFORE = {"undamaged": (0.0, 0.25), "Psi about 0.5": (0.25, 0.75), "Psi about 1": (0.75, 1.25),
+          "Psi about 1.5": (1.25, 1.75)}
+"""Words for Psi at rest before a shock: from, up to [-]; a single crack of 0.02 mm is 0.62."""
+_SQUARED = ("arias_m_s",)
+"""Intensities that go with the square of the motion."""
+
+
+def load_shocks(runs, folder):
+    """Every shock of runs (rows of a study's summary.csv) as a row like theirs, with `shock`, `psi_before` [-] and its
+    class `before`, a word of BEFORE, else "more".
+
+    Measures are those within the shock, intensities its own: the run's, of its strongest shock, by the factors.
+    folder: the study's, with tables/RUN_shocks.csv.  InputError where there is no sequence.
+    """
+    sequences, rows = runs[runs["shocks"] > 1], []
+    for _, run in sequences.iterrows():
+        path = folder / "tables" / f"{run['run']}_shocks.csv"
+        table = read_table(path, ("shock", "factor", "end_s", *LEVELS, "residual_psi"))
+        strongest = table["factor"].abs().max()
+        before = table["residual_psi"].shift(1, fill_value=0.0)
+        for (_, shock), psi in zip(table.iterrows(), before):
+            factor = abs(shock["factor"]) / strongest
+            fell = run["collapsed_at_s"] <= shock["end_s"] + 1e-9
+            rows.append(run.to_dict() | {name: run[name] * factor ** (2 if name in _SQUARED else 1)
+                                         for name in INTENSITIES if name in run}
+                        | {name: shock[name] for name in LEVELS}
+                        | {"shock": int(shock["shock"]), "psi_before": psi, "before": _class(psi),
+                           "collapsed_at_s": run["collapsed_at_s"] if fell else None})
+    if not rows:
+        raise InputError(f"{folder} holds no run of several shocks; expected a study of sequences, as "
+                         "studies/aftershocks.toml")
+    return pd.DataFrame(rows)
+
+
+def _class(psi):
+    return next((words for words, (low, high) in BEFORE.items() if low <= psi < high), "more")
+
+
+def table_after_damage(shocks, intensity, replicates):
+    """A DataFrame with a row for each wall, class of the damage before, measure and level: fits of `fragility`."""
+    rows = []
+    for (wall, before), of_class in shocks.groupby(["wall", "before"], sort=False):
+        for measure, levels in LEVELS.items():
+            for level in levels:
+                one = fragility(of_class, measure, level, intensity, replicates)
+                rows.append({"wall": wall, "before": before, "intensity": intensity, **one.row()})
+    table = pd.DataFrame(rows)
+    order = {words: place for place, words in enumerate([*BEFORE, "more"])}
+    return table.sort_values("before", key=lambda column: column.map(order), kind="stable", ignore_index=True)

@@ -1,0 +1,83 @@
+"""The guides are true: what they say to save is saved, what they say to type is typed, in a copy of the repository."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import damage
+
+ROOT = Path(__file__).resolve().parents[1]
+GUIDES = ROOT / "docs" / "guides"
+BLOCK = re.compile(r"^```(sh|python|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NEEDED = ("damage", "walls", "studies", "workflow", "scripts", "yade_scripts", "run_all.sh", "pyproject.toml")
+
+pytestmark = pytest.mark.xdist_group("guides")
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory):
+    """What a user has after a clone, with compiled code as it is here."""
+    folder = tmp_path_factory.mktemp("guides") / "clone"
+    folder.mkdir()
+    for name in NEEDED:
+        copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy2
+        copy(ROOT / name, folder / name)
+    programs = folder.parent / "bin"
+    programs.mkdir()
+    (programs / "python3").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    (programs / "python3").chmod(0o755)
+    return folder
+
+
+def follow(name, clone):
+    """Save and type what a guide says; returns what its commands printed."""
+    told = ""
+    for language, text in BLOCK.findall((GUIDES / f"{name}.md").read_text(encoding="utf-8")):
+        if language == "sh":
+            done = subprocess.run(["bash", "-euc", text], cwd=clone, capture_output=True, text=True, timeout=300, env={
+                **os.environ, "PATH": f"{clone.parent / 'bin'}:{os.environ['PATH']}", "PYTHONPATH": "",
+                "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
+            assert done.returncode == 0, f"{name}: {text}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+            told += done.stdout
+        else:
+            first, = re.findall(r"\A# (\S+)$", text, re.MULTILINE)[:1]
+            (clone / first).write_text(text, encoding="utf-8")
+    return told
+
+
+def test_the_first_wall_and_what_it_left(clone):
+    assert "maximum, shear limit" in follow("first-wall", clone)
+    assert damage.read_history(clone / "first.h5").complete
+    assert (clone / "first" / "wall_max.png").stat().st_size > 10_000
+    told = follow("reading-results", clone)
+    worst = damage.read_history(clone / "first.h5").index()["DI"].max()
+    assert f"maximum DI {worst:.4f}" in told
+    assert (clone / "first_tables_index.csv").is_file()
+
+
+def test_a_wall_and_a_study_of_ones_own(clone):
+    assert "two-windows" in follow("own-wall", clone)
+    history = damage.read_history(clone / "two_windows.h5")
+    assert len(history.masonry_wall.openings) == 2 and history.broken.any()
+    told = follow("own-study", clone)
+    points = pd.read_csv(clone / "results" / "my-study" / "tables" / "points.csv")
+    assert len(points) == 6 and set(points["wall"]) == {"two-windows"}
+    assert f"{points['max_DI'].max():.3f}" in told
+
+
+def test_a_record_of_ones_own(clone):
+    assert "pga" in follow("own-record", clone).lower()
+    history = damage.read_history(clone / "my_record.h5")
+    assert history.complete and history.series["base_acceleration_x_m_s2"].abs().max() > 0.2 * 9.8
+
+
+def test_every_guide_is_followed_or_has_nothing_to_follow():
+    followed = {"first-wall", "reading-results", "own-wall", "own-study", "own-record"}
+    for path in GUIDES.glob("*.md"):
+        assert (path.stem in followed) == bool(BLOCK.search(path.read_text(encoding="utf-8"))), path.name

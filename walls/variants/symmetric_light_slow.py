@@ -1,0 +1,21 @@
+"""The symmetric façade wall with 0.12 MPa in its piers, its period 0.200 s (docs/published-fragility.md).
+
+    yade walls/variants/symmetric_light_slow.py --harmonic 0.2 0.05
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # YADE does not look here by itself
+
+from walls.variants.changed import symmetric
+
+
+def wall():
+    return symmetric(name="symmetric_light_slow", stiffer=0.21274, precompression=0.06e6)
+
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+
+    main(wall)

@@ -1,0 +1,21 @@
+"""The symmetric façade wall with joints that soften, by the rule of docs/softening.md (docs/readings.md).
+
+    yade walls/variants/symmetric_softening.py --harmonic 0.2 0.05
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # YADE does not look here by itself
+
+from walls.variants.changed import symmetric
+
+
+def wall():
+    return symmetric(softens=True)
+
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+
+    main(wall)
