@@ -24,7 +24,7 @@ from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
 from verification import softening
 from verification.block import settle, solver_of
 from verification.problem import Problem, ask_yade, run_yade
-from verification.softening import JOINT, Driven, between, drive, pair
+from verification.softening import Driven, between, drive, pair
 
 BLOCK, TOE = Brick(length=0.4, height=0.8, thickness=0.1), 0.25
 """A block, and the share of its length that its toe takes."""

@@ -14,7 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 
 import numpy as np
-from yade import O, Vector3
+from yade import Vector3
 
 from verification.softening import between, pair
 from yade_scripts.leaving import run_and_leave
