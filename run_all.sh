@@ -25,6 +25,7 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --slurm        each as a job of a SLURM cluster that shares this folder; SBATCH_PARTITION and the
                  like choose where (docs/batches.md); -j is the number of jobs at a time
   --remake       make runs again that another version of the model made; without it they are kept, and named
+  --dry-run      make nothing: say which runs are there, which are to be made, expected time and disk
   -h, --help     this help
 
 DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
@@ -42,6 +43,7 @@ fail() {
     exit 2
 }
 
+dry_run=''
 study='' jobs=$(nproc) out='' solver=yade slurm='' remake=''
 while [ $# -gt 0 ]; do
     case $1 in
@@ -55,6 +57,10 @@ while [ $# -gt 0 ]; do
             ;;
         --remake)
             remake=--remake
+            shift
+            ;;
+        --dry-run)
+            dry_run=yes
             shift
             ;;
         --out=* | --solver=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
@@ -100,6 +106,8 @@ case $study in
             fail "no study $study is shipped: expected $(shipped | paste -sd' '), all or a study file (.toml)"
         ;;
 esac
+
+[ -z "$dry_run" ] || program=plan.py
 
 memory=$(ulimit -v)
 least=$((600 + 150 * $(nproc))) # MB, as damage/memory.py has it: with less no library loads, and none seems installed

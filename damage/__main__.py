@@ -1,3 +1,4 @@
+# PYTHON_ARGCOMPLETE_OK
 """`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
 from damage.start import begin, is_of_output, leave, missing_library
@@ -5,7 +6,10 @@ from damage.start import begin, is_of_output, leave, missing_library
 if __name__ == "__main__":
     begin()  # before what takes its time to import
 
+import io
+import os
 import sys
+from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 
 from damage.errors import InputError, one_line
@@ -13,29 +17,53 @@ from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
-from damage.run.options import OneLineParser, add_model_options, file_path, model_of, number_from
+from damage.provenance import commit
+from damage.run.options import OneLineParser, add_model_options, file_path, make_parser, model_of, number_from
 from damage.units import MILLIMETRE
+from damage.version import VERSION
 
 COMMANDS = {}
 """Name -> (function of the parsed options, what it is for, functions that add an argument to its parser)."""
+
+
+class _Silence(io.StringIO):
+    """Where output goes that nobody wants to see."""
 
 
 def main(arguments=None):
     """Run one command; returns the exit status: 0 done, 1 out of memory, or `check` found a file without an end, 2 bad
     input, 3 a library is missing."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
+    quiet = arguments[:1] == ["--quiet"]
+    if "_ARGCOMPLETE" in os.environ:
+        _complete()
     try:
-        if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
-            from damage.reference.session import run_reference
-
-            return run_reference(arguments[1:])
-        hold_buffers()
-        asked = _parser().parse_args(arguments)
-        return asked.command(asked) or 0
+        with redirect_stdout(_Silence()) if quiet else nullcontext():
+            return _run(arguments[quiet:], quiet)
     except KeyboardInterrupt:
         return 130
     except Exception as error:
         return _failed(error)
+
+
+def _run(arguments, quiet):
+    if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
+        from damage.reference.session import run_reference
+
+        return run_reference([*arguments[1:], *["--quiet"] * (quiet and len(arguments) > 1)])
+    if arguments == ["--version"]:
+        print(f"masonry-damage {VERSION}, commit {commit()}")
+        return 0
+    hold_buffers()
+    asked = _parser().parse_args(arguments)
+    return asked.command(asked) or 0
+
+
+def _complete():
+    """Tell a shell how the command line before its cursor may go on, and end; needs argcomplete."""
+    import argcomplete
+
+    argcomplete.autocomplete(_parser(whole=True))
 
 
 def _failed(error):
@@ -57,11 +85,17 @@ def _failed(error):
     return status
 
 
-def _parser():
-    parser = OneLineParser(prog="python3 -m damage", allow_abbrev=False,
-                           description="Damage of masonry walls under induced seismicity.")
+def _parser(whole=False):
+    """The parser of all commands; whole: with the options of `reference`, which has a parser of its own."""
+    parser = OneLineParser(prog="python3 -m damage", allow_abbrev=False, description=(
+        f"Damage of masonry walls under induced seismicity: masonry-damage {VERSION}. Installed by pip, it has the "
+        "command masonry-damage, too."))
+    parser.add_argument("--version", action="store_true", help="print the version and the commit, and end")
+    parser.add_argument("--quiet", action="store_true", help="before a command: print warnings and errors only")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
-    commands.add_parser("reference", help="run a wall in the reference solver (see reference --help)")
+    run = [make_parser("reference", "reference")] if whole else []
+    commands.add_parser("reference", help="run a wall in the reference solver (see reference --help)", parents=run,
+                        conflict_handler="resolve")
     for name, (function, purpose, arguments) in COMMANDS.items():
         command = commands.add_parser(name, help=purpose, description=purpose, allow_abbrev=False)
         command.set_defaults(command=function)
@@ -114,7 +148,8 @@ def _save(figures, folder, made=""):
     from damage.draw.style import save_figures
 
     for path in save_figures(figures, folder, made):
-        print(f"picture: {path}", file=sys.stderr)
+        if not isinstance(sys.stdout, _Silence):
+            print(f"picture: {path}", file=sys.stderr)
 
 
 # --- a history, a wall, a record --------------------------------------------------------------------
@@ -205,6 +240,44 @@ def _plot(asked):
     print(*save_all(read_history(asked.history), asked.out), sep="\n")
 
 
+@_command("the moving wall and its cracks as GIF, or as MP4 where ffmpeg is there", _HISTORY,
+          _out("the film (default: beside the history, .gif)", "FILE.gif|FILE.mp4", required=False),
+          _arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the run (default: all of it, "
+               "or of a long one what is around its maximum DI)"),
+          _arg("--magnify", type=number_from(0, 1e6), metavar="FACTOR", help="on displacements (default: what makes "
+               "them visible)"))
+def _animate(asked):
+    from damage.draw.animation import write_film
+
+    print(write_film(read_history(asked.history), asked.out or asked.history.with_suffix(".gif"), asked.window,
+                     asked.magnify))
+
+
+@_command("a history for ParaView, or the tables of a study for other programs",
+          _path("source", "FILE.h5|STUDY_DIR", "a history, or the folder of a study, as results/quick"),
+          _path("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
+          _path("--vtk", "DIR", "of a history: a VTU file a snapshot and a PVD file that lists them, for any ParaView"),
+          _path("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
+          _path("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)"))
+def _export(asked):
+    from damage.export.study import write_netcdf, write_parquet
+    from damage.export.vtkhdf import write_vtkhdf
+    from damage.export.vtu import write_vtu
+
+    if not (asked.vtkhdf or asked.vtk or asked.parquet or asked.netcdf):
+        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf or --vtk DIR of a history, --parquet "
+                         "DIR or --netcdf FILE.nc of a study; give one")
+    history = read_history(asked.source) if asked.vtkhdf or asked.vtk else None
+    if asked.vtkhdf:
+        print(write_vtkhdf(history, asked.vtkhdf))
+    if asked.vtk:
+        print(write_vtu(history, asked.vtk))
+    if asked.parquet:
+        print(*write_parquet(asked.source, asked.parquet), sep="\n")
+    if asked.netcdf:
+        print(write_netcdf(asked.source, asked.netcdf))
+
+
 @_command("compare a history with another, or an ensemble", _path("first", "A.h5"),
           _path("others", "B.h5", "of several the median counts", nargs="+"), _JSON,
           _out("folder for a picture of drift and joints", required=False))
@@ -232,6 +305,16 @@ def _tables(asked):
     else:
         for path in asked.histories:
             write_run_tables(read_history(path), asked.out)
+
+
+@_command("one HTML file to send: a run, runs side by side, or a study, for any browser, without a network",
+          _path("paths", "PATH", "a history (.h5), up to six of them, or the folder of studies", nargs="+"),
+          _out("the file (default: beside the first PATH, of its name, or report.html in a folder)", "FILE.html",
+               required=False))
+def _report(asked):
+    from damage.html.report import write_report
+
+    print(write_report(asked.paths, asked.out))
 
 
 # --- studies ----------------------------------------------------------------------------------------
@@ -299,7 +382,7 @@ def _cracks(asked):
     from damage.laboratory.crack_report import crack_report, describe
 
     report, drawn = crack_report(**{name: value for name, value in vars(asked).items()
-                                    if name not in ("command", "json")})
+                                    if name not in ("command", "json", "version", "quiet")})
     if asked.out:
         from damage.laboratory.crack_picture import crack_pictures
 
@@ -315,13 +398,17 @@ def _cracks(asked):
                "pgv_m_s, sa_0.2_s_g, sa_eigen_period_g, avg_sa_g or arias_m_s"),
           _arg("--after-damage", action="store_true", help="of a study of sequences: by Psi before each shock"),
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
-           help="bootstrap samples (default 500)"))
+           help="bootstrap samples (default 500)"),
+          _path("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
+                "coefficients with units, arrays"))
 def _fragility(asked):
     from damage.measure.columns import made_by_words, slip_criteria
     from damage.measure.tables import write_table
     from damage.studies.fragility import efficiency_table, fit_all, fragility_table, load_runs
     from damage.studies.fragility_picture import fragility_pictures
 
+    if asked.after_damage and asked.export:
+        raise InputError("--export with --after-damage: expected one of them; those curves are in the CSV alone")
     runs = load_runs(asked.study)
     if asked.after_damage:
         from damage.studies.after_damage import load_shocks, table_after_damage
@@ -342,6 +429,10 @@ def _fragility(asked):
     efficiency = efficiency_table(runs)
     print(efficiency.to_string(index=False, float_format="%.3f"))
     print(write_table(efficiency, asked.out / "efficiency.csv"))
+    if asked.export:
+        from damage.export.curves import write_curves
+
+        print(*write_curves(fits, asked.export, runs.groupby("wall")["eigen_period_s"].median()), sep="\n")
     _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
 
 
@@ -356,6 +447,22 @@ def _study_tables(asked):
     from damage.studies.tables import write_study_tables
 
     print(*write_study_tables(load_study(asked.study, asked.solver, asked.root), asked.folder, asked.jobs), sep="\n")
+
+
+@_command("the JSON Schema of study files, by which editors complete and check them: put it beside yours, and "
+          "'#:schema ./study.schema.json' on its first line")
+def _study_schema(asked):
+    from damage.studies.schema import study_schema
+
+    print(json_text(study_schema(), indent=1))
+
+
+@_command("the data dictionary: every column of every table, as dictionary.csv and dictionary.md",
+          _out("folder for both"))
+def _dictionary(asked):
+    from damage.export.dictionary import write_dictionary
+
+    print(*write_dictionary(asked.out), sep="\n")
 
 
 if __name__ == "__main__":

@@ -1,3 +1,4 @@
+# PYTHON_ARGCOMPLETE_OK
 """How `python3 -m damage` begins and leaves: an interrupt at any time, a library that is missing, too little memory, or
 an output that takes nothing is one line at most.  Nothing is imported here that takes time: before `begin` an interrupt
 is Python's."""

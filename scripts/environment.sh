@@ -2,8 +2,9 @@
 # Finds, or installs on Debian, what the programs of this repository need.  Other scripts source it:
 #
 #     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
-#     source scripts/environment.sh test    # also pytest with xdist, hypothesis and, where it can be had, obspy
+#     source scripts/environment.sh test    # also pytest with xdist, hypothesis, jinja2 and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
+#     source scripts/environment.sh browser # a Python with the packages, pytest and selenium, Chromium and its driver
 #     source scripts/environment.sh site    # a Python with the packages, Sphinx, MyST and the theme
 #     source scripts/environment.sh gates   # a Python with the packages and pytest, shellcheck, ruff
 #
@@ -66,7 +67,11 @@ _env_has_programs() {
 _env_missing_packages() {
     local module program
     for program in "${_env_programs[@]}"; do
-        [ -n "$(type -P "$program")" ] || echo "$program"
+        [ -n "$(type -P "$program")" ] || case $program in
+            chromedriver) echo chromium-driver ;;
+            pdftoppm) echo poppler-utils ;;
+            *) echo "$program" ;;
+        esac
     done
     for module in $(_env_missing_modules "$(type -P "$SYSTEM_PYTHON" || true)" "$@"); do
         case $module in
@@ -191,8 +196,12 @@ _env_main() {
     local modules=(numpy scipy pandas h5py matplotlib numba)
     case ${1:-run} in
         run) modules+=(snakemake) ;;
-        test) modules+=(snakemake pytest xdist hypothesis) ;;
-        coverage) modules+=(snakemake pytest xdist hypothesis coverage) ;;
+        test) modules+=(snakemake pytest xdist hypothesis jinja2) ;;
+        coverage) modules+=(snakemake pytest xdist hypothesis jinja2 coverage) ;;
+        browser)
+            modules+=(jinja2 pytest hypothesis selenium)
+            _env_programs=(chromium chromedriver pdftoppm)
+            ;;
         site)
             modules+=(sphinx myst_parser furo)
             _env_programs=()
@@ -202,7 +211,7 @@ _env_main() {
             _env_programs=(shellcheck)
             ;;
         *)
-            _env_say "error: environment.sh $1: expected run, test, coverage, site or gates; mend the call"
+            _env_say "error: environment.sh $1: expected run, test, coverage, browser, site or gates; mend the call"
             return 2
             ;;
     esac

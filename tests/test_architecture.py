@@ -18,6 +18,7 @@ ROOMS = [
     ("damage.draw",),
     ("damage.run",),
     ("damage.reference", "damage.laboratory", "damage.studies", "damage.paper"),
+    ("damage.html", "damage.export"),
     ("damage",),  # its __init__ and __main__
     ("yade_scripts",),
     ("walls",),

@@ -108,9 +108,16 @@ class TestMissing:
         missing, command = done.stderr.splitlines()
         packages = ["yade", *(f"python3-{name}" for name in ("numpy", "scipy", "pandas", "h5py", "matplotlib",
                                                              "numba")),
-                    "snakemake", "python3-pytest", "python3-pytest-xdist", "python3-hypothesis"]
+                    "snakemake", "python3-pytest", "python3-pytest-xdist", "python3-hypothesis",
+                    "python3-jinja2"]
         assert missing == f"error: missing on this machine: {' '.join(packages)}"
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
+
+    def test_programs_of_other_names_are_told_by_their_packages(self, machine):
+        done = machine.source("browser")
+        assert done.returncode == 3
+        assert done.stderr.splitlines()[0].startswith(
+            "error: missing on this machine: chromium chromium-driver poppler-utils")
 
     def test_only_what_is_missing_is_named(self, machine):
         machine.stub("python3", machine.python_without("numba", "h5py"), machine.system_python.parent)
@@ -133,8 +140,8 @@ class TestMissing:
     def test_an_unknown_group_is_refused(self, machine):
         done = machine.source("everything")
         assert done.returncode == 2
-        assert done.stderr == ("error: environment.sh everything: expected run, test, coverage, site or gates; mend "
-                               "the call\n")
+        assert done.stderr == ("error: environment.sh everything: expected run, test, coverage, browser, site or "
+                               "gates; mend the call\n")
 
 
 OS_RELEASE = Path("/etc/os-release")

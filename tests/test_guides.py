@@ -69,6 +69,7 @@ def test_a_wall_and_a_study_of_ones_own(clone):
     points = pd.read_csv(clone / "results" / "my-study" / "tables" / "points.csv")
     assert len(points) == 6 and set(points["wall"]) == {"two-windows"}
     assert f"{points['max_DI'].max():.3f}" in told
+    assert (clone / "my_study.html").stat().st_size > 1_000_000
 
 
 def test_a_record_of_ones_own(clone):

@@ -136,9 +136,10 @@ def test_a_toe_crushes_alike(tmp_path, yade_command, damage_command):
     path = tmp_path / "toe.py"
     path.write_text(TOE.format(repository=str(REPOSITORY)))
     found, thickness, length, height = [], 0.1025, 0.45, 0.9
-    for run, more in ((yade_command, []), (lambda *words: damage_command("reference", *words), ["--relaxation", "local"])):
+    in_reference = lambda *words: damage_command("reference", *words, "--relaxation", "local")  # noqa: E731
+    for run in (yade_command, in_reference):
         out = tmp_path / f"{len(found)}.h5"
-        done = run(path, "--pushover", 0.3, "--speed", 5e-3, "--fibres", 8, "--no-pictures", "--out", out, *more)
+        done = run(path, "--pushover", 0.3, "--speed", 5e-3, "--fibres", 8, "--no-pictures", "--out", out)
         assert done.returncode == 0, done.stdout + done.stderr
         history = damage.read_history(out)
         summary, force = summarise(history), history.series["base_shear_n"].to_numpy()

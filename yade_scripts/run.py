@@ -10,7 +10,6 @@ from pathlib import Path
 
 from damage.errors import InputError
 from damage.start import EXIT_MISSING, missing_library
-from yade_scripts.leaving import run_and_leave
 
 FIBRES = 16
 """Of a joint that softens, where no other number is asked for (docs/softening.md)."""
@@ -18,7 +17,16 @@ FIBRES = 16
 
 def main(make_wall):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE."""
-    run_and_leave(lambda: _run(make_wall, Path(sys.argv[0])))
+    path = Path(sys.argv[0])
+    try:
+        from yade_scripts.leaving import run_and_leave
+    except ImportError as error:
+        if error.name != "yade":
+            raise
+        print(f"error: {path} is run by YADE, not by {sys.executable}: expected yade {path} [OPTIONS], or in the "
+              f"built-in solver python3 -m damage reference {path} [OPTIONS]", file=sys.stderr)
+        sys.exit(EXIT_MISSING)
+    run_and_leave(lambda: _run(make_wall, path))
 
 
 def _run(make_wall, path):
@@ -38,7 +46,8 @@ def _run(make_wall, path):
             raise
         print(f"error: {missing_library(error)}", file=sys.stderr)
         return EXIT_MISSING
-    print(f"YADE {yade.config.version}, bricks are {BRICK_SHAPE}", flush=True)
+    if "--quiet" not in sys.argv:
+        print(f"YADE {yade.config.version}, bricks are {BRICK_SHAPE}", flush=True)
     versions = {"yade": yade.config.version, "yade_bricks": BRICK_SHAPE}
     backend = Backend("yade", versions, YadeSolver, Path(__file__).parent, _check, open_view,
                       Softening(fibres=FIBRES, beta_s=0.0))

@@ -60,9 +60,19 @@ def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, 
     slip: criterion of `damage.index.damage_index`; threshold [m];
     magnify: factor on the motion, None for one that makes it visible.
     """
+    check_magnify(magnify)
+    sample, damage = choose_sample(history, sample, slip, threshold)
+    return shape_at(history, sample, damage, slip, threshold, magnify)
+
+
+def check_magnify(magnify):
+    """Raise InputError where a factor on the motion is neither None nor zero or more."""
     if magnify is not None and not (np.isfinite(magnify) and magnify >= 0):
         raise InputError(f"magnify = {magnify!r}: expected zero or a positive number; mend it")
-    sample, damage = choose_sample(history, sample, slip, threshold)
+
+
+def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, magnify=None):
+    """The shape at the sample of a number, where DI is `damage`; the rest as of `wall_shape`."""
     time_s = float(history.series["time_s"].iloc[sample])
     snapshot = nearest_snapshot(history, time_s)
     motion = np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot].astype(float)

@@ -78,14 +78,14 @@ def describe(told):
               if name not in ("masonry-damage", "commit", "model")]
     lines += map(describe_cap, told["caps"])
     for title in ("static", "parameters"):
-        lines += [f"{title}:", *(f"  {name:42s}{value}" for name, value in _flat(told[title]))]
+        lines += [f"{title}:", *(f"  {name:42s}{value}" for name, value in flat(told[title]))]
     return "\n".join(lines)
 
 
-def _flat(table, above=""):
+def flat(table, above=""):
     """(name with those of the tables above it, value) of all entries, however deep."""
     for name, value in table.items():
         if isinstance(value, dict):
-            yield from _flat(value, f"{above}{name}.")
+            yield from flat(value, f"{above}{name}.")
         else:
             yield f"{above}{name}", value

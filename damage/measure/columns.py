@@ -147,6 +147,30 @@ def names(columns):
     return [name for several in columns for name in several.split(", ")]
 
 
+def each(columns):
+    """{name: Column} of {names: Column}, each name with its own unit.
+
+    >>> each({"period_s, amplitude_g": Column("s, g", "of a motion")})["amplitude_g"]
+    Column(unit='g', meaning='of a motion', dtype='f8', since=1)
+    """
+    found = {}
+    for several, column in columns.items():
+        singles, units = several.split(", "), column.unit.split(", ")
+        units = units if len(units) == len(singles) else [column.unit] * len(singles)
+        found |= {name: column._replace(unit=unit) for name, unit in zip(singles, units)}
+    return found
+
+
+def unit_in(name):
+    """Unit of a column of summary.csv, "" of one that has none or is not known.
+
+    >>> unit_in("max_crack_width_mm"), unit_in("max_DI"), unit_in("wall")
+    ('mm', '1', '')
+    """
+    known = [each(table).get(name) for table in (PARAMETERS, RUN, *MEASURES.values())]
+    return next((column.unit for column in known if column), "")
+
+
 def one_spelling(table):
     """A table with the names of this version: older ones wrote max_DI_shear_limit for max_shear_limit_DI.
 

@@ -196,15 +196,19 @@ is counted apart from what it predicts."""
 
 def overview(findings):
     """Lines of the Markdown table with a row a statement."""
-    heads = _told(findings, "solver", "lintel")
-    lines = ["| | the paper | " + " | ".join(
-        f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}" for solver, lintel in heads) + " |",
-        "| --- " * (2 + len(heads)) + "|"]
-    for statement, members in _by(findings, "claim.statement"):
-        cells = [_cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
-                 for solver, lintel in heads]
-        lines.append(f"| {statement} | {STATEMENTS[statement]} | " + " | ".join(cells) + " |")
-    return lines
+    heads, rows = overview_table(findings)
+    return ["| | the paper | " + " | ".join(heads) + " |", "| --- " * (2 + len(heads)) + "|",
+            *("| " + " | ".join(row) + " |" for row in rows)]
+
+
+def overview_table(findings):
+    """(heads of solvers and lintels, rows) of a table with a row a statement: its name, its words, outcomes."""
+    told = _told(findings, "solver", "lintel")
+    rows = [[statement, STATEMENTS[statement], *(
+                 _cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
+                 for solver, lintel in told)]
+            for statement, members in _by(findings, "claim.statement")]
+    return [f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}" for solver, lintel in told], rows
 
 
 def _cell(outcomes):

@@ -57,8 +57,8 @@ def parse_run(arguments, prog, solver):
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed,
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), out=parsed.out, overwrite=parsed.overwrite,
-        pictures=parsed.pictures, view=getattr(parsed, "view", False), command=" ".join([prog, *arguments]),
-        model=model_of(parsed))
+        pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
+        command=" ".join([prog, *arguments]), model=model_of(parsed))
 
 
 def make_parser(prog, solver):
@@ -141,6 +141,7 @@ def _add_run(group, solver):
                        help="free vibration after the motion (default 2)")
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
+    group.add_argument("--quiet", action="store_true", help="print warnings and errors only")
     if solver == "yade":
         group.add_argument("--past-collapse", type=float, default=0.0, metavar="S",
                            help="follow the bricks for so long after the first one fell (default 0)")

@@ -1,10 +1,12 @@
 """One run from its command line to its pictures, whichever solver does it."""
 
+import io
 import os
 import signal
 import sys
 import traceback
 from collections.abc import Callable
+from contextlib import nullcontext, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,7 +54,9 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
     0 done, 1 failed, 2 bad input, 130 interrupted."""
     try:
         hold_buffers()
-        return _run(backend, wall_file, make_wall, arguments, prog)
+        settings = parse_run(arguments, prog=prog, solver=backend.name)
+        with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
+            return _run(backend, wall_file, make_wall, settings)
     except WriteError as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
@@ -82,8 +86,7 @@ def _tell(error):
     return EXIT_INPUT if isinstance(error, InputError) else EXIT_FAILED
 
 
-def _run(backend, wall_file, make_wall, arguments, prog):
-    settings = parse_run(arguments, prog=prog, solver=backend.name)
+def _run(backend, wall_file, make_wall, settings):
     wall = make_wall()
     if wall.joint.softens and not backend.softening:
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
@@ -130,7 +133,8 @@ def _announce(layout, settings, modes, time_step):
 
 def _simulate(backend, layout, settings, modes, time_step, writer, show):
     """Run all stages; the history is closed and marked however this ends."""
-    progress, interrupts = Progress(layout.wall.name), _Interrupts()
+    progress = Progress(layout.wall.name, io.StringIO() if settings.quiet else None)
+    interrupts = _Interrupts()
 
     def keep_going(run, time_s):
         progress.show(time_s, run)

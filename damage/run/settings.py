@@ -54,7 +54,8 @@ class RunSettings:
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
     by it the members of an ensemble differ; past_collapse_s: how long bodies are followed after the first brick fell
-    [s]; out: history file, None for a name of its own below `results/`; command: what asked for it.
+    [s]; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors only; command:
+    what asked for it.
     """
 
     loading: object
@@ -72,6 +73,7 @@ class RunSettings:
     out: Path | None = None
     overwrite: bool = False
     pictures: bool = True
+    quiet: bool = False
     view: bool = False
     command: str = ""
 

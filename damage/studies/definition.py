@@ -38,7 +38,7 @@ from damage.run.options import parse_run
 from damage.studies.grid import expand
 
 PATH_OPTIONS = ("--record", "--vertical")
-RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--view", "--help", "-h")
+RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
 SOLVERS = ("yade", "reference")
@@ -49,10 +49,25 @@ MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
 DEEPEST = 20
 """Tables and lists in each other; a study has five."""
-_ENTRY_KEYS = {"id", "wall", "options", "solvers", "members", "perturb", "scatter", "samples"}
+KEYS = {
+    "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
+    "title": "one line for people", "pictures": "of single runs: all (default) or none",
+    "runs": "points of the study, one table [[runs]] each",
+    "grid": "points of the study, every combination of the values in `vary` in a table [[grid]]"}
+ENTRY_KEYS = {
+    "id": "name of the point; without it, one is made of wall and options",
+    "wall": "wall file, beside the study or in the repository, like walls/symmetric.py",
+    "options": "the run's command-line options without their dashes, or the list of words of a command line",
+    "solvers": "which solvers the point is for (default both)",
+    "members": "an ensemble in the reference solver: how many runs, whose joints' strengths scatter a little",
+    "scatter": f"of members: coefficient of variation of the strengths (default {SCATTER:g})",
+    "perturb": "of members: instead of scatter, size of the bricks' random offsets [m]",
+    "samples": "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov"}
+VARY = "of a grid: lists of values by name; {name} in a string stands for the value"
+"""What stands in a study file, and what it is for; `damage.studies.schema` tells editors."""
 
-_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
-_LONGEST_ID = 120  # characters; file names end at 255 and tables add theirs
+ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+LONGEST_ID = 120  # characters; file names end at 255 and tables add theirs
 
 
 @dataclass(frozen=True)
@@ -75,8 +90,8 @@ class StudyRun:
     adaptive: bool = False
 
     def __post_init__(self):
-        if not _ID.fullmatch(self.id) or len(self.id) > _LONGEST_ID:
-            raise InputError(f"run id {self.id!r}: expected at most {_LONGEST_ID} letters, digits, '.', '_' "
+        if not ID.fullmatch(self.id) or len(self.id) > LONGEST_ID:
+            raise InputError(f"run id {self.id!r}: expected at most {LONGEST_ID} letters, digits, '.', '_' "
                              "or '-', since it names files; mend it")
 
     @property
@@ -111,7 +126,7 @@ class Study:
     pictures: str = "all"
 
     def __post_init__(self):
-        if not isinstance(self.name, str) or not _ID.fullmatch(self.name):
+        if not isinstance(self.name, str) or not ID.fullmatch(self.name):
             raise InputError(f"{self.path}: name = {self.name!r}; expected letters, digits, '.', '_' or '-', "
                              "since it names a folder; rename the study")
         if self.pictures not in PICTURES:
@@ -144,7 +159,7 @@ def load_study(path, solver="yade", root=None):
     except (ValueError, RecursionError) as error:  # of TOML or of UTF-8
         raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, mend it") from error
     _check_depth(table, path)
-    _check_keys(table, {"name", "title", "pictures", "runs", "grid"}, f"{path}")
+    _check_keys(table, set(KEYS), f"{path}")
     runs = [run for entry, where in _entries(table, path) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
     study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
@@ -181,7 +196,7 @@ def _entries(table, path):
             raise InputError(f"{path}: {kind} is no list of tables; write one [[{kind}]] for each")
         for number, entry in enumerate(tables, start=1):
             where = f"{path}, {what} {number}"
-            _check_keys(entry, _ENTRY_KEYS | ({"vary"} if kind == "grid" else set()), where)
+            _check_keys(entry, set(ENTRY_KEYS) | ({"vary"} if kind == "grid" else set()), where)
             for one in expand(entry, where) if kind == "grid" else [entry]:
                 yield one, where
 
@@ -323,7 +338,7 @@ def run_name(wall, words):
         else:
             parts[-1] += "-" + (Path(word).stem if option in PATH_OPTIONS else word)
     name = "_".join(re.sub(r"[^A-Za-z0-9._-]+", "-", part) for part in parts)
-    if len(name) <= _LONGEST_ID - 12:
+    if len(name) <= LONGEST_ID - 12:
         return name
     digest = hashlib.sha256("\0".join((wall, *words)).encode()).hexdigest()[:8]
-    return f"{name[:_LONGEST_ID - 24]}_{digest}"
+    return f"{name[:LONGEST_ID - 24]}_{digest}"

@@ -1,12 +1,15 @@
 """Load a wall file: a Python file with a function `wall()` that returns a `damage.Wall`."""
 
+import re
 import runpy
 import traceback
+from dataclasses import fields
+from difflib import get_close_matches
 from pathlib import Path
 
 from damage.checks import check_path
 from damage.errors import InputError
-from damage.wall.parameters import Wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 
 def load_wall(path):
@@ -36,7 +39,16 @@ def wall_of(make_wall, path):
 
 
 def _told(error):
-    return f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
+    """What an error of a wall file says; of a keyword that no record of a wall has, also which ones it has."""
+    told = f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
+    found = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", told)
+    kind = found and next((one for one in (Wall, Opening, Brick, Joint) if one.__name__ == found[1]), None)
+    if not kind:
+        return told
+    names = [one.name for one in fields(kind)]
+    near = get_close_matches(found[2], names, n=1)
+    return (f"{kind.__name__}({found[2]}=...): expected " + (f"{near[0]}; it has " if near else "one of ")
+            + ", ".join(names))
 
 
 def _line(error, path):

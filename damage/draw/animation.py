@@ -1,0 +1,163 @@
+"""A film of a run: the wall moves, magnified, and cracks; below it drift and index with a mark at the time shown.
+
+Frames are the run's snapshots, so that nothing is interpolated and no vibration is skipped.  A long run has too many of
+them: then those around the maximum of the index are shown, or those of a window.
+"""
+
+import shutil
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from matplotlib.animation import FFMpegWriter, PillowWriter
+
+from damage.draw import style
+from damage.draw.run import THIN, draw_wall, joint_handles
+from damage.draw.wall import check_magnify, line_width, magnification, shape_at, wall_shape
+from damage.errors import InputError
+from damage.files import whole_or_nothing
+from damage.history.moments import STATES
+from damage.wall.geometry import body_corners
+
+WRITERS = {".gif": PillowWriter, ".mp4": FFMpegWriter}
+FRAMES_PER_S = 20
+MOST_FRAMES = 300
+"""About six seconds of a run; all frames of a GIF are kept in memory until it is written, a megabyte each."""
+DOTS_PER_INCH = 150
+
+
+def write_film(history, path, window_s=None, magnify=None):
+    """Write the film of a History to `path`, GIF or MP4 by its ending; returns the path.
+
+    window_s: (start, end) of the part of the run [s], None for all of it; magnify: factor on displacements, None for
+    one that makes them visible and that all frames share.
+    Raises InputError where there is no frame to show, the ending is another, or ffmpeg is missing.
+    """
+    path = Path(path)
+    check_magnify(magnify)
+    writer = _writer(path)
+    snapshots = choose_snapshots(history, window_s)
+    with tempfile.TemporaryDirectory() as folder:  # writers go by the ending, which an unfinished file has not
+        made = Path(folder) / f"film{path.suffix.lower()}"
+        _shoot(history, snapshots, magnify, writer, made)
+        with whole_or_nothing(path) as unfinished:
+            shutil.copyfile(made, unfinished)
+    return path
+
+
+def _writer(path):
+    """The writer for a path's ending."""
+    kind = WRITERS.get(path.suffix.lower())
+    if kind is None:
+        raise InputError(f"{path}: expected a film that ends in {' or '.join(WRITERS)}; mend the name")
+    if not kind.isAvailable():
+        raise InputError(f"{path}: expected ffmpeg on PATH, which MP4 needs (Debian's package ffmpeg); install it, or "
+                         "give a name that ends in .gif")
+    return kind(fps=FRAMES_PER_S)
+
+
+def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
+    """Snapshots to show, an array of indices: those in a window [s], or up to `most` around the index's maximum."""
+    times, series = history.snapshot_time_s, history.series
+    start, end = window_s or (-np.inf, np.inf)
+    chosen = np.flatnonzero((times >= start) & (times <= end))
+    if len(chosen) == 0 or len(series) == 0:
+        raise InputError(f"{history.path} has no snapshot from {start:g} to {end:g} s; expected one or more, give "
+                         "another --window, or let the run go on")
+    if len(chosen) <= most:
+        return chosen
+    if window_s:
+        raise InputError(f"--window {start:g} {end:g} holds {len(chosen)} snapshots; expected up to {most}, give a "
+                         "shorter one")
+    top = series["time_s"].iloc[int(history.index()["DI"].to_numpy().argmax())]
+    first = int(np.clip(np.argmin(np.abs(times - top)) - most // 2, 0, len(chosen) - most))
+    return chosen[first:first + most]
+
+
+@style.styled
+def _shoot(history, snapshots, magnify, writer, path):
+    """Draw the frames one after the other, and have the writer take them."""
+    damage, times = history.index()["DI"].to_numpy(), history.series["time_s"].to_numpy()
+    samples = [int(np.argmin(np.abs(times - time))) for time in history.snapshot_time_s[snapshots]]
+    magnify = _common_magnification(history, snapshots) if magnify is None else magnify
+    shapes = (shape_at(history, sample, damage[sample], magnify=magnify) for sample in samples)
+    figure, show = _stage(history, snapshots, samples, magnify)
+    with writer.saving(figure, path, DOTS_PER_INCH):
+        for shape in shapes:
+            show(shape)
+            writer.grab_frame()
+
+
+def _common_magnification(history, snapshots):
+    """Of the snapshot that moved most: it shows all of them."""
+    motions = [motion for motion in history.displacement[snapshots].astype(float) if np.any(motion)]
+    return min((magnification(history.bodies, motion) for motion in motions), default=1.0)
+
+
+def _stage(history, snapshots, samples, magnify):
+    """The figure, and a function that shows a WallShape in it."""
+    gravest = wall_shape(history, "max", magnify=magnify)
+    figure, (wall, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
+    draw_wall(wall, gravest)
+    ratio = _widen(wall, history, snapshots, magnify)
+    labels = 0.45  # [inch] that ticks and labels take beside and below
+    figure.set_size_inches(style.COLUMN_WIDTH, min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels)
+    clock = wall.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
+    mark = _draw_below(below, history, samples)
+    slowed = _slowness(history, snapshots)
+    style.add_title(figure, history, f"displacements × {magnify:g}" + (f", slowed down {slowed:.2g} times" if slowed
+                                                                       else ""))
+    style.legend_below(figure, joint_handles(gravest, history.judged_by("displacement")), columns=3)
+    for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
+        figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # from now on nothing may move but the wall
+    drawn = {one.get_label(): one for one in wall.collections}
+
+    def show(shape):
+        _update(drawn, shape)
+        clock.set_text(f"{shape.time_s:.3f} s, DI {shape.index:.4f}")
+        mark.set_xdata([shape.time_s, shape.time_s])
+
+    return figure, show
+
+
+def _update(drawn, shape):
+    """Move the collections that `draw_wall` made, by their labels, to another shape."""
+    drawn["bricks"].set_verts(shape.corners[~shape.is_cap])
+    drawn["caps"].set_verts(shape.corners[shape.is_cap])
+    for state in STATES:
+        chosen = shape.select(state)
+        drawn[state].set_segments(shape.segments[chosen])
+        drawn[state].set_linewidths([THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen]))
+
+
+def _widen(ax, history, snapshots, magnify):
+    """Make room for where the bodies go in all frames; returns height over width of what the axes show."""
+    points = np.concatenate([body_corners(history.bodies, history.displacement[k].astype(float), magnify).reshape(-1, 2)
+                             for k in snapshots])
+    margin = 0.02 * np.ptp(points, axis=0).max()
+    low, high = np.minimum(points.min(axis=0), 0) - margin, points.max(axis=0) + margin
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    return (high[1] - low[1]) / (high[0] - low[0])
+
+
+def _draw_below(ax, history, samples):
+    """Drift ratio and index over the time that is shown; returns the line that marks a time."""
+    time_s = history.series["time_s"].to_numpy()
+    ratio = history.series["drift_ratio"].to_numpy()
+    factor, unit = style.drift_scale(ratio)
+    ax.plot(time_s, factor * ratio, color=style.BLUE)
+    style.plain_numbers(ax.yaxis)
+    ax.set(ylabel=f"drift [{unit}]", xlabel="time [s]", xlim=(time_s[samples[0]], time_s[samples[-1]] + 1e-9))
+    ax.yaxis.label.set_color(style.BLUE)
+    right = ax.twinx()
+    right.plot(time_s, history.index()["DI"], color=style.BLACK)
+    right.set(ylabel="DI [-]", ylim=(0, None))
+    right.spines["right"].set_visible(True)
+    return ax.axvline(time_s[samples[0]], color=style.VERMILLION, lw=1)
+
+
+def _slowness(history, snapshots):
+    """How many times longer the film takes than the run, None of one frame."""
+    times = history.snapshot_time_s[snapshots]
+    return len(times) / FRAMES_PER_S / (times[-1] - times[0]) if len(times) > 1 else None

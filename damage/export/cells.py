@@ -1,0 +1,156 @@
+"""A wall's history as an unstructured grid over time, as ParaView shows it: bricks are hexahedra, joints are lines.
+
+The points lie where they are at rest and `displacement_m` says how far they have moved: ParaView's filter Warp By
+Vector shows the moved wall, magnified as one likes.  Every brick has eight points of its own and every contact point
+two, the ends of its tributary length on the front face, so that a joint can open:
+
+        3 ---- 2         z          4 to 7 in front, at y = -thickness/2, 0 to 3 behind;
+        |      |         |          the joints' lines are in front
+        0 ---- 1         o--- x     cells: all bodies of the history, then all its contact points
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+from damage.history.moments import joint_states, nearest_snapshot
+from damage.history.reader import History
+from damage.wall.geometry import body_corners, joint_segments, tributary_ends
+
+HEXAHEDRON, LINE = 12, 3
+"""VTK's codes of the cells."""
+PARTS = ("brick", "cap", "bed joint", "head joint")
+"""What the codes of the cells' `part` stand for."""
+SERIES = ("drift_ratio", "top_displacement_m", "base_acceleration_x_m_s2", "base_acceleration_z_m_s2", "base_shear_n",
+          "top_force_n")
+"""Columns of the history's series that go along, one number a time, with the index and its components."""
+
+
+@dataclass(frozen=True)
+class WallCells:
+    """The cells of a history's wall, and what is known of them at its samples; n_cells = n_bodies + n_joints.
+
+    Raises InputError where the history holds no sample.
+    """
+
+    history: History
+
+    def __post_init__(self):
+        if len(self.history.series) == 0:
+            raise InputError(f"{self.history.path} holds no sample yet ({self.history.status}); expected one or more, "
+                             "let the run go on")
+
+    @property
+    def time_s(self):
+        """Of the samples, (n_times,) [s]."""
+        return self.history.series["time_s"].to_numpy()
+
+    @cached_property
+    def points(self):
+        """Points at rest, (n_points, 3) [m]: eight a body, then two a contact point."""
+        half = self.history.masonry_wall.brick.thickness / 2
+        corners = body_corners(self.history.bodies, self._at_rest)
+        bodies = np.concatenate([_at(corners, half), _at(corners, -half)], axis=1)
+        return np.concatenate([bodies.reshape(-1, 3), _at(tributary_ends(self.history.joints), -half).reshape(-1, 3)])
+
+    @property
+    def connectivity(self):
+        """Points of every cell, one after the other: those of `points` in their order."""
+        return np.arange(len(self.points))
+
+    @cached_property
+    def types(self):
+        """VTK's code of every cell, (n_cells,)."""
+        return self._joined(HEXAHEDRON, LINE).astype(np.uint8)
+
+    @property
+    def offsets(self):
+        """Where each cell begins in the connectivity, and the end of the last: (n_cells + 1,)."""
+        return np.concatenate([[0], np.cumsum(np.where(self.types == HEXAHEDRON, 8, 2))])
+
+    @cached_property
+    def fixed(self):
+        """{name: (n_cells,)} of what time does not change: part, a code of PARTS; body and joint, rows of the history's
+        tables, -1 in cells that are none; course; length_m; elastic."""
+        bodies, joints = self.history.bodies, self.history.joints
+        course = bodies["course"].to_numpy()
+        return {
+            "part": self._joined(np.where(course < 0, 1, 0), np.where(joints["kind"] == "head", 3, 2)).astype(np.int8),
+            "body": self._joined(np.arange(len(bodies)), -1), "joint": self._joined(-1, np.arange(len(joints))),
+            "course": self._joined(course, -1),
+            "length_m": self._joined(bodies["length_m"].to_numpy(), joints["length_m"].to_numpy()),
+            "elastic": self._joined(0, joints["elastic"].to_numpy()).astype(np.int8)}
+
+    @cached_property
+    def snapshot_of(self):
+        """The snapshot nearest to every sample, (n_times,), -1 where none is near: bodies are then drawn at rest."""
+        found = [nearest_snapshot(self.history, time) for time in self.time_s]
+        return np.array([-1 if one is None else one for one in found])
+
+    @cached_property
+    def snapshots(self):
+        """Indices of snapshots of different times; a run that ends at one takes another, of which the last counts."""
+        times = self.history.snapshot_time_s
+        return np.flatnonzero(np.append(times[1:] > times[:-1], True)[:len(times)])
+
+    @cached_property
+    def sample_of(self):
+        """The sample nearest to each of `snapshots`."""
+        times = self.history.snapshot_time_s[self.snapshots]
+        return np.array([int(np.argmin(np.abs(self.time_s - time))) for time in times], int)
+
+    def displacement(self, snapshot):
+        """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""
+        motion, bodies, joints = self._motion(snapshot), self.history.bodies, self.history.joints
+        moved = _at(body_corners(bodies, motion) - body_corners(bodies, self._at_rest), 0.0)
+        ends = _at(joint_segments(joints, bodies, motion) - joint_segments(joints, bodies, self._at_rest), 0.0)
+        return np.concatenate([np.tile(moved, (1, 2, 1)).reshape(-1, 3), ends.reshape(-1, 3)]).astype(np.float32)
+
+    def rotation(self, snapshot):
+        """Rotation of every cell in a snapshot, x towards z, (n_cells,) [rad]: of a joint the mean of its bodies'."""
+        turn = np.append(self._motion(snapshot)[:, 2], 0.0)  # the ground, -1, is the last
+        first, second = (turn[self.history.joints[name]] for name in ("first_body", "second_body"))
+        return np.concatenate([turn[:-1], (first + second) / 2]).astype(np.float32)
+
+    def joint_fields(self, sample):
+        """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m (not of
+        a history without), crack_width_m; state, a code of `damage.history.moments.STATES`, in bodies -1; broken;
+        at_shear_limit."""
+        history, slip = self.history, "displacement"
+        metres = {"opening_m": history.opening_m[sample], "accumulated_slip_m": history.slip_m[sample]}
+        if history.offset_m is not None:
+            metres["offset_m"] = history.offset_m[sample]
+        metres["crack_width_m"] = np.hypot(history.opening_m[sample], history.slip_by(slip)[sample])
+        codes = {"broken": history.broken[sample], "at_shear_limit": history.at_limit[sample]}
+        return {
+            **{name: self._joined(0.0, values).astype(np.float32) for name, values in metres.items()},
+            "state": self._joined(-1, joint_states(history, sample, slip)).astype(np.int8),
+            **{name: self._joined(0, values).astype(np.int8) for name, values in codes.items()}}
+
+    @cached_property
+    def numbers(self):
+        """A DataFrame with a row a sample: DI and its components, those of SERIES, snapshot_time_s, NaN where none."""
+        index = self.history.index().drop(columns=["time_s", "drift_over_limit"])
+        series = self.history.series[list(SERIES)].reset_index(drop=True)
+        taken = np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
+        return pd.concat([index, series], axis=1).assign(snapshot_time_s=taken)
+
+    @property
+    def _at_rest(self):
+        return np.zeros((len(self.history.bodies), 3))
+
+    def _motion(self, snapshot):
+        return self._at_rest if snapshot < 0 else self.history.displacement[snapshot].astype(float)
+
+    def _joined(self, of_bodies, of_joints):
+        """One array for all cells of values of the bodies and of the joints, arrays or numbers."""
+        return np.concatenate([np.broadcast_to(values, len(table)) for values, table in (
+            (of_bodies, self.history.bodies), (of_joints, self.history.joints))])
+
+
+def _at(points, y):
+    """Points (..., 2) of the wall's plane as (..., 3) at a depth y [m]."""
+    return np.stack([points[..., 0], np.full(points.shape[:-1], y), points[..., 1]], axis=-1)

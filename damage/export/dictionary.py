@@ -1,0 +1,159 @@
+"""The data dictionary: every column of every table that this software writes, with its unit and what it means.
+
+`python3 -m damage dictionary --out docs` writes dictionary.csv and dictionary.md.  Columns that have their definition
+elsewhere are taken from there: those of histories from `damage.history.schema`, those of summaries from
+`damage.measure.columns`.
+"""
+
+from pathlib import Path
+
+import pandas as pd
+
+from damage.files import write_text
+from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, TABLES, Column
+from damage.index import COMPONENTS
+from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, each
+from damage.measure.cycles import BY_OTHERS
+from damage.measure.tables import write_table
+from damage.studies.after_damage import BEFORE
+from damage.studies.fragility import INTENSITIES, LEVELS, OVER, unit_of
+
+CRITERION_WORDS = {"": "", "accumulated_": ", slip accumulated", "shear_limit_": ", slip by the shear limit"}
+COMPONENT_WORDS = {"DI": "damage index", "DI_drift": "of it by drift", "DI_open": "of it by opened joints",
+                   "DI_slip": "of it by slipped joints"}
+SLIP = {"slip": Column("", "criterion of slip in the columns that name none: displacement, or accumulated of a history "
+                       "without offsets")}
+
+
+def _index(kind="", what=""):
+    """Columns of the index and its components, by all criteria of slip; kind: before the name, what: in the meaning."""
+    plain = {f"{kind}{name}": Column("1", f"{what}{COMPONENT_WORDS[name]}, slip by displacement"
+                                     if name in ("DI", "DI_slip") else f"{what}{COMPONENT_WORDS[name]}")
+             for name in COMPONENTS}
+    others = {f"{kind}{name}": Column("1", what + COMPONENT_WORDS[component] + CRITERION_WORDS[
+        name.removesuffix(component)]) for name, (_, component) in BY_OTHERS.items()}
+    return plain | others
+
+
+INDEX = {
+    "time_s": Column("s", "since the start of the (first) motion"),
+    "stage": Column("", "motion, rest, settling"), **_index(),
+    "drift_over_limit": Column("1", "absolute drift ratio over its limit, not clipped"),
+    "drift_ratio": Column("1", "top displacement over the height of the top course's centres"), **SLIP}
+EVENTS = {**EVENT_COLUMNS, "joint_kind": Column("code", "bed, head"), "joint_x_m": JOINTS["x_m"],
+          "joint_z_m": JOINTS["z_m"]}
+JOINTS_OF_A_RUN = {
+    "joint": Column("index", "row of `joints` of the history"), **JOINTS,
+    "final_opening_m": Column("m", "opening at the last sample"),
+    "max_opening_m": Column("m", "largest opening of all samples"),
+    "final_slip_m": Column("m", "accumulated slip at the last sample, signed"),
+    "max_abs_slip_m": Column("m", "largest absolute accumulated slip of all samples"),
+    "broken": Column("bool", "whether the bond was gone at the last sample"),
+    "at_shear_limit": Column("bool", "whether it had failed in shear or slid by then"),
+    "final_offset_m": Column("m", "offset of the faces at the last sample, signed; empty of a history without offsets"),
+    "max_abs_offset_m": Column("m", "largest absolute offset of all samples; empty of a history without offsets")}
+_SPAN = {"start_s": Column("s", "its start"), "end_s": Column("s", "its end")}
+CYCLES = {
+    "shock": Column("1", "number of the shock, from 1"), "cycle": Column("1", "number within the shock, from 1"),
+    "kind": Column("", "driven: one period of a harmonic motion; free: between upward zero crossings of the drift"),
+    **_SPAN, "duration_s": Column("s", "from start to end"),
+    "max_drift_ratio": Column("1", "largest absolute drift ratio in the cycle"),
+    **_index("max_", "largest in the cycle: "),
+    **{f"cumulative_max_{prefix}DI": Column("1", "largest index from the shock's start to the cycle's end" + words)
+       for prefix, words in CRITERION_WORDS.items()}, **SLIP}
+SHOCKS = {
+    "shock": Column("1", "number of the shock, from 1"), "factor": Column("1", "on the motion"), **_SPAN,
+    "max_drift_ratio": Column("1", "largest absolute drift ratio in the shock"),
+    "residual_drift_ratio": Column("1", "drift ratio at its end, with its sign"),
+    **_index("max_", "largest in the shock: "), **_index("residual_", "at its end: "),
+    **{f"{kind}_{name}": Column(unit, f"{words}: {meaning}")
+       for kind, words in (("max", "largest in the shock"), ("residual", "at its end"))
+       for name, unit, meaning in (("psi", "1", "Korswagen's damage parameter of the cracks"),
+                                   ("crack_width_mm", "mm", "width of the widest crack"))}, **SLIP}
+
+RUNS = {name: column for table in (PARAMETERS, RUN, MADE_BY, *MEASURES.values())
+        for name, column in each(table).items()}
+MEMBERS = {"members": Column("1", "runs of the point in its solver")}
+POINTS = {
+    **each(PARAMETERS), **MEMBERS, "status": Column("", "complete when all runs are"),
+    "collapsed": Column("1", "runs that collapsed"),
+    "collapsed_at_s": Column("s", "median over these, where they are half of the runs or more"), **each(MADE_BY),
+    **{name: column._replace(meaning=f"median of the runs: {column.meaning}") if column.unit else column
+       for table in MEASURES.values() for name, column in each(table).items()},
+    **{f"{name}_{end}": column._replace(meaning=f"{words} of the runs of `{name}`")
+       for table in MEASURES.values() for name, column in each(table).items() if column.unit
+       for end, words in (("min", "least"), ("max", "largest"))}}
+
+_CURVE = {
+    "wall": Column("", "name of the wall"), "measure": Column("", f"of damage: {', '.join(LEVELS)}"),
+    "level": Column("of the measure", "level that is exceeded"),
+    "intensity": Column("", f"of the motion: {', '.join(INTENSITIES)}"),
+    "runs": Column("1", "runs of the wall"), "exceeding": Column("1", "runs that exceed the level"),
+    "records": Column("1", "records that the runs come from"),
+    "dispersion": Column("1", "standard deviation of the intensity's logarithm at which the level is exceeded")}
+UNITS = dict([unit_of(name) for name in INTENSITIES])
+FRAGILITY = {
+    **_CURVE, **{f"median_{name}": Column(unit, "intensity at which half of the runs exceed the level")
+                 for name, unit in UNITS.items()},
+    **{f"median_{over}_{end}_{name}": Column(unit, f"{words} bound of the median, {over} drawn anew")
+       for over in OVER for end, words in (("low", "lower"), ("high", "upper")) for name, unit in UNITS.items()},
+    **{f"dispersion_{over}_{end}": Column("1", f"{words} bound of the dispersion, {over} drawn anew")
+       for over in OVER for end, words in (("low", "lower"), ("high", "upper"))},
+    **{f"fitted_{over}": Column("1", f"bootstrap samples that could be fitted, {over} drawn anew") for over in OVER},
+    "confidence": Column("1", "of the bounds"), "replicates": Column("1", "bootstrap samples that were drawn"), **SLIP}
+AFTER_DAMAGE = FRAGILITY.copy()
+del AFTER_DAMAGE["slip"]
+AFTER_DAMAGE["before"] = Column("", f"damage at rest before the shock: {', '.join(BEFORE)}, more")
+EFFICIENCY = {
+    **_CURVE, "scatter": Column("1", "standard deviation of ln(measure) about a line over ln(intensity)"),
+    "median": Column("as `unit` says", "intensity at which half of the runs exceed the level"),
+    "unit": Column("", "of the median")}
+COEFFICIENTS = {
+    **_CURVE, "level_unit": Column("", "unit of the level"), "intensity_unit": Column("", "unit of the median"),
+    "distribution": Column("", "lognormal: P = Phi(ln(x / median) / dispersion)"),
+    "median": Column("as `intensity_unit` says", "intensity at which half of the runs exceed the level"),
+    "step_low": Column("as `intensity_unit` says", "of a step: intensity up to which no run exceeds the level"),
+    "step_high": Column("as `intensity_unit` says", "of a step: intensity from which on all runs do")}
+CRACKS = {
+    "load_level": Column("1", "successive load levels"),
+    "drift_pct": Column("%", "top displacement over height; one value a level"),
+    "crack": Column("", "label of a crack; all its polylines have it"),
+    "point": Column("1", "number along a polyline, which begins at 1"),
+    "x_m": Column("m", "place of the point, along the wall"), "z_m": Column("m", "the same, upwards"),
+    "opening_mm": Column("mm", "across the crack, zero or more"), "slip_mm": Column("mm", "along it, signed"),
+    "width_mm": Column("mm", "sqrt(opening² + slip²)"), "mode": Column("", "tension, shear, mixed, unknown")}
+
+DICTIONARY = {
+    "summary.csv, study.h5 runs": RUNS | MEMBERS, "points.csv, study.h5 points": POINTS,
+    "RUN_index.csv": INDEX, "RUN_events.csv": EVENTS, "RUN_joints.csv": JOINTS_OF_A_RUN, "RUN_cycles.csv": CYCLES,
+    "RUN_shocks.csv": SHOCKS, "fragility_INTENSITY.csv": FRAGILITY,
+    "fragility_after_damage_INTENSITY.csv": AFTER_DAMAGE, "efficiency.csv": EFFICIENCY,
+    "fragility_coefficients.csv": COEFFICIENTS, "crack files": CRACKS,
+    **{f"RUN.h5 {group}": columns for group, columns in TABLES.items()}}
+"""{tables, as their files are called: {column: Column}}; `summary.csv` of `python3 -m damage tables` has no members."""
+
+
+def dictionary_table():
+    """A DataFrame with a row a column: table, column, unit ("" of words), meaning."""
+    rows = [(table, name, column.unit, column.meaning) for table, columns in DICTIONARY.items()
+            for name, column in columns.items()]
+    return pd.DataFrame(rows, columns=["table", "column", "unit", "meaning"])
+
+
+def write_dictionary(folder):
+    """Write dictionary.csv and dictionary.md into a folder; returns their paths."""
+    table = dictionary_table()
+    return [write_table(table, Path(folder) / "dictionary.csv"),
+            write_text(Path(folder) / "dictionary.md", _markdown(table))]
+
+
+def _markdown(table):
+    codes = "; ".join(f"`{name}`: {', '.join(words)}" for name, words in CODES.items())
+    lines = ["# Data dictionary", "", "Every column of every table that the software writes; made by `python3 -m "
+             "damage dictionary --out docs`, as is [dictionary.csv](dictionary.csv).",
+             "RUN stands for a run's name, INTENSITY for that of an intensity of the motion; a unit of 1 is a ratio or "
+             "a number, none a word.", f"In histories (RUN.h5) codes are numbers from 0: {codes}."]
+    for name, rows in table.groupby("table", sort=False):
+        lines += ["", f"## {name}", "", "| column | unit | meaning |", "| --- | --- | --- |",
+                  *(f"| `{row.column}` | {row.unit} | {row.meaning} |" for row in rows.itertuples())]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,79 @@
+"""Which lines the page draws over time, and how joints and lines look: told apart without colour, too."""
+
+import numpy as np
+
+from damage.draw.run import ENERGIES, JOINT_COLOURS
+from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, drift_scale
+from damage.draw.wall import LEGEND_WIDTHS_MM, line_width
+from damage.history.moments import STATES
+from damage.units import MILLIMETRE
+
+PIXELS = 1.8
+"""Of a point of a picture's line: a third wider than it is in print, so that it is seen."""
+DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
+RUN_STYLES = ((BLUE, "solid"), (VERMILLION, "dash"), (GREEN, "dashdot"), (PURPLE, "dot"), (BLACK, "longdash"),
+              (ORANGE, "longdashdot"))
+"""Colour and dash of each run where several are drawn in one panel."""
+COMPONENT_STYLES = {"DI": ("DI", BLACK, "solid"), "DI_drift": ("DI drift", GREEN, "dot"),
+                    "DI_open": ("DI open", VERMILLION, "dash"), "DI_slip": ("DI slip", BLUE, "dashdot")}
+CRACK_COLOURS = JOINT_COLOURS | {"opened": VERMILLION}
+"""As in the pictures, but for one that is darker: on a screen thin lines in orange are too faint."""
+CRACK_DASHES = {"opened": "solid", "slipped": "2px,2px", "both": "solid"}
+"""Lines of cracked joints: what slipped is dotted, what did both is black between crosses."""
+
+
+def over_time(runs):
+    """Panels over time, one below another: [{"title", "unit", "factor", "lines": [{"run", "series", "name", "colour",
+    "dash"}]}]; of one run the components share a panel, of several each has its own."""
+    if not runs:
+        return []
+    factor, unit = drift_scale(*(run["history"].series["drift_ratio"] for run in runs))
+    above = [_drive(runs), _panel("Drift ratio", unit, runs, "drift_ratio", factor)]
+    if len(runs) > 1:
+        return [*above, *(_panel(label, "", runs, name) for name, (label, *_) in COMPONENT_STYLES.items())]
+    return [*above, {"title": "Damage index", "unit": "", "factor": 1, "lines": [
+        _line(0, name, *style) for name, style in COMPONENT_STYLES.items()]}]
+
+
+def _drive(runs):
+    """The panel of what drives the runs: the base's motion or, where no base moves, the force that answers."""
+    if not any(_moves(run, axis) for run in runs for axis in "xz"):
+        return _panel("Base shear", "kN", runs, "base_shear_kn")
+    panel = _panel("Base acceleration", "g", runs, "base_x_g")
+    if len(runs) == 1 and _moves(runs[0], "z"):
+        panel["lines"] = [_line(0, "base_x_g", "base, along the wall", BLACK, "solid"),
+                          _line(0, "base_z_g", "base, upwards", VERMILLION, "dot")]
+    return panel
+
+
+def _moves(run, axis):
+    """Whether the base of a run moves along x or z."""
+    return bool(np.nan_to_num(run["history"].series[f"base_acceleration_{axis}_m_s2"]).any())
+
+
+def _panel(title, unit, runs, series, factor=1):
+    names = [f"run {run['letter']}" if len(runs) > 1 else title.lower() for run in runs]
+    return {"title": title, "unit": unit, "factor": factor, "lines": [
+        _line(number, series, name, *style) for number, (name, style) in enumerate(zip(names, RUN_STYLES))]}
+
+
+def _line(run, series, name, colour, dash):
+    return {"run": run, "series": series, "name": name, "colour": colour, "dash": dash}
+
+
+def energy_lines():
+    """Lines of the panel of energies of one run."""
+    return [{"series": name, "name": label, "colour": colour, "dash": DASHES[line]}
+            for name, (label, colour, line) in ENERGIES.items()]
+
+
+def states_legend():
+    """How cracked joints and energies are drawn: {"states": [{"code", "name", "colour", "dash"}], the gravest last,
+    "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's width, "energies"}."""
+    words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
+    states = [{"code": STATES.index(name), "name": label, "colour": CRACK_COLOURS[name], "dash": CRACK_DASHES[name]}
+              for name, label in words.items()]
+    uppers = (*LEGEND_WIDTHS_MM[1:], LEGEND_WIDTHS_MM[-1])
+    return {"states": states, "energies": energy_lines(), "widths": [
+        {"from_mm": low, "pixels": round(float(PIXELS * line_width(MILLIMETRE * (low * high) ** 0.5)), 2)}
+        for low, high in zip(LEGEND_WIDTHS_MM, uppers)]}

@@ -1,0 +1,55 @@
+"""Arrays and pictures as text that a browser unpacks: gzip, then base64."""
+
+import base64
+import gzip
+import io
+
+import numpy as np
+
+_ALIGNED = 8  # bytes: where an array may begin, so that a browser can look at it in place
+
+
+def pack_arrays(arrays):
+    """{"packed": all arrays of {name: array} one after the other, "arrays": {name: [type, first byte, length]}}.
+
+    Types are numpy's, little-endian: f4, i4, i2, u2, u1.
+
+    >>> pack_arrays({"a": np.array([1, 2], "u1"), "b": np.array([0.5], "f4")})["arrays"]
+    {'a': ['u1', 0, 2], 'b': ['f4', 8, 1]}
+    """
+    data, places = bytearray(), {}
+    for name, array in arrays.items():
+        data += bytes(-len(data) % _ALIGNED)
+        values = np.asarray(array)
+        places[name] = [values.dtype.str[1:], len(data), values.size]
+        data += values.astype(values.dtype.newbyteorder("<")).tobytes()
+    return {"packed": _as_base64(bytes(data)), "arrays": places}
+
+
+def unpack_arrays(told):
+    """What `pack_arrays` packed, as flat arrays: {name: array}."""
+    data = gzip.decompress(base64.b64decode(told["packed"]))
+    return {name: np.frombuffer(data, f"<{kind}", length, first)
+            for name, (kind, first, length) in told["arrays"].items()}
+
+
+def quantised(values):
+    """int16 of values (n, ..., k), and the step of each of the k columns: values are step times these numbers.
+
+    What is not finite becomes 0.
+    """
+    values = np.nan_to_num(np.asarray(values, float), nan=0.0, posinf=0.0, neginf=0.0)
+    largest = np.abs(values).reshape(-1, values.shape[-1]).max(axis=0, initial=0.0)
+    step = np.where(largest > 0, largest, 1.0) / np.iinfo(np.int16).max
+    return np.round(values / step).astype("i2"), step
+
+
+def as_png(figure, dots_per_inch=150):
+    """A matplotlib Figure as PNG in base64."""
+    held = io.BytesIO()
+    figure.savefig(held, format="png", dpi=dots_per_inch)
+    return base64.b64encode(held.getvalue()).decode("ascii")
+
+
+def _as_base64(data):
+    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")

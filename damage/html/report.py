@@ -1,0 +1,107 @@
+"""The file itself: `python3 -m damage report PATH... [--out FILE.html]`."""
+
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2.utils import htmlsafe_json_dumps
+
+from damage.errors import InputError
+from damage.files import json_text, write_text
+from damage.history.reader import read_history
+from damage.html.charts import over_time, states_legend
+from damage.html.library import PAGE, plotly_code, plotly_version
+from damage.html.run_part import run_part
+from damage.html.study_part import figures, runs_of, studies_below, study_part, verdict_of
+from damage.html.tables import energy_balance, measures, parameters, versions
+from damage.index import THRESHOLD
+from damage.provenance import commit
+from damage.units import MILLIMETRE
+from damage.version import VERSION
+
+LETTERS = "ABCDEF"
+"""What runs side by side are called; no more than so many."""
+ENDINGS = (".html", ".htm")
+
+
+def write_report(paths, out=None):
+    """Write the report of histories and of folders of studies; returns its path.
+
+    paths: of histories, up to as many as LETTERS has, and of folders that hold the tables of studies; out: by default
+    beside the first, NAME.html of a history, report.html in a folder.
+    Raises InputError of a file that is no history or has no sample, of a folder without tables, and of another ending.
+    """
+    paths = [Path(path) for path in paths]
+    out = Path(out) if out else paths[0] / "report.html" if paths[0].is_dir() else paths[0].with_suffix(".html")
+    if out.suffix.lower() not in ENDINGS:
+        raise InputError(f"--out {out}: expected a name that ends in .html; give it one")
+    files, folders = ([path for path in paths if path.is_dir() == of_study] for of_study in (False, True))
+    return write_text(out, page(files, folders))
+
+
+def page(files, folders):
+    """The text of the report of histories (paths) and of folders of studies."""
+    if len(files) > len(LETTERS):
+        raise InputError(f"{len(files)} histories: expected up to {len(LETTERS)} side by side; name fewer, or the "
+                         "folder of their study")
+    studies = [study for folder in folders for study in studies_below(folder)]
+    histories, unread = _worst(studies, len(LETTERS) - len(files))
+    histories = [*map(read_history, files), *histories]
+    runs = list(map(run_part, histories, LETTERS))
+    letters = {history.path.resolve(): letter for history, letter in zip(histories, LETTERS)}
+    parts = [study_part(folder, {path.stem: letter for path, letter in letters.items()
+                                 if path.parent == (folder / "runs").resolve()}) for folder in studies]
+    return _environment().get_template("report.html").render(
+        runs=runs, studies=parts, of_folders=[_of_folder(folder, studies) for folder in folders],
+        first=[(f"Run {run['letter']}, {run['file']}" if len(runs) > 1 or parts else run["file"], run["first"])
+               for run in runs if run["first"]]
+        + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]]
+        + ([("Histories that cannot be read", unread)] if unread else []),
+        title=_title(runs, parts), measures=measures(runs) if runs else [],
+        energies=energy_balance(runs) if runs else [], parameters=parameters, versions=versions,
+        threshold_mm=THRESHOLD / MILLIMETRE,
+        data=_for_program(runs), style=(PAGE / "report.css").read_text(encoding="utf-8"),
+        program=(PAGE / "report.js").read_text(encoding="utf-8"), library=plotly_code() if runs else "",
+        library_version=plotly_version() if runs else "", made_by=f"masonry-damage {VERSION}, commit {commit()}")
+
+
+def _environment():
+    return Environment(loader=FileSystemLoader(PAGE), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+                       lstrip_blocks=True)
+
+
+def _worst(studies, most):
+    """(Histories of the runs of studies with the largest DI, up to so many, the worst first; what is said of those that
+    cannot be read).  Runs without a file are passed over, those that fell come first."""
+    found = []
+    for folder in studies:
+        summary, _ = runs_of(folder)
+        measures = summary.reindex(columns=["collapsed_at_s", "max_DI"]).astype(float)
+        paths = [folder / "runs" / f"{run}.h5" for run in summary["run"]]
+        found += zip(-measures["collapsed_at_s"].notna().astype(int), -measures["max_DI"].fillna(0.0), paths)
+    histories, unread = [], []
+    for _, _, path in sorted(found):
+        if len(histories) < most and path.is_file():
+            try:
+                histories.append(read_history(path))
+            except InputError as error:
+                unread.append(str(error))
+    return histories, unread
+
+
+def _of_folder(folder, studies):
+    """What the studies below one folder have in common: figures, unless it is a study itself, and the verdict."""
+    return {"name": folder.resolve().name, "verdict": verdict_of(folder),
+            "figures": {"embedded": [], "named": []} if folder in studies else figures(folder)}
+
+
+def _title(runs, studies):
+    if studies:
+        return ", ".join(f"study {part['name']}" for part in studies)
+    return runs[0]["title"] if len(runs) == 1 else f"{len(runs)} runs side by side"
+
+
+def _for_program(runs):
+    """What the program of the page needs, as JSON that is safe inside of HTML."""
+    told = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
+            "threshold_mm": THRESHOLD / MILLIMETRE, "states": states_legend()}
+    return htmlsafe_json_dumps(told, dumps=json_text)

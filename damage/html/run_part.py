@@ -1,0 +1,150 @@
+"""What the file shows of one run: its moving wall, its lines over time, its key numbers, what is to be said first."""
+
+import numpy as np
+
+from damage.draw.run import wall_picture
+from damage.draw.style import drift_scale
+from damage.draw.wall import magnification
+from damage.history.info import info
+from damage.history.moments import STATES, joint_states, nearest_snapshot
+from damage.html.instants import instants, points
+from damage.html.packing import as_png, pack_arrays, quantised
+from damage.index import COMPONENTS
+from damage.measure.energy import DISSIPATED, STORED
+from damage.measure.summary import summarise
+from damage.measure.tables import summary_row
+from damage.units import GRAVITY
+from damage.wall.geometry import tributary_ends
+
+MICROMETRE = 1e-6
+SERIES = (*COMPONENTS, "drift_ratio", "base_shear_kn", "base_x_g", "base_z_g", "input_energy_j", *STORED, *DISSIPATED)
+"""Lines over time that the file holds of each run."""
+
+
+def run_part(history, letter):
+    """Everything about one History, a dictionary for the page; letter: what the page calls the run.
+
+    Raises InputError of a file without a sample.
+    """
+    summary, index = summarise(history), history.index()
+    part = {"letter": letter, "title": f"{history.wall} wall, {history.loading.name}", "solver": history.solver,
+            "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
+            "row": summary_row(history), "info": info(history), "history": history,
+            "key": _key_numbers(history, summary, index), "still": still(history),
+            "drawn": drawn(history, index)}
+    return part | {"words": in_words(part)}
+
+
+def still(history):
+    """The wall at its largest DI as a picture, for who has no scripts, and until the moving one is drawn."""
+    return as_png(wall_picture(history))
+
+
+def said_first(history, warnings=()):
+    """What a reader has to know before any number of a History, a list of lines; none where all is well."""
+    until = history.series["time_s"].iloc[-1]
+    lines = {"complete": [],
+             "interrupted": [f"interrupted at {until:.3f} s, before the run's end; every maximum is one so far"],
+             "failed": [f"failed at {until:.3f} s: do not rely on what is shown"],
+             "unfinished": [f"without an end: a run writes the file now, or was killed. It reaches to {until:.3f} s; "
+                            "every maximum is one so far"]}[history.status]
+    if history.collapsed_at_s is not None:
+        lines.append(f"collapsed at {history.collapsed_at_s:.3f} s: maxima are those until the run's end, "
+                     "residuals the state then")
+    return [*lines, *warnings]
+
+
+def _key_numbers(history, summary, index):
+    """(name, value or None, unit, what else is said) of what one asks first."""
+    time_s, drift = (history.series[name].to_numpy() for name in ("time_s", "drift_ratio"))
+    (factor, unit), residual, offset = drift_scale(drift), summary["residual"], summary["max_offset_mm"]
+    by = "" if offset is not None else ", slip accumulated"
+    return [
+        ("Maximum DI", summary["max"]["DI"], "", f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{by}"),
+        ("Residual DI", residual and residual["DI"], "", f"at the end{by}" if residual else "no end, no residual"),
+        ("Largest drift", factor * summary["max_drift_ratio"], unit,
+         f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f} s"),
+        ("Widest crack", summary["max_crack_width_mm"], "mm", "opening and offset together"),
+        ("Psi", summary["max_psi"], "", f"{summary['psi_class']} (Korswagen)"),
+        ("Largest base shear", summary["peak_base_shear_n"] / 1e3, "kN", "")]
+
+
+# --- what is drawn -----------------------------------------------------------------------------------
+
+def drawn(history, index):
+    """Numbers for the drawings: {"arrays", "packed"} of `pack_arrays`, and lists and numbers besides."""
+    chosen, lines = instants(history, index), _lines(history, index)
+    kept = points(np.array([lines[name] for name in SERIES]), chosen)
+    wall, more = _moving_wall(history, chosen)
+    arrays = {name: values[kept].astype("f4") for name, values in lines.items()}
+    settling = (history.series["stage"] == "settling").to_numpy()[kept]
+    arrays |= {"instant": np.searchsorted(kept, chosen).astype("i4"), "settles": settling.astype("u1"), **wall}
+    time_s = lines["time_s"]
+    return more | pack_arrays(arrays) | {
+        "settling": _spans(time_s[kept], settling), "collapsed_at_s": history.collapsed_at_s,
+        "at_max": float(time_s[int(np.argmax(index["DI"]))]), "n_instants": len(chosen)}
+
+
+def _lines(history, index):
+    """{"time_s" and names of SERIES: (n_times,)} in the units of the drawings."""
+    series = history.series
+    found = {"time_s": series["time_s"], "base_shear_kn": series["base_shear_n"] / 1e3,
+             **{f"base_{axis}_g": series[f"base_acceleration_{axis}_m_s2"] / GRAVITY for axis in "xz"}}
+    found |= {name: index[name] if name in index else series[name] for name in SERIES if name not in found}
+    return {name: values.to_numpy() for name, values in found.items()}
+
+
+def _moving_wall(history, chosen):
+    """Arrays of the wall at the chosen samples, and what goes with them.
+
+    Of contact points only those that are not intact in all of them; displacements are those of the nearest snapshot,
+    none where none is near, in steps of a 32767th of the largest.
+    """
+    states = np.array([joint_states(history, sample) for sample in chosen])
+    ever = np.flatnonzero((states != STATES.index("intact")).any(axis=0))
+    width = np.hypot(history.opening_m[chosen][:, ever], history.slip_by("displacement")[chosen][:, ever], dtype=float)
+    near = [nearest_snapshot(history, time) for time in history.series["time_s"].to_numpy()[chosen]]
+    still = np.zeros((len(history.bodies), 3))
+    motion = np.nan_to_num([still if snapshot is None else history.displacement[snapshot] for snapshot in near])
+    places, step = quantised(motion)
+    joints, bodies = history.joints.iloc[ever], history.bodies
+    arrays = {
+        "x": bodies["x_m"].astype("f4"), "z": bodies["z_m"].astype("f4"), "length": bodies["length_m"].astype("f4"),
+        "height": bodies["height_m"].astype("f4"), "cap": (bodies["course"] < 0).astype("u1"),
+        "ends": tributary_ends(history.joints)[ever].astype("f4").ravel(),
+        "first": joints["first_body"].astype("i4"), "second": joints["second_body"].astype("i4"),
+        "head": (joints["kind"] == "head").astype("u1"), "place": places.ravel(),
+        "snapshot": np.array([snapshot is not None for snapshot in near], "u1"),
+        "state": states[:, ever].astype("u1").ravel(),
+        "width_um": np.nan_to_num(width / MICROMETRE).clip(0, np.iinfo("u2").max).round().astype("u2").ravel()}
+    largest = motion[int(np.argmax(np.abs(motion[..., :2]).max(axis=(1, 2))))]
+    return arrays, {"step": step.tolist(), "n_joints": len(history.joints), "n_ever": len(ever),
+                    "magnify": magnification(bodies, largest)}
+
+
+def _spans(time_s, chosen):
+    """[[first, last time]] of each stretch of chosen samples."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
+    return [[float(time_s[first]), float(time_s[last - 1])] for first, last in zip(edges[::2], edges[1::2])]
+
+
+# --- in words ------------------------------------------------------------------------------------------
+
+def in_words(part):
+    """{drawing: what it shows, for who cannot see it}."""
+    history, summary, shown = part["history"], part["summary"], part["drawn"]
+    series = history.series
+    shear_kn = series["base_shear_n"] / 1e3
+    drift_pct = 100 * series["drift_ratio"]
+    spans = (f"drift from {drift_pct.min():.4g} to {drift_pct.max():.4g} %, base shear from {shear_kn.min():.4g} to "
+             f"{shear_kn.max():.4g} kN")
+    return {
+        "wall": f"Moving drawing of the {history.wall} wall, {history.attributes['length_m']:g} m long and "
+                f"{history.attributes['height_m']:g} m high. Of its {shown['n_joints']} contact points "
+                f"{shown['n_ever']} break in this run; the widest crack has "
+                f"{summary['max_crack_width_mm']:.3g} mm; the maximum DI is {summary['max']['DI']:.4f} at "
+                f"{shown['at_max']:.3f} s. The line below says what it shows.",
+        "hysteresis": f"Base shear against drift ratio: {spans}.",
+        "energy": f"Energies over time: input {summary['input_energy_j']:.4g} J at the end, friction took "
+                  f"{summary['friction_energy_j']:.4g} J, fracture {summary['fracture_energy_j']:.4g} J, damping "
+                  f"before settling {summary['damping_energy_j']:.4g} J."}

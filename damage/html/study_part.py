@@ -1,0 +1,216 @@
+"""What the file shows of a study: whether it is whole, its points and runs, its figures, fragility and verdict."""
+
+import base64
+import math
+import re
+import tomllib
+from itertools import starmap
+
+import numpy as np
+from matplotlib.image import imread
+
+from damage.errors import InputError
+from damage.html.packing import as_png
+from damage.html.tables import COLUMNS as MEANING
+from damage.html.tables import cell
+from damage.measure.columns import read_table, slip_criteria
+from damage.paper.report import overview_table
+from damage.paper.verdict import HOLDS, UNJUDGED, judge
+from damage.studies.definition import load_study
+from damage.studies.fragility import fit_all, fragility_table, load_runs
+from damage.studies.fragility_picture import fragility_pictures
+from damage.studies.results import NEEDED
+
+COLUMNS = ("solver", "wall", "motion", "members", "status", "collapsed", "pga_g", "pgv_m_s", "max_DI", "residual_DI",
+           "max_drift_ratio", "residual_drift_ratio", "max_crack_width_mm", "max_psi", "peak_base_shear_n",
+           "energy_error_fraction")
+"""Of the table of points, those that have a value."""
+OFTEN_SHARED = ("solver", "wall", "motion", "members", "status", "collapsed")
+"""Of these those that all points share are told once, above the table."""
+OF_POINTS = {"members": "how many runs the point has in its solver", "collapsed": "how many of them collapsed",
+             "status": "complete when all its runs are"}
+MOST_FIGURES_MB = 3.0
+"""Of embedded figures; what is beyond it is named."""
+REPLICATES = 200
+"""Bootstrap samples of a fragility curve's bounds; `python3 -m damage fragility` takes more."""
+FIGURE_WORDS = {
+    "fig06": "The harmonic motions that shook the walls", "fig07": "Damage index and its components over time",
+    "fig08": "Damage index against the amplitude of the motion", "fig09": "Drift over time by amplitude",
+    "fig10": "The records that shook the walls, with their spectra",
+    "fig11": "Residual damage against peak acceleration",
+    "fig12": "Damage index against the largest drift", "cracks": "Cracked joints of the walls of single runs",
+    "sequences": "Damage over sequences of shocks", "sensitivity": "How much modelling choices move the damage",
+    "fragility": "Probability of exceeding levels of damage against intensity"}
+
+
+def studies_below(folder):
+    """Folders of the studies in or below a folder, those with tables; InputError where there are none."""
+    found = sorted(path.parents[1] for path in folder.rglob("tables/summary.csv"))
+    if not found:
+        raise InputError(f"{folder}: no tables/summary.csv in it or below it; expected a history (.h5) or the folder "
+                         "of a study, as ./run_all.sh makes it; give one of them")
+    return found
+
+
+def runs_of(folder):
+    """(summary, points) of a study's folder, DataFrames."""
+    tables = folder / "tables"
+    return (read_table(tables / "summary.csv", ("run", "point", "solver", "status")),
+            read_table(tables / "points.csv", NEEDED))
+
+
+def study_part(folder, letters):
+    """Everything about the study in a folder, a dictionary for the page.
+
+    letters: {name of a run: letter of its own part of the page}, of those that have one.
+    """
+    summary, points = runs_of(folder)
+    told = [name for name in COLUMNS if name in points and points[name].notna().any()]
+    shared = [name for name in OFTEN_SHARED if name in told and points[name].nunique(dropna=False) == 1]
+    told = [name for name in told if name not in shared]
+    heads = [{"name": name, "unit": MEANING.get(name, ("", ""))[0], "meaning": OF_POINTS.get(name) or MEANING[name][1]}
+             for name in told]
+    about = _about(folder)
+    return {"name": str(about.get("name") or folder.resolve().name), "title": str(about.get("title") or ""),
+            "folder": folder.as_posix(), "shared": [(name, cell(_plain(points[name].iloc[0]))[0]) for name in shared],
+            "first": said_first(folder, summary, points), "heads": heads,
+            "rows": [_point(row, told, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
+            "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder)}
+
+
+def _about(folder):
+    """What the study says of itself in the copy of its file, {} where that cannot be read."""
+    try:
+        return tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+
+
+def said_first(folder, summary, points):
+    """What a reader has to know before any number of a study: what is missing, growing, unfinished or fell."""
+    lines, there = [], len(points)
+    planned = _planned(folder, set(points["solver"]))
+    if planned is not None and planned > there:
+        lines.append(f"not whole: {there} of {planned} points are in its tables")
+    growing = sorted(path.name for path in (folder / "runs").glob("*.part.h5"))
+    if growing:
+        lines.append(f"growing, or cut short: {', '.join(growing)}")
+    ended = summary["status"] == "complete"
+    if not ended.all():
+        lines.append(f"did not come to their end: {', '.join(summary.loc[~ended, 'run'].astype(str))}")
+    fell = summary["collapsed_at_s"].notna() if "collapsed_at_s" in summary else ended & False
+    if fell.any():
+        lines.append(f"{int(fell.sum())} of {len(summary)} runs collapsed: their maxima are those until then")
+    if slip_criteria(summary) != ["displacement"]:
+        lines.append("there are runs from before histories had offsets: their slip is judged by accumulated")
+    return lines
+
+
+def _planned(folder, solvers):
+    """How many points the study's file asks for of these solvers, None where its walls are not to be had here."""
+    try:
+        study = load_study(folder / "study.toml", "both")
+    except (InputError, OSError):
+        return None
+    return len({(run.point, run.solver) for run in study.of_both if run.solver in solvers})
+
+
+def _point(row, told, summary, letters):
+    """One row of the table: its point, its runs with the letters of their parts, its cells with their range."""
+    same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
+    runs = [(str(name), letters.get(str(name))) for name in summary.loc[same, "run"]]
+    return {"point": str(row["point"]), "runs": runs, "cells": [(*cell(_plain(row[name])), _range(row, name))
+                                                                for name in told]}
+
+
+def _plain(value):
+    """A cell of a table as Python has it; None where it is empty."""
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, float) and (math.isnan(value) or (value.is_integer() and abs(value) < 1e6)):
+        return None if math.isnan(value) else int(value)
+    return value
+
+
+def _range(row, name):
+    """"least to most" over the members, "" where they are one or agree."""
+    low, high = row.get(f"{name}_min"), row.get(f"{name}_max")
+    return "" if low is None or high is None or not low < high else f"{low:.3g} to {high:.3g}"
+
+
+# --- figures -----------------------------------------------------------------------------------------
+
+def figures(folder):
+    """{"embedded": [figure], "named": [paths that are too large to embed]} of the PNG files of a study.
+
+    They are looked for in its folders `figures` and `pictures` and in itself; pictures of single runs are left out.
+    """
+    places = folder / "figures", folder / "pictures", folder
+    paths = [path for place in places for path in sorted(place.glob("*.png"))]
+    embedded, named, left = [], [], MOST_FIGURES_MB * 1e6
+    for path in paths:
+        if path.stat().st_size > left:
+            named.append(path.relative_to(folder).as_posix())
+            continue
+        figure = _embedded(path)
+        left -= path.stat().st_size
+        embedded.append(figure)
+    return {"embedded": embedded, "named": named}
+
+
+def _embedded(path):
+    """One figure: name, data, width and height [px], what it shows in words."""
+    try:
+        height, width = imread(path).shape[:2]
+    except (OSError, ValueError, SyntaxError) as error:
+        raise InputError(f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it again: "
+                         "python3 -m damage figures") from error
+    return {"name": path.stem, "data": base64.b64encode(path.read_bytes()).decode("ascii"), "width": width,
+            "height": height, "words": figure_words(path.stem)}
+
+
+def figure_words(name):
+    """What a figure shows, from its name.
+
+    >>> figure_words("fig12_drift_symmetric"), figure_words("mine")
+    ('Damage index against the largest drift (fig12_drift_symmetric)', 'Figure mine')
+    """
+    for start, words in FIGURE_WORDS.items():
+        if re.match(start, name):
+            return f"{words} ({name})"
+    return f"Figure {name}"
+
+
+# --- fragility, verdict ------------------------------------------------------------------------------
+
+def _fragility(folder):
+    """Curves, figures and bounds of a study with scattered strengths, None of another."""
+    try:
+        runs = load_runs(folder)
+        fits = fit_all(runs, "pga_g", REPLICATES)
+    except InputError:
+        return None
+    table = fragility_table(fits, "pga_g")
+    return {"heads": list(table), "rows": [[cell(_plain(value)) for value in row] for row in table.to_numpy(object)],
+            "figures": list(starmap(_drawn, fragility_pictures(runs, fits)))}
+
+
+def _drawn(name, figure):
+    """A matplotlib Figure as an embedded figure; its size only tells its shape."""
+    width, height = (round(100 * inches) for inches in figure.get_size_inches())
+    return {"name": name, "data": as_png(figure), "width": width, "height": height, "words": figure_words(name)}
+
+
+def verdict_of(folder):
+    """The paper's statements as the tables below a folder judge them: {"heads", "rows", "unjudged"}, and how many
+    outcomes there are; None where none can be judged."""
+    try:
+        findings = judge(folder)
+    except InputError:
+        return None
+    judged = [finding for finding in findings if finding.verdict != UNJUDGED]
+    if not judged:
+        return None
+    heads, rows = overview_table(findings)
+    told = [row for row in rows if set(row[2:]) != {UNJUDGED}]
+    return {"heads": heads, "rows": told, "unjudged": [row[0] for row in rows if row not in told], "n": len(findings),
+            "n_judged": len(judged), "n_hold": sum(finding.verdict == HOLDS for finding in judged)}

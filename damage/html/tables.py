@@ -1,0 +1,103 @@
+"""Tables of the file: measures with their meaning, run beside run; the energy balance; parameters."""
+
+import math
+from numbers import Number
+
+from damage.history.info import flat
+from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN
+from damage.measure.energy import DISSIPATED, STORED, imbalance
+from damage.wall.caps import describe_cap
+
+SECTIONS = {**MEASURES, "What ran": RUN | PARAMETERS, "What made it": MADE_BY}
+DIGITS = 5
+ENERGIES = {
+    "input_energy_j": "put in", "kinetic_energy_j": "kinetic, stored", "elastic_energy_j": "elastic, stored",
+    "gravity_energy_j": "lifted, stored", "friction_energy_j": "taken by friction",
+    "fracture_energy_j": "taken by fracture", "damping_energy_j": "taken by damping, that of settling included",
+}
+
+
+def _single(names, units):
+    """(name, unit) of each of several names; one unit may stand for all, and "1" is none."""
+    names, units = names.split(", "), units.split(", ")
+    return [(name, "" if unit == "1" else unit)
+            for name, unit in zip(names, units if len(units) == len(names) else units * len(names))]
+
+
+COLUMNS = {name: (unit, column.meaning.replace("`", "")) for columns in SECTIONS.values()
+           for several, column in columns.items() for name, unit in _single(several, column.unit)}
+"""Of each single column: its unit, what it means."""
+
+
+def in_short(value):
+    """A number with five digits, a word as it is, nothing as a dash.
+
+    >>> in_short(0.0940123456), in_short(1234567.0), in_short(None), in_short("complete"), in_short(3)
+    ('0.094012', '1.2346e+06', '–', 'complete', '3')
+    """
+    if value is None or (isinstance(value, Number) and not math.isfinite(value)):
+        return "–"
+    if isinstance(value, bool) or not isinstance(value, Number):
+        return str(value) or "–"
+    return str(value) if isinstance(value, int) else f"{value:.{DIGITS}g}"
+
+
+def measures(parts):
+    """[(section, [row])] of all measures that a run has.
+
+    A row is {"name", "unit", "meaning", "cells": [cell of each run], "differences": [cell of each but the first]}, a
+    cell (text, the whole number or None).
+    """
+    rows = [part["row"] for part in parts]
+    found = [(section, [_row(name, [row.get(name) for row in rows]) for several in columns
+                        for name in several.split(", ") if any(row.get(name) is not None for row in rows)])
+             for section, columns in SECTIONS.items()]
+    return [(section, rows) for section, rows in found if rows]
+
+
+def _row(name, values):
+    unit, meaning = COLUMNS[name]
+    return {"name": name, "unit": unit, "meaning": meaning,
+            "cells": [cell(value) for value in values],
+            "differences": [_difference(values[0], value) for value in values[1:]]}
+
+
+def cell(value):
+    """(text, number or None) of a value."""
+    is_number = isinstance(value, Number) and not isinstance(value, bool) and math.isfinite(value)
+    return in_short(value), repr(float(value)) if is_number else None
+
+
+def _difference(first, other):
+    """How another value differs from the first, as a cell: numbers as difference and per cent, words as they differ."""
+    if cell(first)[1] is None or cell(other)[1] is None:
+        return ("", None) if first == other else ("differs", None)
+    change = other - first
+    share = f" ({100 * change / abs(first):+.3g} %)" if first and change else ""
+    return f"{change:+.{DIGITS}g}{share}" if change else "0", repr(float(change))
+
+
+def energy_balance(parts):
+    """Rows (what, [cell of each run]) of the energies at the end [J], and what their balance lacks."""
+    ends = [part["history"].series.iloc[-1] for part in parts]
+    rows = [(label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()]
+    known = [part["history"].series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0) for part in parts]
+    rows.append(("stored and taken, less put in", [cell(float(imbalance(series)[-1])) for series in known]))
+    errors = [part["summary"]["energy_error_fraction"] for part in parts]
+    return [*rows, ("largest imbalance before settling, % of the input", [
+        cell(error if error is None else 100 * error) for error in errors])]
+
+
+def parameters(told):
+    """(name, text) of every parameter of a run, its static stage and caps; told: `damage.history.info.info`."""
+    return [*((f"cap {number}", describe_cap(cap)) for number, cap in enumerate(told["caps"], start=1)),
+            *((f"static.{name}", value) for name, value in told["static"].items()), *flat(told["parameters"])]
+
+
+def versions(told):
+    """(software, version) of what made a run; told: `damage.history.info.info`."""
+    others = sorted(set(told["versions"]) - {"masonry-damage", "commit", "model"})
+    return [("masonry-damage", told["software"]), ("commit", told["commit"]),
+            ("digest of the model", told["model_digest"]), *((name, told["versions"][name]) for name in others),
+            ("machine", told["machine"]),
+            ("made", told["created_utc"])]

@@ -1,0 +1,89 @@
+"""What every command has: its version, quiet, completion of a shell; and what a wall file's mistakes are told as."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from conftest import REPOSITORY, one_line_error, run_command
+
+from damage.__main__ import main
+from damage.version import VERSION
+from damage.wall.file import load_wall
+
+SMALL = "from damage import Brick, Joint, Opening, Wall\n\ndef wall():\n    return "
+
+
+def test_the_version_has_the_package_s_name(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out.startswith(f"masonry-damage {VERSION}, commit ")
+
+
+def test_quiet_leaves_files_and_no_word(tmp_path, capsys):
+    wall = tmp_path / "wall.py"
+    wall.write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
+    assert main(["modes", str(wall), "--out", str(tmp_path / "told")]) == 0
+    told = capsys.readouterr()
+    assert "mode 1" in told.out and "picture: " in told.err
+    assert main(["--quiet", "modes", str(wall), "--out", str(tmp_path / "quiet")]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert (tmp_path / "quiet/modes.png").is_file()
+
+
+def test_quiet_tells_errors(tmp_path, capsys):
+    assert main(["--quiet", "index", str(tmp_path / "none.h5")]) == 2
+    assert capsys.readouterr().err.startswith("error: ")
+
+
+@pytest.mark.parametrize("before, after", [(["--quiet"], []), ([], ["--quiet"])], ids=["before", "after"])
+def test_a_quiet_run_writes_its_history_and_no_word(tmp_path, capsys, before, after):
+    (tmp_path / "wall.py").write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
+    words = [*before, "reference", str(tmp_path / "wall.py"), "--harmonic", "0.02", "0.01", "--cycles", "1", "--rest",
+             "0", "--no-pictures", "--out", str(tmp_path / "a.h5"), *after]
+    assert main(words) == 0
+    assert capsys.readouterr() == ("", "")
+    assert (tmp_path / "a.h5").is_file()
+
+
+@pytest.mark.parametrize("line, expected", [
+    ("masonry-damage stu", {"study-tables", "study-schema"}), ("masonry-damage reference --rayl", {"--rayleigh"}),
+    ("masonry-damage index --slip ", {"displacement", "accumulated", "shear-limit"})])
+def test_a_shell_completes_commands_options_and_choices(tmp_path, line, expected):
+    pytest.importorskip("argcomplete")
+    told = tmp_path / "told"
+    asked = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "COMP_LINE": line, "COMP_POINT": str(len(line)),
+             "_ARGCOMPLETE_STDOUT_FILENAME": str(told)}
+    done = subprocess.run([sys.executable, "-m", "damage"], cwd=REPOSITORY, env=os.environ | asked, timeout=60)
+    assert done.returncode == 0
+    assert {word.strip() for word in told.read_text().split("\n")} >= expected
+
+
+@pytest.mark.parametrize("call, nearest", [
+    ('Wall("w", lenght=1, height=1)', "Wall(lenght=...): expected length"),
+    ('Wall("w", 1, 1, joint=Joint(cohesions=1))', "Joint(cohesions=...): expected cohesion"),
+    ('Wall("w", 1, 1, brick=Brick(heigth=1))', "Brick(heigth=...): expected height"),
+    ('Wall("w", 1, 1, openings=[Opening(left=1, wide=1, height=1)])', "Opening(wide=...): expected "),
+    ('Wall("w", 1, 1, colour=2)', "Wall(colour=...): expected one of name, length, height")])
+def test_a_wrong_keyword_names_the_right_ones(tmp_path, call, nearest):
+    (tmp_path / "wall.py").write_text(f"{SMALL}{call}\n")
+    assert nearest in one_line_error(load_wall, tmp_path / "wall.py")
+
+
+def test_a_wall_in_python_says_how_it_is_run():
+    """By an interpreter that has no YADE, as others than Debian's have none."""
+    code = ("import sys, runpy; sys.modules['yade'] = None; sys.argv = ['walls/solid.py']\n"
+            "runpy.run_path('walls/solid.py', run_name='__main__')")
+    done = run_command(sys.executable, "-c", code)
+    assert done.returncode == 3
+    assert "expected yade walls/solid.py [OPTIONS]" in done.stderr
+    assert "python3 -m damage reference walls/solid.py" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.yade
+def test_a_quiet_run_in_yade(yade_command, tmp_path):
+    shutil.copyfile(REPOSITORY / "walls/solid.py", tmp_path / "wall.py")
+    done = yade_command(tmp_path / "wall.py", "--quiet", "--harmonic", "0.2")  # a mistake: it ends at once
+    assert done.returncode == 2
+    assert "bricks are" not in done.stdout and "expected" in done.stderr

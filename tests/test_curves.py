@@ -1,0 +1,136 @@
+"""Fragility curves for other tools: what the files say gives back the probabilities; OpenQuake reads them (long)."""
+
+import json
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+from environments import environment, run_in
+from numpy.testing import assert_allclose
+from scipy.stats import lognorm
+from test_fragility import walls
+
+from damage.__main__ import main
+from damage.export.curves import coefficients, write_curves
+from damage.export.nrml import NAMESPACE, limit_state, write_nrml
+from damage.measure.tables import write_table
+from damage.studies.fragility import Fragility, fit_all
+
+OPENQUAKE = "openquake.engine==3.26.2"
+OPENQUAKE_NEEDS = ("numpy", "scipy", "pandas", "h5py", "toml", "decorator", "shapely", "psutil", "numba", "h3",
+                   "alpha_shapes", "pyzmq", "fiona")  # what reading a fragility model imports, and no more
+
+
+def made(level, median, dispersion, intensity="pga_g", step=None):
+    return Fragility("max_DI", level, median, dispersion, n_runs=100, n_exceeding=50, replicates={}, n_replicates=0,
+                     n_records=5, n_walls=20, intensity=intensity, step=step)
+
+
+MILD, GRAVE = made(0.02, 0.15, 0.3), made(0.05, 0.3, 0.5)
+NEVER, STEP = made(0.1, np.nan, np.nan), made(0.1, 0.4, 0.0, step=(0.35, 0.45))
+STATES = f"{{{NAMESPACE}}}limitStates"
+
+
+def written(tmp_path, kind, fits=(MILD, GRAVE), **more):
+    path = write_nrml("solid", list(fits), tmp_path / f"{kind}.xml", kind, **more)
+    return path, ElementTree.parse(path).getroot()[0]
+
+
+def test_a_continuous_model_has_moments_of_the_intensity_itself(tmp_path):
+    """The lognormal distribution of that mean and standard deviation has our median and dispersion."""
+    _, model = written(tmp_path, "continuous")
+    assert model.find(STATES).text.split() == ["max_DI_over_0p02", "max_DI_over_0p05"]
+    for one, node in zip((MILD, GRAVE), model[2][1:]):
+        mean, deviation = float(node.get("mean")), float(node.get("stddev"))
+        assert_allclose(lognorm.stats(one.dispersion, scale=one.median), (mean, deviation**2))
+
+
+def test_a_discrete_model_interpolates_to_the_curves(tmp_path):
+    _, model = written(tmp_path, "discrete")
+    x = np.array(model[2][0].text.split(), float)
+    assert np.all(np.diff(x) > 0)
+    between = np.geomspace(x[0], x[-1], 500)
+    for one, node in zip((MILD, GRAVE), model[2][1:]):
+        poes = np.array(node.text.split(), float)
+        assert_allclose(poes, one.probability(x), atol=1e-9)
+        assert_allclose(np.interp(between, x, poes), one.probability(between), atol=5e-3)
+
+
+def test_velocities_are_in_centimetres_a_second(tmp_path):
+    fit = made(0.02, 0.05, 0.3, "pgv_m_s")
+    _, model = written(tmp_path, "continuous", [fit])
+    assert model[2][0].get("imt") == "PGV"
+    assert_allclose(float(model[2][1].get("mean")), 100 * 0.05 * np.exp(0.3**2 / 2))
+
+
+def test_the_wall_s_own_period_is_named(tmp_path):
+    _, model = written(tmp_path, "discrete", [made(0.02, 0.2, 0.3, "sa_eigen_period_g")], eigen_period_s=0.20031)
+    assert model[2][0].get("imt") == "SA(0.2003)"
+
+
+def test_a_level_without_a_curve_is_left_out_and_named(tmp_path):
+    _, model = written(tmp_path, "continuous", (MILD, NEVER))
+    assert len(model[2]) == 2 and "No curve for 0.1: none or all" in model[0].text
+    assert write_nrml("solid", [NEVER], tmp_path / "none.xml", "continuous") is None
+    assert not (tmp_path / "none.xml").exists()
+
+
+def test_a_step_is_steep_and_named(tmp_path):
+    _, model = written(tmp_path, "discrete", (MILD, STEP))
+    x, poes = (np.array(model[2][k].text.split(), float) for k in (0, 2))
+    assert_allclose(np.interp((0.39, 0.41), x, poes), (0, 1), atol=1e-4)
+    assert "A step, not a fitted dispersion, for 0.1" in model[0].text
+
+
+def test_all_formats_of_a_study(tmp_path):
+    runs = walls(40, seed=4).assign(eigen_period_s=0.2)
+    fits = fit_all(runs, replicates=0)
+    paths = {path.name: path for path in write_curves(fits, tmp_path, {"w": 0.2})}
+    assert "fragility_w_max_DI_pga_g_continuous.xml" in paths and "fragility_w_max_DI_pga_g_discrete.xml" in paths
+    table = pd.read_csv(paths["fragility_coefficients.csv"])
+    assert list(table) == list(coefficients(fits))
+    assert set(table.loc[table.measure == "max_crack_width_mm", "level_unit"]) == {"mm"}
+    arrays = np.load(paths["fragility_w_max_DI_pga_g.npz"])
+    assert arrays["poes"].shape == (len(arrays["intensities"]), len(arrays["medians"]))
+    row = table[(table.measure == "max_DI") & (table.level == 0.05)].iloc[0]
+    column = list(arrays["damage_thresholds"]).index(0.05)
+    assert_allclose((arrays["medians"][column], arrays["betas_total"][column]), (row["median"], row["dispersion"]))
+    assert_allclose(arrays["poes"][:, column],
+                    lognorm.cdf(arrays["intensities"], row["dispersion"], scale=row["median"]), atol=1e-8)
+
+
+def test_the_command_writes_them_where_it_is_asked_to(tmp_path, capsys):
+    write_table(walls(20, seed=5).assign(eigen_period_s=0.2, sa_eigen_period_g=np.nan),
+                tmp_path / "study/tables/summary.csv")
+    words = ["fragility", tmp_path / "study", "--out", tmp_path / "out", "--replicates", "0", "--export",
+             tmp_path / "curves"]
+    assert main(list(map(str, words))) == 0
+    told = capsys.readouterr().out.split("\n")
+    for path in (tmp_path / "curves").iterdir():
+        assert str(path) in told
+
+
+# --- OpenQuake's own reading ------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def openquake_python():
+    with environment(OPENQUAKE, needs=OPENQUAKE_NEEDS) as python:
+        yield python
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", ["continuous", "discrete"])
+@pytest.mark.parametrize("intensity", ["pga_g", "pgv_m_s", "sa_0.2_s_g", "sa_eigen_period_g", "avg_sa_g", "arias_m_s"])
+def test_openquake_works_out_the_same_probabilities(openquake_python, tmp_path, kind, intensity):
+    fits = [made(0.02, 0.15, 0.3, intensity), made(0.05, 0.3, 0.5, intensity)]
+    path, model = written(tmp_path, kind, fits, eigen_period_s=0.2003)
+    factor = 100 if intensity == "pgv_m_s" else 1
+    levels = model[2][0]
+    x = np.array(levels.text.split(), float)[1:] if kind == "discrete" else \
+        np.geomspace(float(levels.get("minIML")), float(levels.get("maxIML")), 50)
+    found = json.loads(run_in(openquake_python, "read_nrml.py", path, ",".join(map(repr, map(float, x)))))
+    assert (found["imt"], found["id"]) == (levels.get("imt"), "solid")
+    for fit in fits:
+        # Nine digits are written of a discrete curve.
+        assert_allclose(found["states"][limit_state(fit)], fit.probability(x / factor), atol=1e-8)

@@ -1,0 +1,110 @@
+"""The data dictionary: every column of every table that the software writes is in it, with unit and meaning."""
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import REPOSITORY
+from small_history import make_history
+from test_fragility import walls
+
+from damage.__main__ import main
+from damage.export.curves import coefficients
+from damage.export.dictionary import DICTIONARY, dictionary_table, write_dictionary
+from damage.laboratory.crack_file import COLUMNS
+from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
+from damage.studies.after_damage import table_after_damage
+from damage.studies.fragility import INTENSITIES, efficiency_table, fit_all, fragility_table
+from damage.studies.tables import points_of, write_hdf5
+
+
+@pytest.fixture(scope="module")
+def history(tmp_path_factory):
+    return make_history(tmp_path_factory.mktemp("dictionary") / "a.h5", opening={3: 2e-3}, slip={5: 3e-3},
+                        drift=1e-3 * np.sin(np.arange(21)))
+
+
+def known(table):
+    return set(next(columns for name, columns in DICTIONARY.items() if name.split(",")[0] == table))
+
+
+@pytest.mark.parametrize("name", RUN_TABLES)
+def test_tables_of_a_run(history, name):
+    assert set(RUN_TABLES[name](history)) == known(f"RUN_{name}.csv")
+
+
+def test_every_file_of_a_run_has_its_table(history, tmp_path):
+    """No table is written that RUN_TABLES does not name."""
+    names = {path.name.removeprefix("a_") for path in map(type(tmp_path), write_run_tables(history, tmp_path / "a"))}
+    assert {name for name in names if name.endswith(".csv")} <= {f"{name}.csv" for name in RUN_TABLES}
+
+
+def test_tables_of_a_study(history, tmp_path):
+    runs = pd.DataFrame([summary_row(history)])
+    assert set(runs) | {"members"} == known("summary.csv")
+    full = runs.assign(**{name: runs[name].fillna(1.0) for name in runs if name in _numbers()})  # NAME_min of them all
+    assert set(points_of(full)) == known("points.csv")
+    write_hdf5({"runs": runs, "points": points_of(full)}, tmp_path / "study.h5")
+    with h5py.File(tmp_path / "study.h5") as file:
+        assert set(file) == {"runs", "points"}
+
+
+def _numbers():
+    table = dictionary_table()
+    return set(table[(table.table == "summary.csv, study.h5 runs") & (table.unit != "")].column)
+
+
+@pytest.mark.parametrize("intensity", INTENSITIES)
+def test_tables_of_fragility(intensity):
+    runs = walls(10, seed=1)
+    runs[intensity] = runs["pga_g"]
+    fits = fit_all(runs, intensity, replicates=2)
+    assert set(fragility_table(fits, intensity).assign(slip="displacement")) <= known("fragility_INTENSITY.csv")
+    assert set(efficiency_table(runs)) == known("efficiency.csv")
+    assert set(coefficients(fits)) == known("fragility_coefficients.csv")
+
+
+def test_every_column_of_fragility_is_written_for_some_intensity():
+    written = set()
+    for intensity in ("pga_g", "pgv_m_s"):
+        runs = walls(10, seed=1)
+        runs[intensity] = runs["pga_g"]
+        written |= set(fragility_table(fit_all(runs, intensity, replicates=2), intensity).assign(slip="displacement"))
+    assert written == known("fragility_INTENSITY.csv")
+
+
+def test_the_table_of_fragility_after_damage():
+    """Runs of one class are shocks as `load_shocks` gives them."""
+    written = set()
+    for intensity in ("pga_g", "pgv_m_s"):
+        shocks = walls(10, seed=1).assign(before="undamaged")
+        shocks[intensity] = shocks["pga_g"]
+        written |= set(table_after_damage(shocks, intensity, 2))
+    assert written == known("fragility_after_damage_INTENSITY.csv")
+
+
+def test_crack_files():
+    assert set(COLUMNS) == known("crack files")
+
+
+def test_every_dataset_of_a_history_is_in_it(history):
+    with h5py.File(history.path) as file:
+        for group in (name for name, part in file.items() if isinstance(part, h5py.Group) and name != "run"):
+            assert set(file[group]) == known(f"RUN.h5 {group}")
+
+
+def test_every_column_has_a_meaning():
+    table = dictionary_table()
+    assert not table["meaning"].eq("").any()
+    assert not table.duplicated(["table", "column"]).any()
+
+
+def test_the_shipped_ones_are_current(tmp_path):
+    """python3 -m damage dictionary --out docs."""
+    for path in write_dictionary(tmp_path):
+        assert path.read_text() == (REPOSITORY / "docs" / path.name).read_text()
+
+
+def test_the_command_writes_both(tmp_path, capsys):
+    assert main(["dictionary", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.split() == [str(tmp_path / name) for name in ("dictionary.csv", "dictionary.md")]

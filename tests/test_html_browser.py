@@ -1,0 +1,194 @@
+"""The report in a real browser without a network: drawn without an error, moved by mouse and keys, printed.
+
+`bash scripts/browser.sh` installs what these need and runs them.
+"""
+
+import json
+import re
+from shutil import which
+
+import numpy as np
+import pytest
+from test_html import damaged, make_study
+
+from damage.html.report import write_report
+
+pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
+from selenium.webdriver.common.keys import Keys
+
+from benchmarks.report_in_browser import BROWSER, DRIVER, browser, open_report, print_pdf
+
+pytestmark = [pytest.mark.long, pytest.mark.skipif(
+    not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh")]
+# Of selenium's own, on Python 3.11 and later.
+ignore_old_ways = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+pytestmark.append(ignore_old_ways)
+
+
+UNCRACKED = ("rgb(176, 176, 176)", "rgb(119, 119, 119)")
+"""Outlines of bricks, and joints that are broken below the threshold."""
+
+
+@pytest.fixture(scope="module")
+def reports(tmp_path_factory):
+    """{name: path} of reports of a run, of two side by side, and of a study."""
+    folder = tmp_path_factory.mktemp("browser")
+    many = np.linspace(0, 1, 21)
+    one = damaged(folder / "study" / "runs" / "one.h5", drift=1e-3 * many)
+    two = damaged(folder / "study" / "runs" / "two.h5", opening={2: 2e-3 * many, 5: 1e-3 * many},
+                  slip={3: 3e-4 * many, 5: 1e-3 * many})
+    study = make_study(folder / "study", one, two)
+    return {"one": write_report([one.path], folder / "one.html"),
+            "two": write_report([one.path, two.path], folder / "two.html"), "study": write_report([study])}
+
+
+@pytest.fixture(scope="module")
+def driver():
+    with browser() as driver:
+        yield driver
+
+
+@pytest.fixture
+def opened(driver, reports, request):
+    """The driver with a report open, by its name."""
+    driver.get("about:blank")
+    for log in ("browser", "performance"):
+        driver.get_log(log)
+    open_report(driver, reports[request.param])
+    return driver
+
+
+of = lambda *names: pytest.mark.parametrize("opened", names, indirect=True)  # noqa: E731
+
+
+def by_id(driver, name):
+    return driver.find_element("id", name)
+
+
+def paths(driver, letter="A"):
+    """What the wall's lines are drawn along."""
+    return driver.execute_script(
+        f"return Array.from(document.querySelectorAll('#wall-{letter} .scatterlayer path.js-line'), "
+        "(line) => line.getAttribute('d'))")
+
+
+def shown(driver):
+    """(time in words, lines of the wall, place of the cursor over the lines in time, of the ring of the hysteresis)."""
+    place = "const at = document.querySelector('{}').style; return [at.left, at.top]"
+    return (by_id(driver, "time-told").text, paths(driver),
+            *(driver.execute_script(place.format(where)) for where in ("#over-time .cursor", "#hysteresis-A .ring")))
+
+
+@of("one", "two", "study")
+def test_it_is_drawn_without_an_error_and_asks_for_nothing(opened):
+    assert opened.get_log("browser") == []
+    asked = [json.loads(entry["message"])["message"] for entry in opened.get_log("performance")]
+    urls = {one["params"]["request"]["url"].partition(":")[0] for one in asked
+            if one["method"] == "Network.requestWillBeSent"}
+    assert urls <= {"file", "data", "blob"}
+    assert by_id(opened, "failed").get_attribute("hidden")
+    assert any(paths(opened))
+
+
+@of("one")
+def test_the_slider_moves_wall_cursor_and_ring_by_keys(opened):
+    slider = by_id(opened, "time-slider")
+    slider.send_keys(Keys.HOME)
+    before = shown(opened)
+    assert before[0] == "0.000 s"
+    slider.send_keys(Keys.END)
+    after = shown(opened)
+    assert after[0] == "0.200 s" == slider.get_attribute("aria-valuetext")
+    assert all(old != new for old, new in zip(before, after))
+    slider.send_keys(Keys.ARROW_LEFT)
+    assert shown(opened)[0] < after[0]
+    assert "1 slipped, 1 opened" in by_id(opened, "told-A").text
+
+
+@of("one")
+def test_what_is_told_is_what_the_history_holds(opened, reports):
+    from damage.history.reader import read_history
+
+    history = read_history(reports["one"].parent / "study" / "runs" / "one.h5")
+    by_id(opened, "to-end").click()
+    last = history.index().iloc[-1]
+    told = by_id(opened, "told-A").text
+    assert f"DI {last['DI']:.4f} (drift {last['DI_drift']:.4f}, open {last['DI_open']:.4f}" in told
+    by_id(opened, "to-max").click()
+    assert f"DI {history.index()['DI'].max():.4f}" in by_id(opened, "told-A").text
+
+
+@of("two")
+def test_play_moves_all_walls_to_the_end_and_stops(opened):
+    by_id(opened, "time-slider").send_keys(Keys.HOME)
+    before = [paths(opened, letter) for letter in "AB"]
+    play = by_id(opened, "play")
+    play.send_keys(Keys.SPACE)
+    opened.set_script_timeout(30)
+    opened.execute_async_script("const done = arguments[0], look = () => (window.report.playing ? setTimeout("
+                                "look, 50) : done()); look()")
+    assert by_id(opened, "time-told").text == "0.200 s"
+    assert play.get_attribute("aria-pressed") == "false" and "Play" in play.text
+    assert all(old != paths(opened, letter) for old, letter in zip(before, "AB"))
+
+
+@of("one")
+def test_displacements_are_magnified(opened):
+    by_id(opened, "to-end").click()
+    before = paths(opened)
+    magnify = by_id(opened, "magnify")
+    magnify.send_keys(Keys.HOME)
+    assert by_id(opened, "magnify-told").text == "× 0"
+    at_rest = paths(opened)
+    assert at_rest != before
+    corner = re.match(r"M([-\d.]+),([-\d.]+)L([-\d.]+),([-\d.]+)", at_rest[0])
+    assert corner[2] == corner[4]  # level
+
+
+@of("one")
+def test_every_control_is_reached_by_the_tab_key(opened):
+    reached = set()
+    for _ in range(25):
+        opened.switch_to.active_element.send_keys(Keys.TAB)
+        reached.add(opened.switch_to.active_element.get_attribute("id"))
+    assert {"play", "time-slider", "to-max", "to-end", "speed", "magnify"} <= reached
+
+
+@of("study")
+def test_the_table_of_points_sorts(opened):
+    def column(number):
+        return [float(cell.get_attribute("data-sort")) for cell in opened.find_elements(
+            "css selector", f"table.sortable tbody tr td:nth-child({number})")]
+
+    heads = opened.find_elements("css selector", "table.sortable thead th")
+    number = next(k for k, head in enumerate(heads, start=1) if head.text == "max_DI")
+    button = heads[number - 1].find_element("tag name", "button")
+    for order, rising in (("ascending", True), ("descending", False)):
+        button.send_keys(Keys.ENTER)
+        assert heads[number - 1].get_attribute("aria-sort") == order
+        assert column(number) == sorted(column(number), reverse=not rising)
+    assert column(number)[0] > column(number)[-1]
+
+
+@of("two")
+def test_on_paper_opened_slipped_and_both_differ_without_colour(opened, tmp_path):
+    by_id(opened, "to-end").click()
+
+    def cracks():
+        found = opened.execute_script(
+            "return Array.from(document.querySelectorAll('#wall-B .scatterlayer path.js-line')).map((line) => "
+            "[getComputedStyle(line).stroke, getComputedStyle(line).strokeDasharray, line.getAttribute('d').length > 5]"
+            ")")
+        return sorted((colour, dash) for colour, dash, drawn in found if drawn and colour not in UNCRACKED)
+
+    on_screen = cracks()
+    assert len({colour for colour, _ in on_screen}) == 3
+    opened.execute_script("dispatchEvent(new Event('beforeprint'))")
+    black = "rgb(0, 0, 0)"
+    assert cracks() == [(black, "2px, 2px"), (black, "none"), (black, "none")]
+    crosses = "return document.querySelectorAll('#wall-B .points path').length"
+    assert opened.execute_script(crosses) == 1  # of what did both
+    opened.execute_script("dispatchEvent(new Event('afterprint'))")
+    assert cracks() == on_screen
+    print_pdf(opened, tmp_path / "paper.pdf")
+    assert (tmp_path / "paper.pdf").read_bytes().startswith(b"%PDF")
