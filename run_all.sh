@@ -13,7 +13,8 @@ shipped() {
 
 usage() {
     cat <<END
-usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--remake]
+usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--keep all|summary] [--run ID]
+                          [--slurm] [--cores N] [--shard RUNS] [--remake]
 
 STUDY is one of: $(shipped | paste -sd' '),
 the path of a study file of your own (.toml; copy studies/quick.toml), or all: every one that ships, each into
@@ -22,8 +23,12 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   -j N           simulations at a time (default: one for each core, here $(nproc))
   --out DIR      where everything goes (default: results/STUDY in the repository)
   --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
-  --slurm        each as a job of a SLURM cluster that shares this folder; SBATCH_PARTITION and the
-                 like choose where (docs/batches.md); -j is the number of jobs at a time
+  --keep WHAT    histories: all (default), or summary: those of each point's first run, and what failed
+  --run ID       make the history of this run alone, which was not kept, to the same bits
+  --slurm        as jobs of a SLURM cluster that shares this folder; SBATCH_PARTITION and the like
+                 choose where (docs/batches.md); -j is the number of jobs at a time
+  --cores N      processors that work at a shard of the reference solver's runs (default: -j; with --slurm 1)
+  --shard RUNS   runs of a shard, which is one job (default: about an hour's, 1500 a processor)
   --remake       make runs again that another version of the model made; without it they are kept, and named
   --dry-run      make nothing: say which runs are there, which are to be made, expected time and disk
   -h, --help     this help
@@ -43,8 +48,7 @@ fail() {
     exit 2
 }
 
-dry_run=''
-study='' jobs=$(nproc) out='' solver=yade slurm='' remake=''
+study='' jobs=$(nproc) out='' solver=yade slurm='' remake='' dry_run='' more=()
 while [ $# -gt 0 ]; do
     case $1 in
         -h | --help)
@@ -63,18 +67,25 @@ while [ $# -gt 0 ]; do
             dry_run=yes
             shift
             ;;
-        --out=* | --solver=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
+        --out=* | --solver=* | --keep=* | --run=* | --cores=* | --shard=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
         -j?*) set -- -j "${1#-j}" "${@:2}" ;;
-        -j | --out | --solver)
+        -j | --out | --solver | --keep | --run | --cores | --shard)
             [ -n "${2:-}" ] || fail "$1 without a value: expected one after it; see --help"
             case $1 in
                 -j) jobs=$2 ;;
                 --out) out=$2 ;;
                 --solver) solver=$2 ;;
+                *) more+=("$1" "$2") ;;
+            esac
+            case $1$2 in
+                --keepall | --keepsummary) ;;
+                --keep*) fail "--keep $2: expected all or summary; mend it" ;;
+                --cores* | --shard*) [[ $2 =~ ^[1-9][0-9]{0,6}$ ]] ||
+                    fail "$1 $2: expected a whole number, 1 or more; mend it" ;;
             esac
             shift 2
             ;;
-        -*) fail "unknown option $1: expected -j, --out, --solver, --slurm or --remake; see --help" ;;
+        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --run, --slurm, --cores, --shard or --remake; see --help" ;;
         *)
             [ -z "$study" ] || fail "two studies, $study and $1: expected one; run them one after the other"
             study=$1
@@ -117,4 +128,4 @@ if [ "$memory" != unlimited ] && [ $((memory * 1024 / 1000000)) -lt $least ]; th
 fi
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" run
-exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm $remake
+exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm $remake "${more[@]}"

@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 import time
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -18,8 +18,9 @@ from benchmarks.resume import kill_tree
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.measure.tables import summary_row
-from damage.studies.definition import load_study
+from damage.studies.definition import StudyRun, load_study
 from damage.studies.grid import expand
+from damage.studies.members import runs_needed
 from damage.studies.tables import points_of, read_study_table
 
 SINE = 'options = { harmonic = [0.2, 0.05] }\n'
@@ -170,29 +171,31 @@ def whole(tmp_path_factory):
 
 def test_members_of_other_inputs_are_removed_and_no_others(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
-    from ensemble import keep_what_fits
+    from shards import drop_stale
 
-    names = ["a_s1.h5", "a_s12.part.h5", "a_s1_s1.h5", "ab_s1.h5"]
-    for inputs, left in (("one", {"a_s1_s1.h5", "ab_s1.h5"}), ("one", set(names)), ("two", {"a_s1_s1.h5", "ab_s1.h5"})):
+    (tmp_path / "w.py").touch()
+    names = ["a_reference_s1.h5", "a_reference_s12.part.h5", "a_reference.members", "ab_reference_s1.h5"]
+    others = {"ab_reference_s1.h5"}
+    for words, left in (((), others), ((), set(names)), (("--rest", "1"), others)):
+        (tmp_path / "runs").mkdir(exist_ok=True)
         for name in names:
-            (tmp_path / name).touch()
-        keep_what_fits(tmp_path, "a", inputs)
-        assert {path.name for path in tmp_path.glob("*.h5")} == left
+            (tmp_path / "runs" / name).touch()
+        run = StudyRun("a", str(tmp_path / "w.py"), words, "reference", ("--seed",), 2)
+        assert drop_stale(run, tmp_path) == (left == others)
+        assert {path.name for path in (tmp_path / "runs").iterdir() if path.is_file()} == left
 
 
-@pytest.mark.parametrize(("spread", "members"), [(0.01, 5), (0.5, 10)])
-def test_an_ensemble_doubles_where_its_first_members_spread(tmp_path, monkeypatch, spread, members):
-    monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
-    import ensemble
-
-    history = make_history(tmp_path / "a.h5", broken=[0])
-    monkeypatch.setattr(ensemble, "member", lambda asked, name, number: (0, history))
-    monkeypatch.setattr(ensemble, "write_run_tables", lambda *_: None)
-    monkeypatch.setattr(ensemble, "write_row", lambda history, path, name: {
-        "max_DI": 0.1, "max_drift_ratio": 1e-3 * (1 + spread * path.stem.endswith("3"))})
-    asked = SimpleNamespace(runs=tmp_path, tables=tmp_path, point="p", name="p", members=5, inputs="x", adaptive=True)
-    assert ensemble.run_members(asked) == 0
-    assert (tmp_path / "p.members").read_text().split() == [f"p_s{k}" for k in range(1, members + 1)]
+@pytest.mark.parametrize(("intact", "spread", "needed"), [(False, 0.01, 5), (False, 0.5, 10), (True, 0.0, 1)])
+def test_an_ensemble_doubles_where_its_first_members_spread_and_ends_with_one_where_nothing_breaks(
+        intact, spread, needed):
+    run = StudyRun("a", "w.py", (), "reference", ("--seed",), 5, adaptive=True)
+    records, counts = {}, []
+    for number in range(1, 6):
+        counts.append(runs_needed(run, records))
+        row = {"max_DI": 0.1, "max_drift_ratio": 1e-3 * (1 + spread * (number == 3))}
+        records[number] = {"intact": intact, "row": row}
+    assert counts == [1] + 4 * [1 if intact else 5] and runs_needed(run, records) == needed
+    assert runs_needed(replace(run, adaptive=False), {}) == 5
 
 
 @pytest.mark.slow
@@ -219,7 +222,10 @@ class TestBatch:
         assert list(stored["run"]) == list(summary["run"]) and list(stored.columns) == list(summary.columns)
         assert_allclose(stored["max_DI"], summary["max_DI"], rtol=1e-8)
         assert len(list(tables.glob("*_s1_index.csv"))) == len(list(tables.glob("*_index.csv"))) == 3
-        assert len(list(tables.glob("*_cycles.csv"))) == 7  # the verdict takes medians of them
+        cycles = pd.read_csv(tables / "cycles.csv")  # the verdict takes medians of them
+        assert list(cycles["run"].unique()) == list(summary["run"])
+        alone = pd.read_csv(tables / f"{summary['run'][0]}_cycles.csv")
+        pd.testing.assert_frame_equal(cycles[cycles["run"] == summary["run"][0]].drop(columns="run"), alone)
 
     def test_killed_while_a_history_grows_it_goes_on_and_ends_in_the_same_tables(self, reference, whole):
         study = write_study(reference.folder, POINTS % "0.5, 0.4, 0.01")
@@ -239,7 +245,7 @@ class TestBatch:
         after = reference.checksums()
         assert len(after) == 7 and before == {name: after[name] for name in before}
         assert all(path.stat().st_mtime_ns == time_ns for path, time_ns in times.items())
-        assert len(whole.tables()) == 18 and reference.tables() == whole.tables()
+        assert len(whole.tables()) == 15 and reference.tables() == whole.tables()
 
         more = write_study(reference.folder, (POINTS % "0.5").replace("members = 3", "members = 4"))
         assert reference.run(more).returncode == 0
@@ -252,8 +258,8 @@ class TestBatch:
         bad = '[[runs]]\nid = "bad"\nwall = "tiny.py"\noptions = { rest = 0, dt = 0.1 }\nmembers = 2\n'
         done = reference.run(write_study(reference.folder, POINTS % "0.01" + bad))
         assert done.returncode == 1
-        log = reference.out / "logs" / "bad_reference.log"
-        assert f"failed: bad_reference; see {log} (error: --dt 0.1 s is above" in done.stderr
+        log = reference.out / "logs" / "shard_0000.log"
+        assert f"failed: bad_reference; see {log} (error: bad_reference_s1: --dt 0.1 s is above" in done.stderr
         assert list(pd.read_csv(reference.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
 
     def test_all_studies_one_after_the_other_then_figures_and_verdict(self, reference):

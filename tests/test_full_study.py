@@ -191,6 +191,7 @@ def test_a_study_whose_runs_will_not_fit_is_warned_of(study, tmp_path, workflow,
         monkeypatch.setattr("shutil.disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
         warning = room.forecast(loaded, tmp_path)
         assert warning is None if told is None else told in warning
+        assert room.forecast(loaded, tmp_path, keep="summary") is None  # the first of two
 
 
 def test_torn_records_of_snakemake_are_done_again_and_others_left(tmp_path, workflow):

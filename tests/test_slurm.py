@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib.util import find_spec
 
 import pytest
 from conftest import REPOSITORY
@@ -54,12 +55,18 @@ def _without_slurm(folder):
     return str(folder)
 
 
-@pytest.mark.long
-@pytest.mark.skipif(os.geteuid() != 0, reason="SLURM's node starts jobs as root only")
-@pytest.mark.skipif(not all(shutil.which(name, path=f"{os.environ['PATH']}:/usr/sbin") for name in PROGRAMS),
-                    reason="SLURM is not installed")
+def on_slurm(test):
+    """Marks of a test that needs a SLURM of its own."""
+    path = f"{os.environ['PATH']}:/usr/sbin"
+    there = find_spec("snakemake") and all(shutil.which(name, path=path) for name in PROGRAMS)
+    for mark in (pytest.mark.long, pytest.mark.skipif(not there, reason="SLURM is not installed"),
+                 pytest.mark.skipif(os.geteuid() != 0, reason="SLURM's node starts jobs as root only")):
+        test = mark(test)
+    return test
+
+
+@on_slurm
 def test_a_study_on_slurm(tmp_path):
-    pytest.importorskip("snakemake")
     (tmp_path / "tiny.py").write_text(
         "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n")
     (tmp_path / "study.toml").write_text(STUDY)
@@ -74,5 +81,51 @@ def test_a_study_on_slurm(tmp_path):
         assert done.returncode == 1, done.stderr  # of the run with too large a step, which stops no other
         assert "failed: bad_reference; see" in done.stderr and "2 of 3 points done" in done.stdout
         tables[name] = {path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
-    assert len(list((tmp_path / "slurm" / "logs" / "slurm").glob("*.log"))) >= 4
-    assert len(tables["here"]) == 10 and tables["slurm"] == tables["here"]
+    assert len(list((tmp_path / "slurm" / "logs" / "slurm").glob("*.log"))) == 2  # the shard, and what it came to
+    assert len(tables["here"]) == 11 and tables["slurm"] == tables["here"]
+
+
+DRAWN = '''name = "drawn"
+pictures = "none"
+[[grid]]
+wall = "tiny.py"
+options = { harmonic = [0.1, "{g}"], cycles = 1, rest = 0, strength-cov = 0.3 }
+samples = 50
+vary = { g = [0.5, 0.4, 0.3, 0.2] }
+'''
+KILLED = """
+setsid "$@" & batch=$!
+until [ "$(cat "$OUT"/shards/*.rows 2>/dev/null | grep -c .)" -ge 30 ]; do sleep 0.05; done
+kill -KILL -- -$batch
+scancel --full --signal=KILL --name=drawn
+until [ -z "$(squeue -h)" ]; do sleep 0.5; done
+sha256sum "$OUT"/runs/*[0-9].h5 >"$OUT"/before
+exec "$@"
+"""
+
+
+@on_slurm
+def test_two_hundred_runs_in_shards_killed_and_gone_on_with(tmp_path):
+    (tmp_path / "tiny.py").write_text(
+        "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n")
+    (tmp_path / "study.toml").write_text(DRAWN)
+    batch = [REPOSITORY / "run_all.sh", tmp_path / "study.toml", "--solver", "reference", "-j2", "--out"]
+    environment = {**os.environ, "PYTHON": sys.executable, "CPUS": "2", "OUT": str(tmp_path / "slurm")}
+    done = subprocess.run([REPOSITORY / "scripts" / "local_slurm.sh", "bash", "-c", KILLED, "-", *batch,
+                           tmp_path / "slurm", "--slurm", "--shard", "50"], capture_output=True, text=True,
+                          timeout=900, env=environment)
+    if done.returncode == 3:
+        pytest.skip(f"SLURM does not start here: {done.stderr[-200:]}")
+    assert done.returncode == 0, done.stdout + done.stderr
+    kept = (tmp_path / "slurm" / "before").read_text().splitlines()
+    assert 20 <= len(kept) < 200
+    subprocess.run(["sha256sum", "--check", "--quiet", tmp_path / "slurm" / "before"], check=True)
+    whole = subprocess.run([*batch, tmp_path / "here", "--keep", "summary"], capture_output=True, text=True,
+                           timeout=900, env=environment)
+    assert whole.returncode == 0, whole.stderr
+    tables = [{path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
+              for name in ("slurm", "here")]
+    assert len(tables[0]) == 4 * 4 + 3 and tables[0] == tables[1]
+    assert len(list((tmp_path / "slurm" / "shards").glob("*.done"))) == 4
+    assert len(list((tmp_path / "slurm" / "runs").glob("*.h5"))) == 200
+    assert len(list((tmp_path / "here" / "runs").glob("*.h5"))) == 4

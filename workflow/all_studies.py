@@ -1,6 +1,7 @@
 """Every study of a folder, one after the other, then the figures and the verdict; `run_all.sh all` starts this.
 
     all_studies.py STUDIES [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--remake]
+                   [--cores N] [--shard RUNS] [--keep all|summary]
 
 Each goes into DIR/NAME.  One that fails stops no other; one that has no run for the solver is passed over.
 Exit status: the worst of the studies' (`batch.py`), the figures' and the verdict's; 130 at once when interrupted.
@@ -32,6 +33,8 @@ def main():
     parser.add_argument("--solver", default="yade")
     for option in ("--slurm", "--remake"):
         parser.add_argument(option, action="store_true")
+    for option in ("--cores", "--shard", "--keep"):
+        parser.add_argument(option)
     asked = parser.parse_args()
     ended = {}
     for path in sorted(asked.studies.glob("*.toml")):
@@ -42,6 +45,8 @@ def main():
             continue
         words = ["-j", asked.jobs, "--out", asked.out / name, "--solver", asked.solver]
         flags = [f"--{name}" for name in ("slurm", "remake") if getattr(asked, name)]
+        words += [word for name in ("cores", "shard", "keep") if getattr(asked, name)
+                  for word in (f"--{name}", getattr(asked, name))]
         ended[name] = run(ROOT / "workflow/batch.py", path, *words, *flags)
         if ended[name] == EXIT_INTERRUPTED:
             return EXIT_INTERRUPTED

@@ -1,6 +1,7 @@
 """One study from its file to tables and pictures, by way of Snakemake; `run_all.sh` starts this.
 
-    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--remake]
+    batch.py STUDY.toml [-j N] [--out DIR] [--solver yade|reference|both] [--slurm] [--cores N] [--shard RUNS]
+             [--keep all|summary] [--remake] [--run ID]
 
 Exit status: 0 all done, 1 something failed, 2 bad input, 130 interrupted.
 """
@@ -26,12 +27,14 @@ from pathlib import Path
 import pandas as pd
 import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
+from shards import RUNS_AN_HOUR, shard_of, write_shards
 from shared import MARK, ROOT, Log, end_with_parent
 
 from damage.errors import InputError
 from damage.files import whole_or_nothing
 from damage.measure.tables import describe_table
 from damage.studies.definition import load_study
+from damage.studies.members import most_members
 from damage.studies.tables import runs_there
 
 LOCK_PATIENCE_S = 10.0
@@ -51,20 +54,26 @@ def main():
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    batch = Batch(study, folder, parsed.jobs, parsed.solver, lock, parsed.slurm)
+    if parsed.run:
+        return make_again(parsed.run, study, folder)
+    cores = parsed.cores or (1 if parsed.slurm else parsed.jobs)
+    batch = Batch(study, folder, parsed.jobs, parsed.solver, lock, parsed.slurm, cores)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}\n"
           f"{batch.unit}: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
-    if (warning := forecast(study, folder)) is not None:
+    if (warning := forecast(study, folder, parsed.keep)) is not None:
         print(f"warning: {warning}", file=sys.stderr, flush=True)
     others = versions.of_other_versions(study, folder)
     if others:
         print(f"warning: {versions.describe(others, parsed.remake)}", file=sys.stderr, flush=True)
     if parsed.remake:
         versions.discard(others, study, folder)
+    write_shards(study, folder, parsed.keep, parsed.shard or RUNS_AN_HOUR * cores, others if parsed.remake else ())
     repeat_torn_records(folder / ".snakemake")
     status = batch.snakemake()
     if status != 0 and not batch.ended and batch.simulated():
-        batch.snakemake("tables/summary.csv", partial="true")  # of the runs that are there
+        (folder / "tables" / "summary.csv").unlink(missing_ok=True)
+        pictures = [f"pictures/{run.first}" for run in batch.simulated() if study.pictures == "all"]
+        batch.snakemake("tables/summary.csv", *pictures, partial="true")  # of the runs that are there
     return report(batch, status)
 
 
@@ -75,8 +84,31 @@ def _parse():
     parser.add_argument("--out", type=Path)
     parser.add_argument("--solver", default="yade", choices=("yade", "reference", "both"))
     parser.add_argument("--slurm", action="store_true")
+    parser.add_argument("--cores", type=int)
+    parser.add_argument("--shard", type=int)
+    parser.add_argument("--keep", default="all", choices=("all", "summary"))
     parser.add_argument("--remake", action="store_true")
+    parser.add_argument("--run")
     return parser.parse_args()
+
+
+def make_again(name, study, folder):
+    """Make the history of one run of a study, which is not there; returns the exit status."""
+    found = [(run, number) for run in study.runs for number in range(1, most_members(run) + 1)
+             if run.name(number) == name]
+    if not found:
+        raise InputError(f"--run {name}: no run of the study {study.name} with this solver; expected a name from the "
+                         "column run of tables/summary.csv")
+    run, number = found[0]
+    history = folder / "runs" / f"{name}.h5"
+    if history.is_file():
+        raise InputError(f"--run {name}: {history} is there; expected one that is not, delete it first")
+    done = subprocess.run(
+        [sys.executable, ROOT / "workflow" / "simulate.py", name, "--solver", run.solver, "--out", history, "--log",
+         folder / "logs" / f"{name}.log", "--", *run.command(number)],
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, stderr=subprocess.PIPE, text=True)
+    print(done.stderr.replace(MARK, ""), end="")
+    return done.returncode
 
 
 def claim(folder, study):
@@ -138,9 +170,9 @@ def repeat_torn_records(kept):
 class Batch:
     """A study on its way through Snakemake in one folder."""
 
-    def __init__(self, study, folder, jobs, solver, lock, slurm=False):
+    def __init__(self, study, folder, jobs, solver, lock, slurm=False, cores=1):
         self.study, self.folder, self.jobs, self.solver, self.lock = study, folder, jobs, solver, lock
-        self.slurm = slurm
+        self.slurm, self.cores = slurm, cores
         self.interrupted = self.short = False  # ended by a signal; in want of room
         self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
         self._began, self._there_before = time.monotonic(), len(self.simulated())
@@ -176,12 +208,12 @@ class Batch:
 
     def _command(self, targets, config):
         config = {"study": json.dumps(str(self.study.path)), "solver": self.solver,
-                  "jobs": 1 if self.slurm else self.jobs, **config}
+                  "jobs": 1 if self.slurm else self.jobs, "cores": self.cores, **config}
         where = self._slurm() if self.slurm else ["--cores", str(self.jobs)]
         return [sys.executable, "-m", "snakemake", *targets, *where,
                 "--snakefile", str(ROOT / "workflow" / "Snakefile"), "--directory", str(self.folder),
                 "--scheduler", "greedy", "--nolock", "--nocolor", "--keep-going",
-                "--rerun-incomplete", "--rerun-triggers", "mtime", "params", "input",
+                "--rerun-incomplete", "--rerun-triggers", "mtime", "params",
                 "--config", *(f"{key}={value}" for key, value in config.items())]
 
     def _slurm(self):
@@ -206,9 +238,10 @@ class Batch:
         steps = _STEPS.match(line)
         if line.startswith(MARK):
             print(line[len(MARK):], end="", flush=True)
-        elif steps:
+        if steps or (line.startswith(MARK) and line.endswith(": done\n")):
+            further = f", {steps[1]} of {steps[2]} steps done" if steps else ""
             print(f"study {self.study.name}: {len(self.simulated())} of {len(self.study.runs)} {self.unit} "
-                  f"simulated, {steps[1]} of {steps[2]} steps done{self._left()}", flush=True)
+                  f"simulated{further}{self._left()}", flush=True)
 
     def _left(self):
         """The time that the simulations will still take, at the pace of this batch; empty before the first."""
@@ -264,7 +297,7 @@ def report(batch, status):
         if batch.study.pictures == "all":
             print(f"pictures: {folder / 'pictures'}")
     for what, log in failed:
-        print(f"failed: {what}; see {log}{last_words(log)}", file=sys.stderr)
+        print(f"failed: {what}; see {log}{last_words(log, what)}", file=sys.stderr)
     if status != 0 and not failed:
         print(f"failed: Snakemake, status {status}; see {folder / 'logs' / 'snakemake.log'}", file=sys.stderr)
     return 1 if failed or status != 0 else 0
@@ -285,7 +318,7 @@ def failures(batch):
         yield "summary", logs / "summary.log"
     for run in batch.study.runs:
         if not runs_there(run, folder):
-            yield run.id, logs / f"{run.id}.log"
+            yield run.id, logs / (f"{run.id}.log" if run.solver == "yade" else f"shard_{shard_of(run, folder)}.log")
             continue
         made = {"tables": folder / "tables" / f"{run.first}_joints.csv"}
         if batch.study.pictures == "all":
@@ -295,10 +328,11 @@ def failures(batch):
                 yield f"{what} of {run.first}", logs / f"{run.first}_{what}.log"
 
 
-def last_words(log):
-    """The last line of a log, in brackets, where there is one."""
+def last_words(log, run):
+    """The last line of a log that is about a run, or the last of all, in brackets, where there is one."""
     lines = log.read_text(encoding="utf-8", errors="replace").split("\n") if log.is_file() else []
     lines = [line.strip() for line in lines if line.strip() and not line.startswith(MARK)]
+    lines = [line for line in lines if line.startswith("error: ") and run in line] or lines
     return f" ({lines[-1][:200]})" if lines else ""
 
 

@@ -38,13 +38,14 @@ def check_room(folder):
         raise InputError(f"{shortage(folder)}, or choose another --out")
 
 
-def forecast(study, folder):
+def forecast(study, folder, keep="all"):
     """A warning where the runs that are left will not fit if they are as large as those that are there, else None.
 
-    Of an ensemble with adaptive members all that it may come to count, though one may do.
+    Of an ensemble with adaptive members all that it may come to count, though one may do; keep: "summary" where the
+    history of the first alone stays.
     """
     whole = [path.stat().st_size for path in (folder / "runs").glob("*.h5") if not path.stem.endswith(".part")]
-    left = sum(most_members(run) for run in study.runs if not runs_there(run, folder))
+    left = sum(most_members(run) if keep == "all" else 1 for run in study.runs if not runs_there(run, folder))
     if not whole or not left:
         return None
     mean, free = sum(whole) / len(whole), free_bytes(folder)

@@ -1,11 +1,11 @@
-"""One point of a study: logged, its progress told, its history put in place when it is whole.
+"""One run of a study, or a shard: logged, its progress told, its history put in place when it is whole.
 
     simulate.py RUN [--solver yade|reference] --out FILE.h5 --log FILE.log -- walls/NAME.py [OPTIONS]
-    simulate.py POINT --log FILE.log --ensemble -- WORDS OF ensemble.py
+    simulate.py NAME --log FILE.log --shard -- WORDS OF run_shard.py
 
 The history grows in FILE.part.h5 and gets its name when the solver ended well and marked it complete,
 so a FILE.h5 is always a whole run.  Exit status: the solver's own; 1 where its history is not complete.
-An ensemble, whose members run one after another in one process, looks after its files itself.
+A shard, of many runs, looks after its files itself.
 """
 
 import argparse
@@ -27,7 +27,7 @@ PATIENCE_S = 60.0
 EXIT_INTERRUPTED = 130
 COMMANDS = {"yade": ["yade", "-n", "-j1"], "reference": [sys.executable, "-m", "damage", "reference"]}
 """What runs a wall file, by solver."""
-ENSEMBLE = Path(__file__).with_name("ensemble.py")
+SHARD = Path(__file__).with_name("run_shard.py")
 _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.progress
 
 
@@ -43,7 +43,7 @@ def main():
     fcntl.flock(log, fcntl.LOCK_EX)  # a killed batch's solver may still be closing its file
     log.clear()
     try:
-        status = _ensemble(asked, log) if asked.ensemble else _single(asked, log)
+        status = _shard(asked, log) if asked.shard else _single(asked, log)
     except OSError as error:
         log.write(f"error: {error.filename}: {error.strerror}\n")
         status = 1
@@ -58,7 +58,7 @@ def _arguments():
     parser.add_argument("--solver", default="yade", choices=COMMANDS)
     parser.add_argument("--out", type=_absolute)
     parser.add_argument("--log", type=_absolute, required=True)
-    parser.add_argument("--ensemble", action="store_true")
+    parser.add_argument("--shard", action="store_true")
     parser.add_argument("words", nargs="+")
     return parser.parse_args()
 
@@ -67,9 +67,9 @@ def _absolute(path):
     return Path(path).absolute()
 
 
-def _ensemble(asked, log):
-    """Run the members of an ensemble; returns the exit status."""
-    return _simulate(asked.run, [sys.executable, str(ENSEMBLE), asked.run, *asked.words], log)
+def _shard(asked, log):
+    """Run a shard; returns the exit status."""
+    return _simulate(asked.run, [sys.executable, str(SHARD), *asked.words], log, tells_progress=False)
 
 
 def _single(asked, log):
@@ -90,7 +90,7 @@ def _single(asked, log):
     return 0
 
 
-def _simulate(run, command, log):
+def _simulate(run, command, log, tells_progress=True):
     """Run a command with its output into `log`; returns its exit status."""
     tell(f"{run}: started")
     with _Interrupts() as interrupts:
@@ -105,7 +105,7 @@ def _simulate(run, command, log):
             log.write(f"error: {command[0]} does not start: {error.strerror}\n")
             return 1
         interrupts.go_to(solver)
-        _follow(run, solver.stdout, log)
+        _follow(run, solver.stdout, log, tells_progress)
         status = solver.wait()
     if interrupts.came and status != 0:
         return EXIT_INTERRUPTED
@@ -142,15 +142,15 @@ class _Interrupts:
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
-def _follow(run, lines, log):
-    """Copy the solver's lines into the log; tell its progress at every tenth, or once a minute."""
+def _follow(run, lines, log, tells_progress):
+    """Copy the solver's lines into the log, and tell those that are meant for it; and, if asked for, its progress at
+    every tenth, or once a minute."""
     told_share, told_at = 0, time.monotonic()
     for line in lines:
         log.write(line)
         if line.startswith(MARK):
             tell(line[len(MARK):].rstrip("\n"))
-            told_share = 0  # of the next member
-        progress = _PROGRESS.search(line)
+        progress = tells_progress and _PROGRESS.search(line)
         if progress:
             share = round(100 * float(progress[1]) / max(float(progress[2]), 1e-9))
             if share >= told_share + 10 or time.monotonic() > told_at + 60:

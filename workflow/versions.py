@@ -3,11 +3,13 @@
 import re
 import shutil
 
+from shards import point_of
 from shared import ROOT
 
 from damage.errors import InputError
 from damage.history.head import read_head
 from damage.provenance import model_digest
+from damage.studies.records import all_records
 from damage.studies.tables import runs_there
 
 CODE = {"reference": ROOT / "damage" / "reference", "yade": ROOT / "yade_scripts"}
@@ -17,15 +19,15 @@ _NAMED = 5  # runs that a message names
 
 
 def of_other_versions(study, folder):
-    """{path of a history: the model that made it} of the study's runs that are there and not of today's model."""
-    found = {}
-    for run in study.runs:
-        today = f"{run.solver} {model_digest(CODE[run.solver])}"
-        for path in histories(run, folder):
-            made_by = model_of(path)
-            if made_by not in (today, None):
-                found[path] = made_by
-    return found
+    """{name of a run: the model that made it} of the study's runs that are there and not of today's model."""
+    made_by, mine = {}, {run.id for run in study.runs}
+    for name, record in all_records(folder).items():
+        if point_of(name) in mine:
+            made_by[name] = f"{record['row']['solver']} {record['row']['model_digest']}"
+    for path in [path for run in study.runs for path in histories(run, folder)]:
+        made_by[path.stem] = model_of(path)
+    today = {f"{solver} {model_digest(code)}" for solver, code in CODE.items()}
+    return {name: model for name, model in made_by.items() if model not in (*today, None)}
 
 
 def histories(run, folder):
@@ -45,7 +47,7 @@ def model_of(path):
 
 def describe(found, remake):
     """One line about such runs."""
-    names = [path.stem for path in found]
+    names = list(found)
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     what = "are made again" if remake else "are kept; --remake makes them again"
     return (f"{len(names)} runs were made by another version of the model ({', '.join(sorted(set(found.values())))}) "
@@ -53,9 +55,9 @@ def describe(found, remake):
 
 
 def discard(found, study, folder):
-    """Take these histories away with all that was made of them, so that everything is made again: Snakemake misses no
-    history while its tables are there."""
-    gone = {path.stem for path in found}
+    """Take the histories of these runs away with all that was made of them, but for their records, so that everything
+    is made again: Snakemake misses no history while its tables are there."""
+    gone = set(found)
     for run in study.runs:
         if run.is_ensemble and gone.intersection(runs_there(run, folder)):
             (folder / "runs" / f"{run.id}.members").unlink()
@@ -65,5 +67,5 @@ def discard(found, study, folder):
             table.unlink()
     if gone:
         (folder / "tables" / "summary.csv").unlink(missing_ok=True)
-    for path in found:
-        path.unlink()
+    for name in gone:
+        (folder / "runs" / f"{name}.h5").unlink(missing_ok=True)

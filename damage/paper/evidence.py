@@ -1,7 +1,7 @@
 """The tables of studies as evidence: runs picked by their parameters, medians over members of a point."""
 
 from dataclasses import dataclass
-from pathlib import Path
+from functools import lru_cache
 
 import numpy as np
 import pandas as pd
@@ -41,7 +41,7 @@ class Fell(Exception):
 
 
 def load_runs(folder):
-    """Every row of the tables */tables/summary.csv below `folder`, a DataFrame, with the column `cycles_file`.
+    """Every row of the tables */tables/summary.csv below `folder`, a DataFrame, with the column `tables`, their folder.
 
     Rows of runs that were not completed are left out.  Raises InputError where there is no table.
     """
@@ -50,8 +50,7 @@ def load_runs(folder):
         raise InputError(f"{folder}: no tables/summary.csv below it; expected the results of studies, as "
                          "./run_all.sh harmonic writes them")
     needed = ("run", "wall", "solver", "status", "motion")
-    runs = pd.concat([read_table(path, needed).assign(cycles_file=lambda table, folder=path.parent: (
-        f"{folder}/" + table["run"].astype(str) + "_cycles.csv")) for path in paths], ignore_index=True)
+    runs = pd.concat([read_table(path, needed).assign(tables=path.parent) for path in paths], ignore_index=True)
     runs = runs.reindex(columns=runs.columns.union(MEASURES, sort=False))
     return runs[runs["status"] == "complete"].reset_index(drop=True)
 
@@ -109,10 +108,26 @@ class Point:
     def cycles(self, name):
         """A column of the cycle tables by driven cycle, (n_cycles,): the median over the members."""
         self.stood()
-        tables = [read_table(path) for path in self.rows["cycles_file"] if Path(path).is_file()]
+        tables = [table for run in zip(self.rows["tables"], self.rows["run"].astype(str))
+                  if len(table := _cycles(*run))]
         if not tables:
             raise NotThere(f"no table of cycles ({self.label})")
         return np.median([table.loc[table["kind"] == "driven", name] for table in tables], axis=0)
+
+
+def _cycles(folder, run):
+    """The cycles of a run: of a table of its own, or of that of its study; empty where neither has them."""
+    alone, together = folder / f"{run}_cycles.csv", folder / "cycles.csv"
+    if alone.is_file():
+        return read_table(alone)
+    table = _table_of(together, together.stat().st_mtime_ns) if together.is_file() else pd.DataFrame({"run": []})
+    return table[table["run"].astype(str) == run]
+
+
+@lru_cache(maxsize=4)
+def _table_of(path, time_ns):
+    """A table that is asked for again and again; time_ns: of its last change."""
+    return read_table(path)
 
 
 @dataclass(frozen=True)

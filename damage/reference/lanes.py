@@ -80,13 +80,17 @@ class Lanes:
         return np.array([wall.step - wall.first_step for wall in self.walls])
 
 
+def are_alike(wall, other):
+    """Whether two walls have the same bricks, stiffnesses and friction, so that they can be lanes of one block."""
+    one, two = wall.system, other.system
+    return wall.material == other.material and len(one.contacts) == len(two.contacts) and all(
+        np.array_equal(one.pairs[name], two.pairs[name], equal_nan=True) for name in tables.SHARED)
+
+
 def _check(walls):
     """Raise ValueError of walls that differ in what lanes share."""
-    first, material = walls[0].system, walls[0].material
     for lane, wall in enumerate(walls[1:], 1):
-        same = wall.material == material and len(wall.system.contacts) == len(first.contacts) and all(
-            np.array_equal(first.pairs[name], wall.system.pairs[name], equal_nan=True) for name in tables.SHARED)
-        if not same:
+        if not are_alike(walls[0], wall):
             raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
                              "wall 0; step it by itself")
 

@@ -45,9 +45,11 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def instant(self, base_acceleration):
         input_j, friction_j, fracture_j, damping_j = self.energy.tolist()
-        return Instant(self.displacement, self.opening, self.slip.copy(), self.offset, self.state,
-                       self.base_force()[0], self.push_force(), self.kinetic_energy(base_acceleration),
-                       self.elastic_energy(), input_j, friction_j, fracture_j, damping_j)
+        opening, offset, state, stored = self._observed()
+        return Instant(self.displacement, self._of_joints(opening), self.slip.copy(), self._of_joints(offset),
+                       self._state_of_joints(state), self.base_force()[0], self.push_force(),
+                       self.kinetic_energy(base_acceleration), float(np.sum(stored)), input_j, friction_j, fracture_j,
+                       damping_j)
 
     def forces(self):
         joints = self.system.joints

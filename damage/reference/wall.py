@@ -5,14 +5,15 @@ is `damage.reference.kernel`.  Walls that share bricks and stiffnesses can step 
 `damage.reference.lanes`.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
 from damage.index import THRESHOLD
-from damage.reference import bodies, tables
+from damage.reference import bodies, contacts, tables
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
-from damage.wall.joint_law import LawParameters, elastic_energy, elastic_range, material_of
+from damage.wall.joint_law import LawParameters, elastic_range, material_of
 from damage.wall.layout import CUT, GROUND
 
 _CAPACITY = 100_000  # events between two drains of the log
@@ -32,6 +33,8 @@ class ReferenceWall:
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
+        row = slice(None) if layout.fibres is None else layout.fibres.contact
+        self._stiffnesses = layout.contacts.normal_stiffness[row], layout.contacts.shear_stiffness[row]
         self.lanes = None  # those that the wall was last moved in
         self._held = None
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
@@ -63,13 +66,7 @@ class ReferenceWall:
     @property
     def opening(self):
         """Inelastic opening (n_joints,) [m]: past the broken bond, or what a softened one has given way."""
-        joints = self.system.joints
-        opening = np.where(joints["broken"], np.maximum(joints["opening"], 0.0), 0.0)
-        soft = np.flatnonzero((joints["kappa"] > 0) & ~joints["broken"] & (joints["opening"] > 0))
-        if len(soft):
-            of_the_bond = joints["sigma"][soft] * joints["area"][soft] / self.system.contacts["kn"][soft]
-            opening[soft] = np.maximum(joints["opening"][soft] - of_the_bond, 0.0)
-        return self._of_joints(opening)
+        return self._of_joints(self._observed().opening)
 
     @property
     def slip(self):
@@ -80,22 +77,28 @@ class ReferenceWall:
     def offset(self):
         """Shear displacement less its elastic part (n_joints,) [m] of what has broken or softened, zero elsewhere; of
         fibres by their shares, each with its own stress."""
-        joints, fibres = self.system.joints, self.layout.fibres
-        stiffness = self.layout.contacts.shear_stiffness[slice(None) if fibres is None else fibres.contact]
-        failed = joints["broken"] | (joints["kappa"] > 0)
-        return self._of_joints(np.where(failed, joints["shear"] - joints["tau"] / stiffness, 0.0))
+        return self._of_joints(self._observed().offset)
 
     @property
     def state(self):
         """Bits BROKEN, AT_LIMIT and CRUSHED (n_joints,)."""
-        joints, crushed = self.system.joints, self.system.contacts["closure"] > 0
-        state = (BROKEN * joints["broken"] + AT_LIMIT * joints["at_limit"] + CRUSHED * crushed).astype("u1")
-        return (state if self.layout.fibres is None else state[self.layout.fibres.last])[:self.layout.n_joints]
+        return self._state_of_joints(self._observed().state)
 
     @property
     def energy(self):
         """Input, friction, fracture and damping energy [J] since `reset_energy`."""
         return self.system.energy
+
+    def _observed(self):
+        """What is told of the kernel's contacts now (Observed)."""
+        n = len(self.system.joints)
+        told = Observed(np.empty(n), np.empty(n), np.empty(n, "u1"), np.empty(n))
+        contacts.observe(self.system.joints, self.system.contacts, *self._stiffnesses, *told)
+        return told
+
+    def _state_of_joints(self, state):
+        """Bits of the kernel's contacts as those of the joints (n_joints,): fibres by the last of each."""
+        return (state if self.layout.fibres is None else state[self.layout.fibres.last])[:self.layout.n_joints]
 
     def _of_joints(self, values):
         """Values of the kernel's contacts as those of the joints (n_joints,): fibres by their shares."""
@@ -194,17 +197,16 @@ class ReferenceWall:
 
     def elastic_energy(self):
         """Of all contacts [J]."""
-        springs, joints, contacts, fibres = self.system.contacts, self.system.joints, self.layout.contacts, \
-            self.layout.fibres
-        row, area = slice(None) if fibres is None else fibres.contact, joints["area"]
-        stored = area * elastic_energy(joints["sigma"], joints["tau"], contacts.normal_stiffness[row],
-                                       contacts.shear_stiffness[row])
-        secant = np.flatnonzero(springs["kt"] != springs["kn"])
-        if len(secant):
-            opening, force = joints["opening"][secant], joints["sigma"][secant] * area[secant]
-            lost = force * (opening - force / springs["kn"][secant]) / 2
-            stored[secant] += np.where(opening > 0, lost, 0.0)
-        return float(np.sum(stored))
+        return float(np.sum(self._observed().stored))
+
+
+class Observed(NamedTuple):
+    """Of the kernel's contacts: opening and offset [m], state (bits), stored energy [J]; `contacts.observe`."""
+
+    opening: np.ndarray
+    offset: np.ndarray
+    state: np.ndarray
+    stored: np.ndarray
 
 
 def _columns(table, *names):

@@ -3,17 +3,16 @@
 import sys
 
 from damage.errors import one_line
-from damage.history.reader import read_history
 from damage.measure.doubts import static_doubts
 from damage.measure.summary import summarise
 
 
-def report(path, pictures=True):
-    """Print the summary of the history at `path`; write its tables and pictures beside it.
+def report(history, pictures=True):
+    """Print the summary of a History; write its pictures beside it.
 
     The history is complete by then: whatever fails here is told and loses nothing.
     """
-    history = read_history(path)
+    path = history.path
     if len(history.series) == 0:
         warn(static_doubts(history))
         print(f"{history.status}: no sample was written")

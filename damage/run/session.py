@@ -6,11 +6,12 @@ import signal
 import sys
 import traceback
 from collections.abc import Callable
-from contextlib import nullcontext, redirect_stdout
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 
 from damage.errors import InputError, RunError, WriteError
+from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.measure.doubts import ENERGY_FAILURE
 from damage.memory import hold_buffers
@@ -21,11 +22,11 @@ from damage.run.progress import Progress
 from damage.run.report import report
 from damage.run.run import Run
 from damage.run.schedule import check_size, choose_time_step, softening_warnings
-from damage.run.settings import Softening
+from damage.run.settings import RunSettings, Softening
 from damage.start import is_of_output
 from damage.wall.caps import describe_top
-from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
+from damage.wall.layout import Layout, lay_out
+from damage.wall.modes import Modes, natural_modes
 
 EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 
@@ -52,11 +53,14 @@ class Backend:
 def run_session(backend, wall_file, make_wall, arguments, prog):
     """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command line; the exit status:
     0 done, 1 failed, 2 bad input, 130 interrupted."""
+    return told(lambda: _run(backend, wall_file, make_wall, arguments, prog))
+
+
+def told(work, of=""):
+    """The exit status of `work()`, which returns one; what it raises is said, in one line where it is no fault of this
+    software, with the words `of` before it.  A WriteError ends this process."""
     try:
-        hold_buffers()
-        settings = parse_run(arguments, prog=prog, solver=backend.name)
-        with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
-            return _run(backend, wall_file, make_wall, settings)
+        return work()
     except WriteError as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
@@ -67,10 +71,10 @@ def run_session(backend, wall_file, make_wall, arguments, prog):
         print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except Exception as error:
-        return _tell(error)
+        return _tell(error, of)
 
 
-def _tell(error):
+def _tell(error, of):
     """Say what went wrong, in one line where it is no fault of this software; the exit status."""
     if isinstance(error, MemoryError):
         error = RunError(f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give it "
@@ -82,11 +86,44 @@ def _tell(error):
     if not isinstance(error, InputError | RunError):
         traceback.print_exception(error)
         return EXIT_FAILED
-    print(f"error: {error}", file=sys.stderr)
+    print(f"error: {of}{error}", file=sys.stderr)
     return EXIT_INPUT if isinstance(error, InputError) else EXIT_FAILED
 
 
-def _run(backend, wall_file, make_wall, settings):
+def _run(backend, wall_file, make_wall, arguments, prog):
+    hold_buffers()
+    settings = parse_run(arguments, prog=prog, solver=backend.name)
+    with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
+        return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings))
+
+
+def _run_to_its_pictures(prepared):
+    backend, settings, out = prepared.backend, prepared.settings, prepared.writer.path
+    show = backend.open_view() if settings.view and backend.open_view else None
+    with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
+        status = simulate(prepared, keep_going)
+    try:
+        report(read_history(out), pictures=settings.pictures and status == EXIT_OK)
+    except MemoryError:
+        print(f"warning: {out} is kept, its summary failed for want of memory; where there is more: python3 -m damage "
+              f"index {out}", file=sys.stderr)
+    return status
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s]."""
+
+    backend: Backend
+    settings: RunSettings
+    layout: Layout
+    modes: Modes
+    time_step: float
+    writer: HistoryWriter
+
+
+def prepare(backend, wall_file, make_wall, settings):
+    """A Prepared run, of RunSettings and otherwise the arguments of `run_session`; what it will be is printed."""
     wall = make_wall()
     if wall.joint.softens and not backend.softening:
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
@@ -103,7 +140,6 @@ def _run(backend, wall_file, make_wall, settings):
     if wall.joint.softens:
         for warning in softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening):
             print(f"warning: {warning}", file=sys.stderr)
-    show = backend.open_view() if settings.view and backend.open_view else None
     _announce(layout, settings, modes, time_step)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
@@ -112,13 +148,7 @@ def _run(backend, wall_file, make_wall, settings):
     writer = HistoryWriter(out, layout, solver=backend.name, parameters=parameters,
                            versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
     print(f"history: {out}", flush=True)
-    status = _simulate(backend, layout, settings, modes, time_step, writer, show)
-    try:
-        report(out, pictures=settings.pictures and status == EXIT_OK)
-    except MemoryError:
-        print(f"warning: {out} is kept, its summary failed for want of memory; where there is more: python3 -m damage "
-              f"index {out}", file=sys.stderr)
-    return status
+    return Prepared(backend, settings, layout, modes, time_step, writer)
 
 
 def _announce(layout, settings, modes, time_step):
@@ -131,10 +161,11 @@ def _announce(layout, settings, modes, time_step):
           f"motion: {settings.loading.name}", flush=True)
 
 
-def _simulate(backend, layout, settings, modes, time_step, writer, show):
-    """Run all stages; the history is closed and marked however this ends."""
-    progress = Progress(layout.wall.name, io.StringIO() if settings.quiet else None)
-    interrupts = _Interrupts()
+@contextmanager
+def attended(label, show=None, quiet=False):
+    """While this lasts interrupts end runs politely: what it gives is the `keep_going` of Run, which shows their
+    progress, too.  show: called now and then."""
+    progress, interrupts = Progress(label, io.StringIO() if quiet else None), _Interrupts()
 
     def keep_going(run, time_s):
         progress.show(time_s, run)
@@ -142,12 +173,25 @@ def _simulate(backend, layout, settings, modes, time_step, writer, show):
             show()
         return not interrupts.asked
 
-    status, collapsed = "failed", None
     try:
-        run = Run(layout, settings, backend.make(layout, time_step), writer, keep_going)
+        yield keep_going
+    finally:
+        progress.close()
+        interrupts.end_at_once()
+
+
+def simulate(prepared, keep_going, make=None):
+    """Run all stages of a Prepared run; the history is closed and marked however this ends.  Returns the exit status.
+
+    make: makes the solver in place of the backend's own.
+    """
+    layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
+    try:
+        solver = (make or prepared.backend.make)(layout, prepared.time_step)
+        run = Run(layout, prepared.settings, solver, writer, keep_going)
         finished = run.settle_under_gravity()
         if finished:
-            run.start(modes.shape[0])
+            run.start(prepared.modes.shape[0])
             finished = run.run_all()
         collapsed = run.collapsed_at_s
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
@@ -155,9 +199,7 @@ def _simulate(backend, layout, settings, modes, time_step, writer, show):
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
     finally:
-        progress.close()
         writer.finish(status, collapsed)
-        interrupts.end_at_once()
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
 
 

@@ -27,6 +27,7 @@ YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a poin
 """
 
 import hashlib
+import json
 import re
 import tomllib
 from dataclasses import dataclass
@@ -106,7 +107,19 @@ class StudyRun:
     @property
     def first(self):
         """Name of the first, or only, run."""
-        return f"{self.id}_s1" if self.is_ensemble else self.id
+        return self.name(1)
+
+    def name(self, number):
+        """Name of the run with this number, from 1."""
+        return f"{self.id}_s{number}" if self.is_ensemble else self.id
+
+    def command(self, number):
+        """The words of its command line, the wall file first."""
+        return [self.wall, *self.words, *self.varied, *([str(number)] if self.is_ensemble else [])]
+
+    def inputs(self, root=Path()):
+        """One word for all that its runs are made from, but for their number."""
+        return hashlib.sha256(json.dumps([self.wall, self.words, self.varied, self.digests(root)]).encode()).hexdigest()
 
     def digests(self, root=Path()):
         """SHA-256 of every file that the run reads, in a fixed order: what changes when they do."""

@@ -1,4 +1,4 @@
-"""How many members an ensemble needs: five, or ten where five say that the tails are heavy."""
+"""How many members an ensemble needs: one where nothing breaks, five, or ten where five say that tails are heavy."""
 
 import numpy as np
 
@@ -16,6 +16,21 @@ def most_members(run):
     run: a damage.studies.definition.StudyRun.
     """
     return 2 * run.members if run.adaptive and run.members >= LEAST else run.members
+
+
+def runs_needed(run, records):
+    """How many runs a point needs, by what is known of it.
+
+    run: a damage.studies.definition.StudyRun; records: {number from 1: record (`damage.studies.records`)} of its runs
+    so far.  Of an adaptive ensemble the first is the only one where it breaks no joint: the wall was linear, and
+    strengths change nothing; and there are as many again where the first spread widely.
+    """
+    if not run.adaptive:
+        return run.members
+    first = [records[number]["row"] for number in range(1, run.members + 1) if number in records]
+    if 1 not in records or records[1]["intact"]:
+        return 1
+    return most_members(run) if len(first) == run.members and tails_are_heavy(first) else run.members
 
 
 def tails_are_heavy(rows):

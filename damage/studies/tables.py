@@ -2,8 +2,9 @@
 
 `python3 -m damage study-tables STUDY.toml DIR` writes below DIR/tables: summary.csv, a row for each run; points.csv, a
 row for each point and solver, with the median over its members under a measure's NAME and their range under NAME_min
-and NAME_max; study.h5, both of them as HDF5 (`read_study_table`).  A run's row is worked out once and kept in
-DIR/tables/rows; it is worked out anew when the history is younger.
+and NAME_max; study.h5, both of them as HDF5 (`read_study_table`); cycles.csv and shocks.csv, those of all runs of the
+reference solver.  What these left (`damage.studies.records`) is all that is asked of them; the row of a run in YADE is
+worked out once and kept in DIR/tables/rows, and worked out anew when its history is younger.
 """
 
 import io
@@ -20,6 +21,7 @@ from damage.history.apart import apart
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, names, slip_criteria
 from damage.measure.tables import summary_row, write_table
+from damage.studies.records import TABLES, all_records
 
 
 def runs_there(run, folder):
@@ -31,7 +33,7 @@ def runs_there(run, folder):
 
 
 def row_of(folder, name, point):
-    """The summary's row of one run, from its file or, where that is missing or old, from the history."""
+    """The summary's row of a run that left no record: from its file or, where that is missing or old, the history."""
     history, kept = folder / "runs" / f"{name}.h5", folder / "tables" / "rows" / f"{name}.json"
     if kept.is_file() and kept.stat().st_mtime_ns >= history.stat().st_mtime_ns:
         try:
@@ -48,23 +50,28 @@ def write_row(history, path, point):
     return row
 
 
-def summary_of(study, folder, jobs=1):
+def summary_of(study, folder, jobs=1, records=None):
     """A DataFrame with a row for each run of the study that is there, of either solver.
 
-    `members` is how many runs there are of the row's point in its solver.
+    records: of `all_records`, where they are read already.  `members` is how many runs there are of the row's point in
+    its solver.
     """
     there = [(name, run.point, members) for run in study.of_both
              for members in [runs_there(run, folder)] for name in members]
     if not there:
         raise InputError(f"{folder} holds no run of the study {study.name}; run it first with ./run_all.sh")
-    names, points, members = zip(*there)
-    if jobs > 1 and len(there) > 8:
+    records = all_records(folder) if records is None else records
+    rows = {name: records[name]["row"] for name, *_ in there if name in records}
+    others = [(name, point) for name, point, _ in there if name not in rows]
+    if jobs > 1 and len(others) > 8:
         with ProcessPoolExecutor(jobs) as pool:
-            rows = list(pool.map(row_of, [folder] * len(there), names, points, chunksize=4))
+            rows |= zip((name for name, _ in others), pool.map(row_of, [folder] * len(others), *zip(*others),
+                                                               chunksize=4))
     else:
-        rows = [row_of(folder, *one) for one in zip(names, points)]
-    table = before_offsets(pd.DataFrame(rows))  # rows that were kept may be older than this version
-    table.insert(table.columns.get_loc("solver") + 1, "members", [len(names) for names in members])
+        rows |= {name: row_of(folder, name, point) for name, point in others}
+    # Rows that were kept may be older than this version.
+    table = before_offsets(pd.DataFrame([rows[name] for name, *_ in there]))
+    table.insert(table.columns.get_loc("solver") + 1, "members", [len(names) for *_, names in there])
     return table
 
 
@@ -135,9 +142,14 @@ def read_study_table(path, table="runs"):
 
 def write_study_tables(study, folder, jobs=1):
     """Write summary.csv, points.csv and study.h5 of what there is; returns their paths, the summary last."""
-    summary = summary_of(study, folder, jobs)
+    records = all_records(folder)
+    summary = summary_of(study, folder, jobs, records)
     points = points_of(summary)
     tables = folder / "tables"
     paths = [write_table(points, tables / "points.csv"), tables / "study.h5"]
     write_hdf5({"runs": summary, "points": points}, paths[1])
+    for name in TABLES:
+        rows = [{"run": run, **row} for run in summary["run"] if run in records for row in records[run][name]]
+        if rows:
+            paths.append(write_table(pd.DataFrame(rows), tables / f"{name}.csv"))
     return [*paths, write_table(summary, tables / "summary.csv")]

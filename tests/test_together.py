@@ -1,0 +1,134 @@
+"""Runs that step together leave the histories that they leave alone, whatever the others do."""
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+
+import h5py
+import pytest
+from conftest import REPOSITORY, without_progress
+
+from damage.history.reader import read_history
+from damage.reference import lanes, together
+from damage.reference.session import run_reference
+from damage.reference.together import run_references
+
+TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
+SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
+OTHERS = {3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
+          4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
+          5: (*SHAKEN, "--perturb", "1e-8"),
+          6: (*SHAKEN, "--cells", "3")}  # cannot be a lane among the others
+PROGRAM = '''
+import sys
+from damage.reference.together import run_references
+names = sys.argv[2:]
+words = [sys.argv[1], "--harmonic", "0.1", "0.5", "--rest", "100", "--strength-cov", "0.3", "--no-pictures"]
+for statuses in run_references({name: [*words, "--strength-seed", str(k), "--out", name]
+                                for k, name in enumerate(names)}):
+    print(statuses)
+'''
+
+
+@pytest.fixture
+def tiny(tmp_path):
+    (tmp_path / "tiny.py").write_text(TINY)
+    return tmp_path / "tiny.py"
+
+
+def lines(wall, folder, count=8):
+    """{name: words} of so many runs."""
+    folder.mkdir()
+    return {f"m{k}": [str(wall), *OTHERS.get(k, SHAKEN), "--strength-seed", str(k), "--out", str(folder / f"m{k}.h5"),
+                      "--no-pictures"] for k in range(1, count + 1)}
+
+
+def contents(path):
+    """{name: bytes} of all datasets of a history."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.update({name: item[()].tobytes()})
+                        if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+@pytest.fixture
+def alone(tiny, tmp_path):
+    """Contents of the histories of runs by themselves."""
+    for words in lines(tiny, tmp_path / "alone").values():
+        assert run_reference(words) == 0
+    return {path.stem: contents(path) for path in (tmp_path / "alone").glob("*.h5")}
+
+
+def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, monkeypatch):
+    widths = set()
+    monkeypatch.setattr(together, "run_together", lambda walls, n_steps: widths.add(len(walls)) or lanes.run_together(
+        walls, n_steps))
+    asked = lines(tiny, tmp_path / "together", 10)
+    ended = list(run_references(asked))
+    assert ended == [dict.fromkeys(list(asked)[:8], 0), {"m9": 0}, {"m10": 0}]
+    assert {7, 6, 1} <= widths and max(widths) == 7
+    histories = {name: read_history(tmp_path / "together" / f"{name}.h5") for name in alone}
+    assert all(contents(history.path) == alone[name] for name, history in histories.items())
+    assert histories["m3"].collapsed_at_s is not None and histories["m1"].broken.any()
+    assert len({history.series["time_s"].iloc[-1] for history in histories.values()}) >= 3
+
+
+def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, monkeypatch, capsys):
+    def simulate(prepared, *more):
+        too_large = 20 if prepared.writer.path.stem == "m7" else 1
+        return simulate_as_before(replace(prepared, time_step=too_large * prepared.time_step), *more)
+
+    class Thread(threading.Thread):
+        def start(self):
+            if self.name == "m8":
+                raise RuntimeError("can't start new thread")
+            super().start()
+
+    simulate_as_before = together.simulate
+    monkeypatch.setattr(together, "simulate", simulate)
+    monkeypatch.setattr(together.threading, "Thread", Thread)
+    monkeypatch.setattr(together, "LEAST_LANES", 2)
+    asked = lines(tiny, tmp_path / "together")
+    asked["m2"] += ["--dt", "0.1"]
+    (ended,) = run_references(asked)
+    assert ended == dict.fromkeys(asked, 0) | {"m2": 2, "m7": 1, "m8": 1}
+    told = without_progress(capsys.readouterr().err).splitlines()
+    assert sorted(line[:24] for line in told) == [
+        "error: m2: --dt 0.1 s is", "error: m7: the run blew ", "error: m8: out of memory"]
+    assert {read_history(tmp_path / "together" / f"{name}.h5").status for name in ("m7", "m8")} == {"failed"}
+    for name in alone.keys() - {"m2", "m7", "m8"}:
+        assert contents(tmp_path / "together" / f"{name}.h5") == alone[name]
+
+
+def start(wall, folder, **options):
+    """Eight long runs, in a process of their own."""
+    names = [folder / f"m{k}.h5" for k in range(8)]
+    return names, subprocess.Popen([sys.executable, "-c", PROGRAM, wall, *names], text=True, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(REPOSITORY)}, **options)
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_ends_all_politely(name, tiny, tmp_path):
+    names, process = start(tiny, tmp_path)
+    until = time.monotonic() + 100
+    while not names[-1].is_file() and process.poll() is None and time.monotonic() < until:
+        time.sleep(0.02)
+    process.send_signal(getattr(signal, name))
+    told, errors = process.communicate(timeout=100)
+    assert process.returncode == 0 and told.splitlines()[-1] == str(dict.fromkeys(map(str, names), 130)), errors
+    assert [read_history(path).status for path in names] == ["interrupted"] * 8
+
+
+def test_a_disk_that_takes_no_more_ends_all_in_a_line(tiny, tmp_path):
+    names, process = start(tiny, tmp_path,
+                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000)))
+    _, errors = process.communicate(timeout=100)
+    assert process.returncode == 1
+    assert without_progress(errors).startswith("error: cannot write") and without_progress(errors).count("\n") == 1
+    assert {read_history(path).status for path in names} == {"unfinished"}

@@ -1,0 +1,255 @@
+"""A shard of a study: its runs in the reference solver, on all processors that it is given.
+
+    run_shard.py DIR/shards/NUMBER.json --jobs N
+
+Runs of walls that share their bricks step together (`damage.reference.together`), eight in a process.  A run grows in
+runs/NAME.part.h5.  When it is whole its record comes into NUMBER.rows (`damage.studies.records`), and its history gets
+the name runs/NAME.h5; with "keep": "summary" that of every other run than the first of its point is deleted.  What is
+there is not done again.  A point that is done leaves runs/POINT.members, the names of its runs, and the tables of the
+first one.  The part of a run that failed stays.
+
+Exit status: 0 all done, 130 interrupted, otherwise that of the last run that failed.
+"""
+
+import argparse
+import json
+import math
+import multiprocessing
+import os
+import signal
+import sys
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import islice
+from pathlib import Path
+
+from shards import FIRST_TABLES
+from shared import end_with_parent, tell
+
+from damage.errors import InputError
+from damage.files import write_text
+from damage.history.reader import read_history
+from damage.measure.tables import write_run_tables
+from damage.reference.lanes import MOST_LANES
+from damage.reference.solver import ReferenceSolver
+from damage.reference.together import LEAST_LANES, run_references
+from damage.run.options import parse_run
+from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.studies.definition import StudyRun
+from damage.studies.members import most_members, runs_needed
+from damage.studies.records import add_record, read_records, record_of
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+
+
+def main():
+    """Run one shard; returns the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("shard", type=Path)
+    parser.add_argument("--jobs", type=int, default=1)
+    asked = parser.parse_args()
+    try:
+        return Shard(asked.shard, asked.jobs).run()
+    except (InputError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+    except BrokenProcessPool:  # what ended it has said so
+        print("error: a process of this shard was ended from outside, or could not go on", file=sys.stderr)
+    return EXIT_FAILED
+
+
+@dataclass(frozen=True)
+class Task:
+    """A run to be done: the one with this number of a point; kept: whether its history stays."""
+
+    folder: Path
+    point: StudyRun
+    number: int
+    kept: bool
+
+    @property
+    def name(self):
+        return self.point.name(self.number)
+
+    @property
+    def history(self):
+        """Where the history is in the end."""
+        return self.folder / "runs" / f"{self.name}.h5"
+
+    @property
+    def part(self):
+        """Where it grows."""
+        return self.folder / "runs" / f"{self.name}.part.h5"
+
+    @property
+    def company(self):
+        """What runs have in common that step together from beginning to end."""
+        return company_of(self.point)
+
+
+@cache
+def company_of(point):
+    """As Task.company, of all runs of a point."""
+    settings = parse_run(point.command(1)[1:], prog="", solver="reference")
+    return (point.wall, replace(settings.model, strength_seed=0), settings.duration_s, settings.time_step_s,
+            settings.alpha_1_s, settings.beta_s)
+
+
+class Point:
+    """A point on its way: which of its runs are done, asked for, failed."""
+
+    def __init__(self, run, folder, keeps_all, records):
+        self.run, self.folder, self._keeps_all = run, folder, keeps_all
+        self._asked = set()
+        names = {number: run.name(number) for number in range(1, most_members(run) + 1)}
+        self._records = {number: records[name] for number, name in names.items()
+                         if name in records and self._is_there(self._task(number))}
+
+    def _task(self, number):
+        return Task(self.folder, self.run, number, self._keeps_all or number == 1)
+
+    def _is_there(self, task):
+        """Whether what a run with a record leaves besides is there."""
+        return not task.kept or (task.history.is_file() and (task.number > 1 or all(
+            task.folder.joinpath("tables", f"{task.name}_{table}.csv").is_file() for table in FIRST_TABLES)))
+
+    def next_tasks(self):
+        """What is to be done now, by what is known, and was not asked for yet."""
+        numbers = set(range(1, runs_needed(self.run, self._records) + 1)) - self._records.keys() - self._asked
+        self._asked |= numbers
+        return [self._task(number) for number in sorted(numbers)]
+
+    def add(self, number, record):
+        """Take note of a run that is done."""
+        self._records[number] = record
+        self.mark()
+
+    def mark(self, told=True):
+        """Name the runs of a point that is done, and tell it."""
+        count = runs_needed(self.run, self._records)
+        if all(number in self._records for number in range(1, count + 1)):
+            if self.run.is_ensemble:
+                write_text(self.folder / "runs" / f"{self.run.id}.members",
+                           "".join(f"{self.run.name(number)}\n" for number in range(1, count + 1)))
+            if told:
+                tell(f"{self.run.id}: done")
+
+
+class Shard:
+    """The points of a shard on their way, `jobs` groups of runs at a time."""
+
+    def __init__(self, path, jobs):
+        told = json.loads(path.read_text(encoding="utf-8"))
+        folder, self.rows, self.jobs = path.parents[1], path.with_suffix(".rows"), jobs
+        records = read_records(self.rows)
+        runs = [StudyRun(**{name: tuple(value) if isinstance(value, list) else value for name, value in one.items()})
+                for one in told["points"]]
+        self.points = {run.id: Point(run, folder, told["keep"] == "all", records) for run in runs}
+        self.status, self.interrupted = EXIT_OK, False
+
+    def run(self):
+        """Bring all points up to date; returns the exit status."""
+        waiting = [task for point in self.points.values() for task in point.next_tasks()]
+        for point in self.points.values():
+            point.mark(told=False)
+        if not waiting:
+            return EXIT_OK
+        for name in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(name, self._interrupt)
+        load_compiled(waiting[0])
+        with open(self.rows, "a", encoding="utf-8") as rows, ProcessPoolExecutor(
+                self.jobs, multiprocessing.get_context("fork"), _begin_worker) as workers:
+            rows.write("\n")  # ends a line that a kill tore
+            self._work(waiting, workers, rows)
+        return EXIT_INTERRUPTED if self.interrupted else self.status
+
+    def _work(self, waiting, workers, rows):
+        """Hand out groups of runs until none is waiting or under way."""
+        under_way = set()
+        while waiting or under_way:
+            while waiting and len(under_way) < self.jobs and not self.interrupted:
+                group = take_group(waiting, self.jobs - len(under_way))
+                under_way.add(workers.submit(do_group, group))
+            if not under_way:
+                return
+            done, under_way = wait(under_way, return_when=FIRST_COMPLETED)
+            for future in done:
+                for task, status, record in future.result():
+                    waiting += self._note(task, status, record, rows)
+
+    def _note(self, task, status, record, rows):
+        """Take note of how a run ended; returns the tasks that follow."""
+        if record is None:
+            self.interrupted |= status == EXIT_INTERRUPTED
+            self.status = status
+            tell(f"{task.name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
+            return []
+        add_record(rows, record)
+        if not task.kept:
+            task.part.unlink(missing_ok=True)
+        point = self.points[task.point.id]
+        point.add(task.number, record)
+        return point.next_tasks()
+
+    def _interrupt(self, *_):
+        """End what runs, politely, and begin nothing more."""
+        self.interrupted = True
+        for worker in multiprocessing.active_children():
+            os.kill(worker.pid, signal.SIGTERM)
+
+
+def take_group(waiting, idle):
+    """Take the next tasks for one of so many idle processes off a list: up to eight that step together, where there
+    are enough for all of these processes, else one."""
+    alike = [*islice((k for k, task in enumerate(waiting) if task.company == waiting[0].company), MOST_LANES)]
+    share = min(len(alike), math.ceil(len(waiting) / idle))
+    chosen = alike[:share if share >= LEAST_LANES else 1]
+    return [waiting.pop(k) for k in reversed(chosen)][::-1]
+
+
+def load_compiled(task):
+    """Compile the reference solver, or load it, before there are processes: once for all of them."""
+    wall = ReferenceSolver(lay_out(load_wall(task.point.wall)), 1e-6)
+    wall.run(1)
+    wall.instant((0.0, 0.0))
+
+
+def _begin_worker():
+    """A worker ends politely with its parent, which is told of interrupts, too; its lines are whole among others."""
+    end_with_parent(signal.SIGTERM)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(line_buffering=True, write_through=False)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def do_group(tasks):
+    """Simulate runs that are not there, together; returns (task, exit status, record or None) of each."""
+    lines = {task.name: [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
+             for task in tasks if not task.history.is_file()}
+    statuses = dict.fromkeys((task.name for task in tasks), EXIT_OK)
+    print("---", *lines, flush=True)
+    for ended in run_references(lines):
+        statuses |= ended
+    return [(task, *(conclude(task) if statuses[task.name] == EXIT_OK else (statuses[task.name], None)))
+            for task in tasks]
+
+
+def conclude(task):
+    """Give a history its name where it stays, and make of it what it leaves; returns (exit status, record or None)."""
+    path = task.history if task.kept or task.history.is_file() else task.part
+    if path == task.history and not path.is_file():
+        os.replace(task.part, path)
+    try:
+        history = read_history(path)
+        if task.number == 1:
+            write_run_tables(history, task.folder / "tables" / task.name)
+        return EXIT_OK, record_of(history, task.name, task.point.point)
+    except InputError as error:
+        print(f"error: {task.name}: {error}; delete it", file=sys.stderr, flush=True)
+        return EXIT_FAILED, None
+
+
+if __name__ == "__main__":
+    sys.exit(main())
