@@ -176,7 +176,7 @@ def fibres(bench):
 
 def numbers(history):
     """DI, drift [%], length of joints that travel more than 0.1 mm [m], energy error [%], as text."""
-    summary, length = summarise(history), history.joints["length_m"].to_numpy()
+    summary, length = summarise(history), history.joint_length_m
     travel = np.abs(np.diff(history.slip_m, axis=0)).sum(axis=0)
     return (f"{summary['max']['DI']:.4f}", f"{100 * summary['max_drift_ratio']:.4f}",
             f"{length[travel > 1e-4].sum():.1f}", f"{100 * summary['energy_error_fraction']:.3f}")

@@ -207,8 +207,8 @@ def test_what_is_no_history_is_refused(tmp_path, make, complaint):
 def test_a_newer_schema_is_refused(tmp_path):
     path = tmp_path / "a.h5"
     open_writer(path).finish("complete")
-    path.write_bytes(path.read_bytes().replace(b"masonry-damage-history 3", b"masonry-damage-history 9", 1))
-    with pytest.raises(InputError, match="version 9, this software reads up to 3"):
+    path.write_bytes(path.read_bytes().replace(b"masonry-damage-history 4", b"masonry-damage-history 9", 1))
+    with pytest.raises(InputError, match="version 9, this software reads up to 4"):
         damage.read_history(path)
 
 

@@ -18,7 +18,7 @@ from verification.loaded import loaded_period
 from verification.problem import Problem
 
 PROBLEMS = {problem.name: problem for problem in all_problems()}
-QUICK_IN_YADE = ("free fall", "incline of 40°", "stack of ten bricks")
+QUICK_IN_YADE = ("free fall", "incline of 40°", "stack of ten bricks", "crushed column", "splitting brick")
 
 
 @pytest.mark.parametrize("name", PROBLEMS)

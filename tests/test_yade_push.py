@@ -123,3 +123,29 @@ def test_joints_that_soften_do_so_alike(tmp_path, yade_command, damage_command):
     assert partly.any()  # open, and not broken: a part of the bond still holds
     assert_allclose(yade.opening_m[-1], reference.opening_m[-1], atol=1e-6)
     assert np.array_equal(yade.broken[-1], reference.broken[-1])
+
+
+TOE = PANEL.replace("import Wall", "import Joint, Wall").replace("length=0.9, height=0.9, precompression=0.3e6", (
+    "length=0.45, height=0.9, precompression=0.3e6, joint=Joint(compressive_strength=1e6, "
+    "mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)"))
+
+
+@pytest.mark.long
+def test_a_toe_crushes_alike(tmp_path, yade_command, damage_command):
+    """Peak, plateau, crushed length and what is lost; the plateau by hand, of a stress block under the cap's centre."""
+    path = tmp_path / "toe.py"
+    path.write_text(TOE.format(repository=str(REPOSITORY)))
+    found, thickness, length, height = [], 0.1025, 0.45, 0.9
+    in_reference = lambda *words: damage_command("reference", *words, "--relaxation", "local")  # noqa: E731
+    for run in (yade_command, in_reference):
+        out = tmp_path / f"{len(found)}.h5"
+        done = run(path, "--pushover", 0.3, "--speed", 5e-3, "--fibres", 8, "--no-pictures", "--out", out)
+        assert done.returncode == 0, done.stdout + done.stderr
+        history = damage.read_history(out)
+        summary, force = summarise(history), history.series["base_shear_n"].to_numpy()
+        late = history.series["drift_ratio"] > 1e-3
+        found.append([summary["peak_force_n"], summary["fracture_energy_j"], summary["crushed_length_m"],
+                      np.mean(force[late])])
+    assert_allclose(*found, rtol=0.02)
+    load = (0.3e6 + 1900 * 9.81 * height) * length * thickness
+    assert_allclose(found[0][3], load * (length - load / 1e6 / thickness) / 2 / (height + 0.1), rtol=0.05)

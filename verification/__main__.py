@@ -10,10 +10,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from verification import elastic, falling, loaded, rocking, sliding, softening
+from verification import crushing, elastic, falling, loaded, rocking, sliding, softening, splitting
 from verification.problem import SOLVERS
 
-FAMILIES = (falling, sliding, rocking, elastic, loaded, softening)
+FAMILIES = (falling, sliding, rocking, elastic, loaded, softening, crushing, splitting)
 
 
 def all_problems():

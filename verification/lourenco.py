@@ -1,6 +1,7 @@
 """Measured dry-joint stone walls, pushed at a top that is kept from rotating: friction, and what it misses.
 
     python3 -m verification.lourenco [--markdown FILE] [--picture FILE.png]
+    python3 -m verification.lourenco --strengths MPA ... [--tension-alone]
 
 Walls SW.30 and SW.200 of P. B. Lourenço, D. V. Oliveira, P. Roca, A. Orduña (2005), J. Struct. Eng. 131(11),
 1665-1673, doi:10.1061/(ASCE)0733-9445(2005)131:11(1665): 1.0 x 1.0 x 0.2 m, sawn stones 0.2 x 0.1 x 0.2 m, no
@@ -12,7 +13,7 @@ doi:10.1061/(ASCE)0733-9445(2004)130:5(779).
 import argparse
 import math
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,6 @@ from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
 from verification.collapse import settled_wall
 from verification.limit_analysis import collapse_load, top_load
 from verification.push_picture import picture
-from verification.split_stones import split_stones
 
 DATA = Path(__file__).with_name("data") / "lourenco2005"
 LOADS_N = {"SW.30": 30e3, "SW.200": 200e3}
@@ -60,21 +60,19 @@ def measured_peak(name):
     return float(np.mean([test.force_n.max() for test in measured(name)]))
 
 
-def lay(name, *, friction=FRICTION, stiffness=STIFFNESS, base_course="half", cells=4):
+def lay(name, *, friction=FRICTION, stiffness=STIFFNESS, base_course="half", cells=4, stone=STONE):
     """The Layout of a wall; its load is a rigid beam on top, glued to the top course."""
     wall = Wall(name.replace(".", ""), LENGTH, HEIGHT, precompression=LOADS_N[name] / (LENGTH * THICKNESS),
-                base_course=base_course, brick=STONE,
+                base_course=base_course, brick=stone,
                 joint=Joint(stiffness, 0.4 * stiffness, math.atan(friction), 0.0, 0.0))
     return lay_out(wall, ModelOptions(lintel="none", contacts="corners", top="beam", cells=cells))
 
 
-def lay_splitting(name, strength=SPLITTING, **options):
-    """A wall whose stones split in the middle when beam theory reaches their tensile strength [Pa].
-
-    The cut's two points, each with half the section, carry three times the moment of a beam's edge stress
-    6 M / (t h^2): a third of the strength; in shear the cut breaks where 1.5 V / A reaches it.
-    """
-    return split_stones(lay(name, **options), strength / 3, strength / 1.5)
+def lay_splitting(name, strength=SPLITTING, shear=True, **options):
+    """A wall whose stones split in the middle when beam theory reaches their tensile strength [Pa], in bending by the
+    edge stress 6 M / (t h^2), and if `shear` by 1.5 V / A."""
+    stone = replace(STONE, tensile_strength=strength, cohesion=strength if shear else None)
+    return lay(name, stone=stone, **options)
 
 
 # --- by hand and by limit analysis ----------------------------------------------------------------
@@ -214,11 +212,29 @@ def draw(pushes):
                     for name, both in pushes.items()}, SPLITTING)
 
 
+def vary(strengths, tension_alone):
+    """Print the peaks of both walls whose stones split at these tensile strengths [MPa]; the exit status."""
+    print("| tensile strength [MPa] | wall | peak [kN] | over the measured | at 10 and 20 mm [kN] |")
+    print("| --- " * 5 + "|")
+    for strength in strengths:
+        for name in LOADS_N:
+            done = push(lay_splitting(name, 1e6 * strength, not tension_alone), speed=SPLITTING_PUSH_M_S)
+            later = [done.force[np.abs(done.displacement - far) < 1e-3].mean() / 1e3 for far in (0.01, 0.02)]
+            print(f"| {strength:g} | {name} | {done.peak / 1e3:.1f} | {_ratio(done.peak, name)} | "
+                  f"{later[0]:.0f}, {later[1]:.0f} |", flush=True)
+    return 0
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m verification.lourenco", description=__doc__.split("\n")[0])
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table there")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw force against displacement there")
+    parser.add_argument("--strengths", nargs="+", type=float, metavar="MPA",
+                        help="print the peaks of walls whose stones split at these tensile strengths instead")
+    parser.add_argument("--tension-alone", action="store_true", help="... in bending alone, not in shear")
     parsed = parser.parse_args(arguments)
+    if parsed.strengths:
+        return vary(parsed.strengths, parsed.tension_alone)
     pushes = {}
     for name in LOADS_N:
         pushes[name] = examine(name)

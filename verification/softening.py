@@ -8,6 +8,7 @@ laid side by side (`compared`, docs/softening.md).
 
 import argparse
 import tempfile
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -33,9 +34,10 @@ COARSE_IN_YADE = 1500
 """The same in YADE, for problems."""
 
 
-def pair(fibres=0):
-    """The layout of two half bricks, one on the other."""
-    return lay_out(Wall("pair", 0.1125, 0.15, precompression=0.0, joint=JOINT), ModelOptions(cells=1, fibres=fibres))
+def pair(fibres=0, **changes):
+    """The layout of two half bricks, one on the other; changes: of JOINT."""
+    return lay_out(Wall("pair", 0.1125, 0.15, precompression=0.0, joint=replace(JOINT, **changes)),
+                   ModelOptions(cells=1, fibres=fibres))
 
 
 def between(layout):
@@ -96,9 +98,9 @@ class Driven:
         return self.path[-1, 1] - self.shear_stress[-1] / layout.contacts.shear_stiffness[between(layout)]
 
 
-def drive(path, fibres=0):
-    """The joint Driven along a path in the reference solver."""
-    layout = pair(fibres)
+def drive(path, fibres=0, **changes):
+    """The joint Driven along a path in the reference solver; changes: of JOINT."""
+    layout = pair(fibres, **changes)
     area = layout.contacts.area[between(layout)]
     wall = ReferenceWall(layout, 1e-5)
     upper, forces = wall.system.place[1], []

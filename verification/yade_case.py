@@ -19,8 +19,9 @@ from damage.measure.vibration import natural_period
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
-from verification import elastic, falling, rocking, sliding
+from verification import crushing, elastic, falling, rocking, sliding, splitting
 from verification.block import one_block
+from yade_scripts.crushing import Crushing
 from yade_scripts.face_model import TIP
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import build
@@ -34,6 +35,7 @@ class Case:
         self.layout = layout
         self.model = build(layout, factor * natural_modes(layout, 1).critical_time_step_s)
         self.scene, self.newton = SceneReader(self.model), self.model.newton
+        self.crushing = Crushing(self.scene)
         self.newton.gravity = (0, 0, 0)
         self.each, self.first = None, 0
         builtins.verification_step = self.step
@@ -45,9 +47,11 @@ class Case:
         O.run(steps, True)
 
     def step(self):
-        """What the engine does in every step: broken bonds become dry joints, then what `run` was given."""
+        """What the engine does in every step: broken bonds become dry joints, joints crush, then what `run` was
+        given."""
         for joint in self.scene.newly_broken():
             self.scene.loosen(joint)
+        self.crushing.step(anew=True)
         if self.each:
             self.each(O.iter - self.first)
 
@@ -194,6 +198,47 @@ def cantilever(finer):
     return case.scene.base_shear() / case.place(cap)[0]
 
 
+def toe():
+    """As crushing.toe, in YADE."""
+    case = Case(crushing.block(), 0.5)
+    case.newton.damping = 0.7
+    case.field(0.0, GRAVITY)
+    case.run(round(0.02 / O.dt))
+    state = case.scene.states[0]
+    state.blockedDOFs = "xyXZ"
+    for speed, steps in crushing.pushes(O.dt):
+        state.vel = (speed, state.vel[1], state.vel[2])
+        case.run(steps)
+    return -sum(O.forces.f(member, True)[0] for member in case.scene.members[0])
+
+
+def column():
+    """As crushing.column, in YADE."""
+    layout, forces = crushing.block(), []
+    case = Case(layout, 0.5)
+    case.field(0.0, 2 * crushing.column_force(layout) / layout.bodies.mass[0])
+    case.run(200, lambda k: forces.append(case.scene.base_reaction()))
+    return max(forces)
+
+
+def splitting_load():
+    """As splitting.load, in YADE."""
+    layout = splitting.beam()
+    case = Case(layout, 0.5)
+    case.newton.damping = 0.7
+    n = round(splitting.RAMP_S / O.dt)
+    field, broke = splitting.ramp(layout, n), []
+
+    def each(k):
+        case.field(0.0, field[min(k, n - 1)])
+        if case.scene.model.law.nbTensCracks + case.scene.model.law.nbShearCracks:
+            broke.append(k)
+            O.pause()
+
+    case.run(n, each)
+    return field[broke[0]] * layout.total_mass
+
+
 def _mover(case):
     """The function that moves every body of a case and returns the contacts' forces on them, both (n_bodies, 3)."""
     states, scene = case.scene.states, case.scene
@@ -213,7 +258,8 @@ def _mover(case):
     return forces_after
 
 
-CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, onset, fall_back, stack, cantilever)}
+CASES = {case.__name__: case for case in (fall, bounce, incline, shaken, onset, fall_back, stack, cantilever, toe,
+                                           column, splitting_load)}
 
 
 def main():

@@ -1,18 +1,20 @@
-"""Inside YADE: the joint between two bricks (`verification.softening`), by fibres, driven along paths.
+"""Inside YADE: the joint between two bricks (`verification.softening`), driven along paths.
 
-    yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES
+    yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES [CHANGES]
 
 PATHS holds one array (n, 2) a path, opening and shear displacement [m]; RESULTS gets (n, 2) under the same names,
-normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture and stored [J/m2].
+normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture and stored [J/m2].  CHANGES:
+of the joint's parameters, as JSON.
 """
 
+import json
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 
 import numpy as np
-from yade import O, Vector3
+from yade import Vector3
 
 from verification.softening import between, pair
 from yade_scripts.leaving import run_and_leave
@@ -21,9 +23,9 @@ from yade_scripts.solver import YadeSolver
 STEP = 1e-6  # [s]; nothing is free to move, so any step will do
 
 
-def drive(path, fibres):
+def drive(path, fibres, changes):
     """Stresses (n, 2) along a path, and the energies at its end."""
-    layout = pair(fibres)
+    layout = pair(fibres, **changes)
     solver, area = YadeSolver(layout, STEP), layout.contacts.area[between(layout)]
     states, scene = solver.scene.states, solver.scene
     for state in states:
@@ -32,7 +34,7 @@ def drive(path, fibres):
     for there in path:
         opening, shear = (there - here) / STEP
         states[1].vel, here = Vector3(shear, 0, opening), there
-        O.step()
+        solver.advance(1)
         solver._follow_joints()
         along, upward, _ = scene.resultants()[1]
         stresses.append((-upward / area, -along / area))
@@ -42,11 +44,12 @@ def drive(path, fibres):
 
 
 def main():
-    paths, out, fibres = sys.argv[1:]
+    paths, out, fibres, *changes = sys.argv[1:]
+    changes = json.loads(changes[0]) if changes else {}
     found = {}
     with np.load(paths) as given:
         for name in given:
-            found[name], found[f"{name}/energies"] = drive(given[name], int(fibres))
+            found[name], found[f"{name}/energies"] = drive(given[name], int(fibres), changes)
     np.savez(out, **found)
 
 

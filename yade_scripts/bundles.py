@@ -16,7 +16,6 @@ import numpy as np
 from yade import O, Vector3
 
 from damage.wall.joint_law import friction_left, material_of, stays_elastic
-from damage.wall.layout import HEAD
 
 
 class Broken(NamedTuple):
@@ -37,7 +36,7 @@ class Bundles:
         self._end = np.flatnonzero(self.fibres.last) + 1
         self._area, self._normal, self._shear = contacts.area, contacts.normal_stiffness, contacts.shear_stiffness
         # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
-        self._handed = np.where(contacts.kind == HEAD, -1.0, 1.0)
+        self._handed = np.where(contacts.upright, -1.0, 1.0)
         self._friction = friction_left(False, material_of(model.layout.wall.joint))
 
     def held(self, joint):

@@ -9,6 +9,7 @@ import numpy as np
 import yade
 from yade import O, log, utils
 
+from damage.errors import InputError
 from damage.wall.layout import GROUND, HEAD
 from yade_scripts.yade_wall import YadeWall, brick_color, joint_law, set_bond, set_clump
 
@@ -17,6 +18,9 @@ _BOX_FACTOR = 0.97  # a slightly smaller box keeps touching cells out of the nar
 
 def build_cells(layout):
     """Build the model in YADE's empty scene; returns a YadeWall."""
+    if layout.wall.brick.splits or layout.wall.joint.compressive_strength:
+        raise InputError("--joints centres: its bricks do not split and its joints do not crush; expected --joints "
+                         "face where they shall, or leave out their strengths")
     log.setLevel("Polyhedra_support.cpp", 0)  # it warns at every cell of a legitimate shape
     ig2 = yade.Ig2_Polyhedra_Polyhedra_ScGeom(interactionDetectionFactor=1.02)
     ip2 = yade.Ip2_JCFpmMat_JCFpmMat_JCFpmPhys(cohesiveTresholdIteration=1)

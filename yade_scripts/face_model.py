@@ -9,7 +9,8 @@ When a bond breaks, a tip and a face take its place: a sphere of 0.5 mm that tou
 brick, and the box of the other, by YADE's law of friction (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on
 both bricks in one and the same point.  The normal is the face's own, turns with its brick, and stays when the joint
 slides; the tip goes round a corner where it leaves the face.  Neighbouring contact points take turns in which brick
-has the face.  Of a bond that softens, some fibres hold and some are dry (`bundles`).
+has the face.  Of a bond that softens, some fibres hold and some are dry (`bundles`); what crushes moves a bond's rest
+position, or makes a tip smaller (`crushing`).
 """
 
 from collections import Counter
@@ -21,15 +22,17 @@ import yade
 from yade import O, Vector3, utils
 
 from damage.wall.joint_law import friction_left, material_of
-from damage.wall.layout import GROUND, HEAD
+from damage.wall.layout import GROUND
 from yade_scripts.friction_work import FrictionWork
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 from yade_scripts.yade_wall import YadeWall, brick_color, joint_law, set_bond, set_clump
 
 TIP = 5e-4  # [m], radius: a tip that is pressed in deeper than this, by 33 MPa, would not know its face
+_DEEP = 1.5  # [-], radius over the depth at which its joint crushes below which a tip is exchanged for another
 _POINT = 1e-3  # [m], radius of bond members, which plays no part
 _CORNER = 1e-3  # [m], radius of the spheres in the corners, by which loose bricks meet
 _INSET = 5e-4  # [m], their distance from the faces: bricks that are held by joints do not touch by them
+_CRUSHED_INSET = 5e-3  # [m], the same where joints can crush: two bricks may come so much closer
 _NEAR = 5e-5  # [m], opening from which on a tip needs no look until the next time: at 0.3 m/s
 _MARGIN = 1e-2  # [m], a contact point closer to the end of a face than this has its tip on that brick
 _REACH = 3e-2  # [m], how far a face goes on where the contact point lies at the ends of both
@@ -50,6 +53,11 @@ class FaceWall(YadeWall):
         self.turning = [O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))]
         self.friction = friction_left(True, material_of(layout.wall.joint))
         self._material, self._work = parts.tip, work
+        contacts, n = layout.contacts, layout.n_joints
+        # Depth at which contact points crush, none where they do not; by how much they have [m]; {joint: its tip's id}.
+        self._depth = np.where(np.isinf(contacts.compressive_strength), 0.0,
+                               contacts.compressive_strength / contacts.normal_stiffness)[:n]
+        self._closure, self._tip_of = np.zeros(n), {}
         self.corners = set()  # ids of the spheres in the bricks' corners
 
     def loosen(self, joint):
@@ -59,7 +67,7 @@ class FaceWall(YadeWall):
         shear = self.signs[joint] * sign * bond.phys.shearForce
         stiffness = bond.phys.kn, bond.phys.ks
         O.interactions.erase(bond.id1, bond.id2)
-        contact = self._touch(tip, *stiffness)
+        contact = self._touch(joint, *stiffness)
         contact.phys.shearForce = shear
         self.bonds[joint], self.signs[joint], self.bonded[joint] = contact, sign, False
         self._work.add(contact, self.friction * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
@@ -74,7 +82,7 @@ class FaceWall(YadeWall):
 
     def fray(self, joint):
         """A tip on a face beside a bond that holds, without stiffness so far: the contact of the fibres that break."""
-        self.frayed[joint] = self._touch(self.tips[joint], 0.0, 0.0)
+        self.frayed[joint] = self._touch(joint, 0.0, 0.0)
 
     def rub(self, joint):
         """What rubs beside a bond that holds has another stiffness and shear force from now on."""
@@ -87,9 +95,45 @@ class FaceWall(YadeWall):
         self.bonds[joint], self.bonded[joint] = self.frayed.pop(joint), False
         self.signs[joint] = 1.0 if self.tips[joint].is_second else -1.0
 
-    def _touch(self, tip, normal_stiffness, shear_stiffness):
-        """The dry contact of a tip, which it makes, and its face."""
-        point, = self._attach(tip.body, [_ball((tip.x, tip.z), TIP, self._material)])
+    def crush(self, joint, more):
+        self._closure[joint] += more
+        _ease(self.bonds[joint], more)
+        if self.bonded[joint]:
+            self.bonds[joint].phys.initD += more
+            if joint not in self.frayed:
+                return False
+            _ease(self.frayed[joint], more)
+        shape = O.bodies[self._tip_of[joint]].shape
+        if shape.radius - more > _DEEP * self._depth[joint]:
+            shape.radius -= more
+            return False
+        self._exchange(joint)
+        return True
+
+    def _exchange(self, joint):
+        """Another tip in the place of one that crushing has made too small, farther inside its brick."""
+        place = self.frayed if joint in self.frayed else self.bonds
+        old = place[joint]
+        stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
+        self._work.forget(old)
+        gone = self._tip_of[joint]
+        force, torque, there = O.forces.f(gone, True), O.forces.t(gone, True), Vector3(O.bodies[gone].state.pos)
+        self.members[self.tips[joint].body].remove(gone)
+        O.bodies.erase(gone)  # left where it is it would meet the face again
+        place[joint] = contact = self._touch(joint, *stiffness)
+        point = self._tip_of[joint]
+        O.forces.addF(point, force)
+        O.forces.addT(point, torque + (there - O.bodies[point].state.pos).cross(force))
+        contact.phys.shearForce = shear
+        self._work.renew(contact)
+
+    def _touch(self, joint, normal_stiffness, shear_stiffness):
+        """The dry contact of a tip, which it makes where the joint's closure has left it, and its face."""
+        tip, radius = self.tips[joint], max(TIP, 2 * _DEEP * self._depth[joint])
+        inwards = radius + self._closure[joint]
+        place = tip.x + inwards * tip.inwards[0], tip.z + inwards * tip.inwards[1]
+        point, = self._attach(tip.body, [_ball(place, radius, self._material)])
+        self._tip_of[joint] = point
         contact = utils.createInteraction(self.faces[tip.face], point)
         contact.phys.kn, contact.phys.ks = normal_stiffness, shear_stiffness
         contact.phys.tangensOfFrictionAngle = self.friction
@@ -99,7 +143,7 @@ class FaceWall(YadeWall):
         """Spheres in the corners of all bricks and caps, which meet faces and each other."""
         if self.corners:
             return
-        bodies, inset = self.layout.bodies, _INSET + _CORNER
+        bodies, inset = self.layout.bodies, _CORNER + (_CRUSHED_INSET if self._depth.any() else _INSET)
         for body in range(len(bodies)):
             half = bodies.length[body] / 2 - inset, bodies.height[body] / 2 - inset
             balls = [_ball((bodies.x[body] + right * half[0], bodies.z[body] + up * half[1]), _CORNER, self._material)
@@ -144,11 +188,12 @@ class FaceWall(YadeWall):
 
 @dataclass(frozen=True)
 class _Tip:
-    """Centre x, z [m] of a contact point's tip as the wall was built; body that has it, whether that is the layout's
-    second; face: (body, kind) of the other side."""
+    """Place x, z [m] of a contact point as the wall was built; inwards: unit vector from there into the body that has
+    the tip, whether that is the layout's second; face: (body, kind) of the other side."""
 
     x: float
     z: float
+    inwards: tuple
     body: int
     is_second: bool
     face: tuple
@@ -158,6 +203,15 @@ def _ball(place, radius, material):
     ball = utils.sphere((place[0], 0, place[1]), radius, material=material, color=(0.3, 0.3, 0.3))
     ball.bounded = False
     return ball
+
+
+def _ease(contact, closure):
+    """Take off both bodies what a contact that has closed for good [m] does not bear, before anything moves."""
+    geom, force = contact.geom, contact.phys.kn * closure * contact.geom.normal
+    contact.phys.normalForce -= force
+    for body, on_it in ((contact.id1, force), (contact.id2, -force)):
+        O.forces.addF(body, on_it)
+        O.forces.addT(body, (geom.contactPoint - O.bodies[body].state.pos).cross(on_it))
 
 
 def build_faces(layout):
@@ -220,7 +274,7 @@ class _Parts:
             # At corners two overlaps may end in one place; YADE keeps one bond between two members.
             twin = contacts.first[index], contacts.second[index], round(x, 7), round(z, 7)
             alike[twin] += 1
-            if contacts.kind[index] == HEAD:
+            if contacts.upright[index]:
                 dx, dz = min(width[contacts.first_cell[index]], width[contacts.second_cell[index]]) / 2, 0.0
             else:
                 dx, dz = 0.0, self.layout.wall.brick.height / 2
@@ -288,10 +342,10 @@ def _tips(layout):
             side = index % 2 if bodies[0] != GROUND else 1
         else:
             side = int(margins[0] > margins[1])  # the tip is where the face is nearer to its end
-        head = contacts.kind[index] == HEAD
+        head = contacts.upright[index]
         kind = "box" if max(margins) > _MARGIN else "head" if head else "bed"
-        inwards = TIP if side else -TIP
-        found[index] = _Tip(float(contacts.x[index]) + inwards * head, float(contacts.z[index]) + inwards * (not head),
+        inwards = 1.0 if side else -1.0
+        found[index] = _Tip(float(contacts.x[index]), float(contacts.z[index]), (inwards * head, inwards * (not head)),
                             bodies[side], bool(side), (bodies[1 - side], kind))
     return found
 
@@ -301,6 +355,6 @@ def _margin(layout, body, index):
     contacts, bodies = layout.contacts, layout.bodies
     if body == GROUND:
         return _GROUND
-    if contacts.kind[index] == HEAD:
+    if contacts.upright[index]:
         return bodies.height[body] / 2 - abs(contacts.z[index] - bodies.z[body])
     return bodies.length[body] / 2 - abs(contacts.x[index] - bodies.x[body])

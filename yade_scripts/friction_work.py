@@ -38,6 +38,10 @@ class FrictionWork:
         self._watched[key] = _Watched(geom, phys.shearForce, geom.shearInc, 0.5 / phys.ks)
         self._near = list(self._watched.values())
 
+    def forget(self, contact):
+        """Watch this interaction no more."""
+        del self._watched[contact.id1, contact.id2]
+
     def choose(self, reach):
         """From now on look only at contacts that are closed, or open by less than a reach [m]."""
         self._near = [one for one in self._watched.values() if one.closed or one.geom.penetrationDepth > -reach]

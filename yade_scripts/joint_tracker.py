@@ -13,9 +13,9 @@ _SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint s
 
 
 class JointTracker:
-    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit; dry: share of the
-    area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the means over all, by shares,
-    and broken and at the limit are those whose last one is.
+    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit, crushed; dry:
+    share of the area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the means over
+    all, by shares, and broken and at the limit are those whose last one is.
 
     friction_energy, fracture_energy [J]; of the first what fibres take as they break: breaking_energy.
     """
@@ -28,7 +28,8 @@ class JointTracker:
         self.shear_stiffness = contacts.shear_stiffness[:n]
         self.threshold = threshold
         self.opening, self.slip, self.offset = np.zeros(n), np.zeros(n), np.zeros(n)
-        self.broken, self.at_limit, self.dry = np.zeros(n, bool), np.zeros(n, bool), np.zeros(n)
+        self.broken, self.at_limit, self.crushed = np.zeros((3, n), bool)
+        self.dry, self._crushing = np.zeros(n), contacts.compressive_strength[:n] * self.area
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
         self._open, self._stress, self._plastic = np.zeros(n, bool), np.zeros(n), np.zeros(n)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
@@ -70,6 +71,11 @@ class JointTracker:
     def _take(self, energy):
         self.friction_energy += energy
         self.breaking_energy += energy
+
+    def crushes(self, joint, more):
+        """A joint is crushed by so much more [m]."""
+        self.crushed[joint] = True
+        self.fracture_energy += float(self._crushing[joint]) * more
 
     def sample(self, joints, opening, shear, tau):
         """Take a sample of broken joints.

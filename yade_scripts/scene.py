@@ -5,7 +5,6 @@ import numpy as np
 from yade import O
 
 from damage.units import GRAVITY
-from damage.wall.layout import HEAD
 from yade_scripts.bundles import Bundles
 
 
@@ -36,7 +35,7 @@ class SceneReader:
         self.turning = model.turning
         self.first_orientation = np.array([tuple(state.ori) for state in self.turning])
         # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the other way round.
-        self.handed = np.where(contacts.kind == HEAD, -1.0, 1.0)
+        self.handed = np.where(contacts.upright, -1.0, 1.0)
 
     def newly_broken(self):
         """Joints whose bond broke since the last call: (m,) of int, or () while none does."""
@@ -66,6 +65,15 @@ class SceneReader:
             self.dry_share[joint] = 1.0 - self.share[joint]
             self.holding.append(joint)
         return broken
+
+    def crush(self, joint, more):
+        """Let a contact point close for good by so much more [m]."""
+        if self.model.crush(joint, more):
+            if self.bonded[joint]:
+                dry = self.frayed[joint]
+                self.rubbing[joint] = dry.phys, dry.geom
+            else:
+                self._look_at(joint)
 
     def _look_at(self, joint):
         bond = self.model.bonds[joint]

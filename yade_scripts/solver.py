@@ -10,11 +10,12 @@ import builtins
 import numpy as np
 from yade import O, PyRunner, Vector3
 
-from damage.history.schema import AT_LIMIT, BROKEN
+from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instant, Solver
 from damage.wall.kinematics import ContactKinematics
+from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
@@ -35,7 +36,7 @@ class YadeSolver(Solver):
         self.model = build(layout, time_step)
         self.scene = SceneReader(self.model)
         self.kinematics = ContactKinematics(layout)
-        self.tracker = JointTracker(layout, THRESHOLD)
+        self.tracker, self.crushing = JointTracker(layout, THRESHOLD), Crushing(self.scene)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
         self._sample_steps = self._on_sample = self._raised = None
@@ -100,6 +101,8 @@ class YadeSolver(Solver):
         try:
             self.model.follow(self.clock % FOLLOW_STEPS == 0)
             self._log_breaks(self.scene.newly_broken())
+            for joint, more in self.crushing.step(self.clock % FOLLOW_STEPS == 0):
+                self.tracker.crushes(joint, more)
             if self._armed and self.clock % TIDY_STEPS == 0:
                 self.model.tidy()
             if self._on_sample:
@@ -215,8 +218,8 @@ class YadeSolver(Solver):
         friction = tracker.friction_energy if summed is None else summed + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, base_acceleration)
         return Instant(self.scene.motion(), tracker.opening, tracker.slip, tracker.offset,
-                       BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit, self.scene.base_shear(),
-                       np.nan if self._held is None else self._push_force(),
+                       BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed,
+                       self.scene.base_shear(), np.nan if self._held is None else self._push_force(),
                        0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),
                        self._input_energy, friction, tracker.fracture_energy, None)
 

@@ -41,6 +41,12 @@ class YadeWall:
         """Make of a bond that broke the dry joint that it leaves."""
         self.bonds[joint].phys.tanFrictionAngle = friction_left(True, material_of(self.layout.wall.joint))
 
+    def crush(self, joint, more):
+        """Move the rest position of a contact point by a closure [m]; whether what rubs there is another interaction
+        now."""
+        self.bonds[joint].phys.initD += more
+        return False
+
     def arm(self):
         """From now on any two bricks that meet collide, and any brick with the ground."""
 

@@ -22,7 +22,7 @@ from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 
 HEXAHEDRON, LINE = 12, 3
 """VTK's codes of the cells."""
-PARTS = ("brick", "cap", "bed joint", "head joint")
+PARTS = ("brick", "cap", "bed joint", "head joint", "cut of a brick")
 """What the codes of the cells' `part` stand for."""
 SERIES = ("drift_ratio", "top_displacement_m", "base_acceleration_x_m_s2", "base_acceleration_z_m_s2", "base_shear_n",
           "top_force_n")
@@ -76,9 +76,9 @@ class WallCells:
         """{name: (n_cells,)} of what time does not change: part, a code of PARTS; body and joint, rows of the history's
         tables, -1 in cells that are none; course; length_m; elastic."""
         bodies, joints = self.history.bodies, self.history.joints
-        course = bodies["course"].to_numpy()
+        course, kinds = bodies["course"].to_numpy(), joints["kind"].map({"bed": 2, "head": 3, "brick": 4})
         return {
-            "part": self._joined(np.where(course < 0, 1, 0), np.where(joints["kind"] == "head", 3, 2)).astype(np.int8),
+            "part": self._joined(np.where(course < 0, 1, 0), kinds.to_numpy()).astype(np.int8),
             "body": self._joined(np.arange(len(bodies)), -1), "joint": self._joined(-1, np.arange(len(joints))),
             "course": self._joined(course, -1),
             "length_m": self._joined(bodies["length_m"].to_numpy(), joints["length_m"].to_numpy()),

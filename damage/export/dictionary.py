@@ -40,7 +40,7 @@ INDEX = {
     "stage": Column("", "motion, rest, settling"), **_index(),
     "drift_over_limit": Column("1", "absolute drift ratio over its limit, not clipped"),
     "drift_ratio": Column("1", "top displacement over the height of the top course's centres"), **SLIP}
-EVENTS = {**EVENT_COLUMNS, "joint_kind": Column("code", "bed, head"), "joint_x_m": JOINTS["x_m"],
+EVENTS = {**EVENT_COLUMNS, "joint_kind": Column("code", "bed, head, brick"), "joint_x_m": JOINTS["x_m"],
           "joint_z_m": JOINTS["z_m"]}
 JOINTS_OF_A_RUN = {
     "joint": Column("index", "row of `joints` of the history"), **JOINTS,
@@ -50,6 +50,7 @@ JOINTS_OF_A_RUN = {
     "max_abs_slip_m": Column("m", "largest absolute accumulated slip of all samples"),
     "broken": Column("bool", "whether the bond was gone at the last sample"),
     "at_shear_limit": Column("bool", "whether it had failed in shear or slid by then"),
+    "crushed": Column("bool", "whether it had been crushed by then"),
     "final_offset_m": Column("m", "offset of the faces at the last sample, signed; empty of a history without offsets"),
     "max_abs_offset_m": Column("m", "largest absolute offset of all samples; empty of a history without offsets")}
 _SPAN = {"start_s": Column("s", "its start"), "end_s": Column("s", "its end")}

@@ -1,6 +1,6 @@
 """The first 512 bytes of a history, before HDF5's own (its user block): what made the file, and a seal on the rest.
 
-    masonry-damage-history 3
+    masonry-damage-history 4
     software 0.2.0
     model reference 6b1f0c9a52e4
     sealed sha256 5891b5b522d5df08... of 412345 bytes
@@ -21,7 +21,7 @@ from damage.history.schema import SCHEMA, SCHEMA_VERSION
 from damage.provenance import UNKNOWN
 
 HEAD_BYTES = 512  # the least that HDF5 allows
-_LINES = re.compile(SCHEMA + r" ([23])\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
+_LINES = re.compile(SCHEMA + r" ([234])\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
                     r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*")
 HDF5 = b"\x89HDF\r\n\x1a\n"
 _NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")

@@ -18,6 +18,7 @@ from damage.history.schema import (
     AT_LIMIT,
     BROKEN,
     CODES,
+    CRUSHED,
     EVENTS,
     SCHEMA,
     SCHEMA_VERSION,
@@ -37,12 +38,12 @@ from damage.wall.parameters import ModelOptions, Wall
 class History:
     """One run.
 
-    joints: DataFrame, a row a contact point (kind bed/head, x_m, z_m, length_m, first_body, ...);
+    joints: DataFrame, a row a contact point (kind bed/head/brick, x_m, z_m, length_m, first_body, ...);
     bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
     (motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
-    opening_m, slip_m: (n_times, n_joints); broken, at_limit: bool of that shape; offset_m: the same of the offsets,
-    None in a file that has none (schema versions 1 and 2).
+    opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed: bool of that shape; offset_m: the same of the
+    offsets, None in a file that has none (schema versions 1 and 2).
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad].
     static: what the static stage ended with; parameters: all that defined the run, as the file holds it; most of
     it comes back as records, too: `loading`, `model`, `masonry_wall`; `wall` is the wall's name.
@@ -67,6 +68,7 @@ class History:
     slip_m: np.ndarray
     broken: np.ndarray
     at_limit: np.ndarray
+    crushed: np.ndarray
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
     offset_m: np.ndarray | None
@@ -92,6 +94,11 @@ class History:
     def masonry_wall(self):
         """The `damage.Wall` as it was laid out."""
         return Wall.from_dict(self.parameters["wall"])
+
+    @cached_property
+    def joint_length_m(self):
+        """Length of joint that each contact point stands for, none on the cut of a brick: (n_joints,) [m]."""
+        return np.where(self.joints["kind"] == "brick", 0.0, self.joints["length_m"])
 
     @property
     def sequence(self):
@@ -127,7 +134,7 @@ class History:
         """The damage index over time: `damage.index.damage_index` of this run, by the criterion `judged_by(slip)`."""
         return damage_index(
             self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), self.opening_m,
-            self.slip_by(slip), self.at_limit, self.joints["length_m"].to_numpy(),
+            self.slip_by(slip), self.at_limit, self.joint_length_m,
             threshold=threshold, drift_limit=drift_limit, slip_criterion=slip)
 
 
@@ -222,6 +229,7 @@ def _read(file, path):
         series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
         opening_m=file["frames/opening_m"][:n_times], slip_m=file["frames/slip_m"][:n_times],
         broken=(state & BROKEN) > 0, at_limit=(state & AT_LIMIT) > 0,
+        crushed=(state & CRUSHED) > 0,
         snapshot_time_s=file["snapshots/time_s"][:n_snapshots],
         displacement=file["snapshots/displacement"][:n_snapshots],
         offset_m=file["frames/offset_m"][:n_times] if "offset_m" in tables["frames"] else None)

@@ -3,12 +3,12 @@
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 3
-"""1 had no head (`damage.history.head`), 2 no `frames/offset_m`."""
+SCHEMA_VERSION = 4
+"""1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints that crush."""
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling")
 EVENTS = ("tension", "shear", "opened", "slipped")
-BROKEN, AT_LIMIT = 1, 2  # bits of frames/state
+BROKEN, AT_LIMIT, CRUSHED = 1, 2, 4  # bits of frames/state
 
 
 class Column(NamedTuple):
@@ -29,7 +29,8 @@ STATIC = {
     "duration_s": Column("s", "length of the static stage"),
 }
 JOINTS = {
-    "kind": Column("code", "bed (the base joint, too), head", "u1"),
+    "kind": Column("code", "bed (the base joint, too), head; brick: the cut where a brick can split, no joint and not "
+                           "in the index", "u1"),
     "first_body": Column("index, -1 ground", "lower body, or left one", "i8"),
     "second_body": Column("index", "upper body, or right one", "i8"),
     "x_m": Column("m", "place in the undeformed wall, along it"), "z_m": Column("m", "the same, upwards"),
@@ -38,7 +39,8 @@ JOINTS = {
     "shear_stiffness_pa_m": Column("Pa/m", "with the bricks' compliance"),
     "elastic": Column("bool", "held by the lintel, cannot break", "?"),
     "tensile_strength_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
-    "cohesion_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
+    "cohesion_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them); infinite of a "
+                          "brick's cut that tension alone breaks"),
 }
 BODIES = {
     "x_m": Column("m", "centre, along the wall"), "z_m": Column("m", "centre, upwards"),
@@ -61,19 +63,20 @@ SERIES = {
     "input_energy_j": Column("J", "work of the base's inertia forces in the frame that moves with the base, or of the "
                                   "pushed top"),
     "friction_energy_j": Column("J", "dissipated by sliding"),
-    "fracture_energy_j": Column("J", "lost as bonds soften and break"),
+    "fracture_energy_j": Column("J", "lost as bonds soften and break, and as joints crush"),
     "damping_energy_j": Column("J", "taken by damping; in YADE's settling stages, and while it pushes the top, "
                                     "inferred from the balance"),
 }
 FRAMES = {
     "opening_m": Column("m", "inelastic opening: past the broken bond, or what a softened one has given way; 0 while "
-                             "closed or intact", "f4"),
+                             "closed or intact; of the faces as crushing has left them", "f4"),
     "slip_m": Column("m", "signed plastic slip of the closed contact, frozen while open, 0 while intact: the slip "
                           "`accumulated`", "f4"),
     "offset_m": Column("m", "signed offset of the two faces now, along the joint, less its elastic part (none while "
                             "open), 0 while intact: the slip by `displacement`", "f4", since=3),
-    "state": Column("bits: 1 broken, 2 has been at the shear limit", "1: the bond is gone; 2: has failed in shear or "
-                    "slid, ever", "u1"),
+    "state": Column("bits: 1 broken, 2 has been at the shear limit, 4 has been crushed", "1: the bond is gone; 2: has "
+                    "failed in shear or slid, ever; 4: has been pressed to its compressive strength and has closed for "
+                    "good, ever", "u1"),
 }
 EVENT_COLUMNS = {
     "time_s": Column("s", "negative in the static stage"),
@@ -100,11 +103,16 @@ def tables_of(version):
             for group, columns in TABLES.items()}
 
 
+def codes_of(version):
+    """CODES as a file of a schema version has them."""
+    return CODES if version >= 4 else CODES | {"joints/kind": ("bed", "head")}
+
+
 SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "series": ("samples",),
           "frames": ("samples", "joints"), "events": ("events",), "snapshots": ("snapshots",),
           "snapshots/displacement": ("snapshots", "bodies", 3)}
 """Of the datasets of a group, or of one: what they have as many of."""
-CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head")}
+CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head", "brick")}
 """Of a dataset: what its numbers stand for."""
 RUN = {"status": Column("code", "unfinished (running or killed), complete, interrupted, failed", "u1"),
        "collapsed_at_s": Column("s", "when a brick had dropped by half its height; NaN if none did")}

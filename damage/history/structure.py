@@ -19,19 +19,20 @@ def check_structure(file):
     Raises InputError where a dataset is missing, is none, or has another shape or type than the schema says.
     """
     _check_attributes(file)
-    tables = schema.tables_of(int(file.attrs["schema_version"]))
+    version = int(file.attrs["schema_version"])
+    tables, codes = schema.tables_of(version), schema.codes_of(version)
     sizes, n_bytes = {}, 0
     for name, column in schema.RUN.items():
         path = f"run/{name}"
         dataset = _dataset(file, path)
-        _check_type(path, dataset, column)
+        _check_type(path, dataset, column, codes)
         _check_shape(path, dataset, (), sizes, ended=True)
     ended = file["run/status"][()] != 0
     for group, columns in tables.items():
         for name, column in columns.items():
             path = f"{group}/{name}"
             dataset = _dataset(file, path)
-            _check_type(path, dataset, column)
+            _check_type(path, dataset, column, codes)
             _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
             n_bytes += _stored(path, dataset)
     for what in ("joints", "bodies"):
@@ -71,15 +72,15 @@ def _dataset(file, path):
     return dataset
 
 
-def _check_type(path, dataset, column):
+def _check_type(path, dataset, column, codes):
     expected, unit = np.dtype(column.dtype), dataset.attrs.get("unit", column.unit)
     if dataset.dtype.kind != expected.kind or dataset.dtype.itemsize > 8:
         raise InputError(f"{path} is of type {dataset.dtype}, expected {expected}")
     if not isinstance(unit, str) or unit.split(",")[0] != column.unit.split(",")[0]:
         raise InputError(f"{path} has the unit {unit!r:.80}, expected {column.unit}")
-    codes = schema.CODES.get(path)
-    if codes and dataset.attrs.get("codes") != ", ".join(codes):
-        raise InputError(f"{path} has the codes {dataset.attrs.get('codes')!r:.80}, expected {', '.join(codes)}")
+    names = codes.get(path)
+    if names and dataset.attrs.get("codes") != ", ".join(names):
+        raise InputError(f"{path} has the codes {dataset.attrs.get('codes')!r:.80}, expected {', '.join(names)}")
 
 
 def _check_shape(path, dataset, expected, sizes, ended):

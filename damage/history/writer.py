@@ -69,7 +69,7 @@ class HistoryWriter:
         """Add one sample.
 
         stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN;
-        opening, slip, offset [m], state (bits BROKEN, AT_LIMIT): arrays (n_joints,).
+        opening, slip, offset [m], state (bits BROKEN, AT_LIMIT, CRUSHED): arrays (n_joints,).
         """
         row = {"stage": schema.STAGES.index(stage), **row}
         self._rows["series"].append([row.get(name, np.nan) for name in schema.SERIES])

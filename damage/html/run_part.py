@@ -113,7 +113,7 @@ def _moving_wall(history, chosen):
         "height": bodies["height_m"].astype("f4"), "cap": (bodies["course"] < 0).astype("u1"),
         "ends": tributary_ends(history.joints)[ever].astype("f4").ravel(),
         "first": joints["first_body"].astype("i4"), "second": joints["second_body"].astype("i4"),
-        "head": (joints["kind"] == "head").astype("u1"), "place": places.ravel(),
+        "head": joints["kind"].isin(("head", "brick")).astype("u1"), "place": places.ravel(),
         "snapshot": np.array([snapshot is not None for snapshot in near], "u1"),
         "state": states[:, ever].astype("u1").ravel(),
         "width_um": np.nan_to_num(width / MICROMETRE).clip(0, np.iinfo("u2").max).round().astype("u2").ravel()}

@@ -127,7 +127,8 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     drawn = cracked(parts["width_m"].to_numpy(float), psi_from)
     known = not np.isnan(pattern.drift_ratio)
     drift = min(float(drift_component(pattern.drift_ratio, drift_limit)), 1.0) if known else 0.0
-    bounds = index_bounds(table, layout.total_joint_length, drift, threshold)
+    on_joints = table[layout.joint_length[table["joint"]] > 0]  # not in a brick's cut
+    bounds = index_bounds(on_joints, layout.total_joint_length, drift, threshold)
     if not known:
         bounds["DI_drift"] = None
     return {

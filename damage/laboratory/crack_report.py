@@ -87,7 +87,7 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
     """What is told of the cracks of the history at `path`, a dictionary; written to `export` if it is given."""
     history = read_history(path)
     samples = choose_samples(history, moments)
-    index, total = history.index(threshold, drift_limit), float(history.joints["length_m"].sum())
+    index, total = history.index(threshold, drift_limit), float(history.joint_length_m.sum())
     width = np.hypot(history.opening_m, history.slip_by("displacement"))
     levels = []
     for number, sample in enumerate(samples, start=1):

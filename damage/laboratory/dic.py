@@ -213,7 +213,7 @@ def elastic_parts(layout):
 def report(measured, layout):
     """What limits a measurement: noise_m of a point, opening_deviation_m (the median joint's, the largest
     of the levels), unseen_m of joints (the most), elastic_opening_m, elastic_slip_m."""
-    length = layout.contacts.length[:layout.n_joints]
+    length = layout.joint_length
     unseen = [float(length[np.isnan(level.opening)].sum()) for level in measured]
     deviation = [float(np.median(level.deviation[np.isfinite(level.opening)])) for level in measured
                  if np.isfinite(level.opening).any()]

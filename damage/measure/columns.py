@@ -76,7 +76,7 @@ PARAMETERS = {
     "slip": Column("", "criterion of slip in the columns that name none, cracks and Psi included: displacement, or "
                    "accumulated of a history without offsets"),
     "psi_from_mm": Column("mm", "width from which a crack counts in crack widths and Psi"),
-    "total_joint_length_m": Column("m", "of all contact points"),
+    "total_joint_length_m": Column("m", "of all contact points, bricks' cuts left out"),
 }
 """What all runs of a point share."""
 RUN = {
@@ -126,11 +126,13 @@ MEASURES = {
         "max_opening_mm, max_slip_mm": Column("mm", "largest opening and accumulated slip of any contact point"),
         "max_offset_mm": Column("mm", "largest offset of any contact point, empty of a history without offsets"),
         "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
+        "crushed_length_m": Column("m", "length of joints that has been crushed, at the run's end"),
+        "split_length_m": Column("m", "length of the cuts through bricks that has split, at the run's end"),
     },
     "Energy": {
         "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),
-        "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost as bonds soften and break, up "
-                                                       "to the run's end"),
+        "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost as bonds soften and break and "
+                                                       "as joints crush, up to the run's end"),
         "dissipated_energy_j": Column("J", "their sum"),
         "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
         "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out"),

@@ -66,7 +66,7 @@ def fractions(history, flags, mirrored=False):
     mirrored: with left and right exchanged.
     """
     joints, extent = history.joints, (history.attributes["length_m"], history.attributes["height_m"])
-    x, z, length = (joints[name].to_numpy() for name in ("x_m", "z_m", "length_m"))
+    x, z, length = joints["x_m"].to_numpy(), joints["z_m"].to_numpy(), history.joint_length_m
     if mirrored:
         x = extent[0] - x
     across, up = map(_inside, (x, z), extent)

@@ -179,7 +179,8 @@ def mode_shares(history):
     sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))
     opening, slip = history.opening_m[sample], np.abs(history.slip_by("displacement")[sample])
     length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
-    slipped, opened, risers = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD), ~bed & (opening > THRESHOLD)
+    slipped, opened = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD)
+    risers = (joints["kind"] == "head").to_numpy() & (opening > THRESHOLD)
     x, z = joints["x_m"].to_numpy(), joints["z_m"].to_numpy()
     beside = (np.abs(x[slipped, None] - x[risers]) < brick.length / 2 * (1 - 1e-6)) \
         & (np.abs(z[slipped, None] - z[risers]) < brick.height / 2 * (1 + 1e-6))

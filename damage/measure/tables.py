@@ -121,7 +121,7 @@ def joints_table(history):
     return table.assign(
         final_opening_m=history.opening_m[-1], max_opening_m=history.opening_m.max(axis=0),
         final_slip_m=history.slip_m[-1], max_abs_slip_m=slip.max(axis=0),
-        broken=history.broken[-1], at_shear_limit=history.at_limit[-1],
+        broken=history.broken[-1], at_shear_limit=history.at_limit[-1], crushed=history.crushed[-1],
         final_offset_m=np.nan if offset is None else offset[-1],
         max_abs_offset_m=np.nan if offset is None else np.abs(offset).max(axis=0))
 

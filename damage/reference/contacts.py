@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.history.schema import AT_LIMIT, BROKEN
+from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
 from damage.reference.compiled import block_loop, compiled
 from damage.reference.pairs import Forces
 from damage.reference.tables import FRACTURE, FRICTION, OPENED, SLIPPED
@@ -18,7 +18,8 @@ from damage.wall.joint_law import INTACT, ContactState, LawParameters, elastic_e
 
 
 class Trial(NamedTuple):
-    """A contact while it stays elastic: opening [m], normal and shear force [N]."""
+    """A contact while it stays elastic: opening from where its closure has left its faces [m], normal and shear force
+    [N]."""
 
     opening: float
     sigma: float
@@ -28,7 +29,7 @@ class Trial(NamedTuple):
 @block_loop
 def spring(contact, gap):
     """A contact as a spring from where the law has left it (Trial) [m, N, N]."""
-    opening = gap.middle + contact.offset * gap.turn
+    opening = gap.middle + contact.offset * gap.turn + contact.closure
     stiffness = contact.kt if opening > 0.0 else contact.kn
     return Trial(opening, stiffness * opening, contact.tau0 + contact.ks * (gap.shear - contact.shear0))
 
@@ -51,7 +52,7 @@ def stays_open(contact, opening):
 @compiled
 def observe(joints, contacts, kn, ks, opening, offset, state, stored):
     """Write what is told of every contact of one wall: what has opened and been offset inelastically [m], whether it
-    broke or was at its limit (bits), and its elastic energy [J]; kn, ks: stiffnesses [Pa/m].
+    broke, was at its limit or has been crushed (bits), and its elastic energy [J]; kn, ks: stiffnesses [Pa/m].
 
     Open is what is past a broken bond, or what a softened one has given way; offset, the shear displacement less its
     elastic part, of what has broken or softened, zero elsewhere.
@@ -64,7 +65,8 @@ def observe(joints, contacts, kn, ks, opening, offset, state, stored):
         opens = joint.broken or (softened and joint.opening > 0.0)
         opening[c] = 0.0 if not opens or gap <= 0.0 else gap  # and what is not finite stays so
         offset[c] = joint.shear - joint.tau / ks[c] if joint.broken or softened else 0.0
-        state[c] = (BROKEN if joint.broken else 0) | (AT_LIMIT if joint.at_limit else 0)
+        state[c] = (BROKEN if joint.broken else 0) | (AT_LIMIT if joint.at_limit else 0) | (
+            CRUSHED if contact.closure > 0.0 else 0)
         stored[c] = joint.area * elastic_energy(joint.sigma, joint.tau, kn[c], ks[c])
         if contact.kt != contact.kn and joint.opening > 0.0:
             stored[c] += force * (joint.opening - force / contact.kn) / 2
@@ -95,6 +97,7 @@ def springs(contacts, lane, start, stop, gap, material):
             continue
         elastic &= joint_law.stays_elastic(trial.sigma, trial.tau, contact.tensile_force, contact.cohesive_force,
                                            joint_law.friction_left(contact.idle >= 0.0, material))
+        elastic &= joint_law.withstands(trial.sigma, contact.crushing_force)
         normal += trial.sigma
         along += trial.tau
         couple += trial.sigma * contact.offset
@@ -102,11 +105,14 @@ def springs(contacts, lane, start, stop, gap, material):
 
 
 @block_loop
-def remember(contacts, lane, start, stop, shear):
-    """Keep the shear force [N] of contacts that have slid and stick at a shear displacement [m]: sliding works
-    against the last one."""
+def remember(contacts, lane, start, stop, gap):
+    """Keep the shear force [N] of contacts that have slid and stick: sliding works against the last one; and the
+    normal force of those that can crush, for the same reason."""
+    shear = gap.shear
     for i in range(start, stop):
         contact = contacts[lane, i]
+        if contact.crushing_force < np.inf:
+            contact.sigma0 = spring(contact, gap).sigma
         if contact.idle >= 0.0 or contact.soft:
             contact.tau0, contact.shear0 = contact.tau0 + contact.ks * (shear - contact.shear0), shear
 
@@ -134,8 +140,8 @@ def joint_forces(tables, law, lane, p, step, gap, before, damped):
         contact, joint = contacts[lane, i], joints[lane, i]
         trial, kappa = spring(contact, gap), joint.kappa
         old = stresses(contact, before) if damped else trial
-        new, event = judge(contact, joint, trial.opening, gap.shear, law.material)
-        if new.broken or new.kappa > 0.0:
+        new, event = judge(contact, joint, trial.opening - contact.closure, gap.shear, law.material)
+        if new.broken or new.kappa > 0.0 or new.closure > 0.0:
             log_joint(tables, law.threshold, lane, i, step, trial, new, event)
             failed = True
         sigma, tau = new.normal_stress, new.shear_stress
@@ -155,9 +161,13 @@ def judge(contact, joint, opening, shear, material):
 
     Returns what `joint_law.advance` does, in forces [N] and works [J]."""
     law = LawParameters(contact.kn, contact.ks, joint.tensile_force, joint.cohesive_force, material, joint.mode_i,
-                        joint.mode_ii)
-    old = ContactState(0.0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0, joint.kappa, joint.gap)
+                        joint.mode_ii, contact.crushing_force)
+    old = ContactState(contact.sigma0, contact.tau0, joint.slip, joint.broken, joint.at_limit, 0.0, 0.0, joint.kappa,
+                       joint.gap, contact.closure)
     new, event = joint_law.advance(opening, shear - contact.shear0, old, law)
+    contact.closure = new.closure
+    if contact.crushing_force < np.inf:
+        contact.sigma0 = new.normal_stress
     if new.broken or new.kappa > 0.0:
         contact.tensile_force, contact.cohesive_force = joint_law.strength_left(new.broken, law, new.kappa)
         contact.shear0, contact.tau0 = shear, new.shear_stress

@@ -176,7 +176,7 @@ def forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped)
     forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
     steady = change(own, m, forces)
     if elastic:
-        remember(contacts, lane, start, stop, gap.shear)
+        remember(contacts, lane, start, stop, gap)
     else:
         before = Gap(own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED])
         forces, steady, failed = joint_forces(tables, law, lane, p, step, gap, before, damped)

@@ -48,9 +48,12 @@ CONTACT = _row(
     ("idle", REAL, "m", "opening up to which an open contact needs no law, below zero until it is broken"),
     ("kt", REAL, "N/m", "normal stiffness while open times area: kn, or the secant of a bond that softens"),
     ("soft", INDEX, "-", "1 once its bond has softened, until it is broken"),
+    ("crushing_force", REAL, "N", "compressive strength times area, infinite where it does not crush"),
+    ("closure", REAL, "m", "by how much it is crushed"),
+    ("sigma0", REAL, "N", "normal force of the last step where it can crush"),
 )
 JOINT = _row(  # beside its contact; the first four are those of a run's last step (`read_joints`)
-    ("opening", REAL, "m", "normal displacement, also negative"),
+    ("opening", REAL, "m", "normal displacement from where its closure has left its faces, also negative"),
     ("shear", REAL, "m", "shear displacement"),
     ("sigma", REAL, "Pa", "normal stress, tension positive"),
     ("tau", REAL, "Pa", "shear stress"),

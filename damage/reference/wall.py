@@ -14,7 +14,7 @@ from damage.reference import bodies, contacts, tables
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
 from damage.wall.joint_law import LawParameters, elastic_range, material_of
-from damage.wall.layout import GROUND, HEAD
+from damage.wall.layout import CUT, GROUND
 
 _CAPACITY = 100_000  # events between two drains of the log
 
@@ -81,7 +81,7 @@ class ReferenceWall:
 
     @property
     def state(self):
-        """Bits BROKEN and AT_LIMIT (n_joints,)."""
+        """Bits BROKEN, AT_LIMIT and CRUSHED (n_joints,)."""
         return self._state_of_joints(self._observed().state)
 
     @property
@@ -232,14 +232,16 @@ def _make_system(layout):
     pairs, middle = _make_pairs(layout, row)
     area = contacts.area[row] * share
     # Offsets turn with the joint's axes: along +x in bed joints, along -z in head joints.
-    offset = np.where(contacts.kind[row] == HEAD, middle[1] - contacts.z[row], contacts.x[row] - middle[0])
+    offset = np.where(contacts.upright[row], middle[1] - contacts.z[row], contacts.x[row] - middle[0])
     kn, ks = contacts.normal_stiffness[row] * area, contacts.shear_stiffness[row] * area
     limits = {"tensile_force": strengths.tensile_strength * area, "cohesive_force": strengths.cohesion * area}
     mode_i, mode_ii = (0.0, 0.0) if fibres or not joint.softens else (
-        joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
+        np.where(contacts.kind == CUT, 0.0, energy)
+        for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy))
     return tables.System(
         pairs=pairs,
-        contacts=_table(tables.CONTACT, n, offset=offset, kn=kn, ks=ks, idle=np.full(n, -1.0), **limits),
+        contacts=_table(tables.CONTACT, n, offset=offset, kn=kn, ks=ks, idle=np.full(n, -1.0),
+                        crushing_force=contacts.compressive_strength[row] * area, **limits),
         joints=_table(tables.JOINT, n, area=area, mode_i=mode_i * area, mode_ii=mode_ii * area, **limits),
         place=np.zeros(m + 1, tables.PLACE),
         motion=_table(tables.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, inverse_mass_x=1 / bodies.mass,
@@ -261,7 +263,7 @@ def _make_pairs(layout, row):
     x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
     a, b = first[start], second[start]
     pairs = _table(tables.PAIR, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
-                   bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.kind[row][start] == HEAD)
+                   bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.upright[row][start])
     return pairs, [np.repeat(values, stop - start) for values in middle]
 
 
@@ -280,4 +282,6 @@ def _sum_springs(pairs, contacts, material):
     pairs["slide_loss"] = ratio[start]
     # The outermost opening decides for all only where they slide alike; elsewhere each is looked at.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
+    # Nor does it of what can crush.
+    alike &= contacts["crushing_force"] == np.inf
     pairs["largest_opening"][~np.logical_and.reduceat(alike, start)] = -np.inf

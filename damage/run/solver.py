@@ -12,7 +12,7 @@ class Instant(NamedTuple):
     """A wall at one instant, positions and forces of the same time.
 
     displacement: (n_bodies, 3) since the wall was built [m, m, rad]; opening, slip, offset: (n_joints,) [m];
-    state: (n_joints,) bits BROKEN and AT_LIMIT; base_shear_n [N]; top_force_n [N], NaN where nothing is held;
+    state: (n_joints,) bits BROKEN, AT_LIMIT and CRUSHED; base_shear_n [N]; top_force_n [N], NaN where nothing is held;
     energies [J]: kinetic and elastic, and those that came in or were dissipated since `start`;
     damping_j: None where the solver cannot tell it: then the run infers it from the balance.
     """

@@ -8,7 +8,7 @@ from damage.units import GRAVITY
 
 def index_now(layout, drift_ratio, opening, offset):
     """The damage index of one instant, slip by displacement; opening, offset: (n_joints,) [m]."""
-    length = layout.contacts.length[:layout.n_joints]
+    length = layout.joint_length
     return float(combine(min(1.0, drift_component(drift_ratio)), length_fraction(opening > THRESHOLD, length),
                          length_fraction(np.abs(offset) > THRESHOLD, length)))
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from damage.wall.kinds import KINDS
 from damage.wall.kinematics import rigid_displacement
-from damage.wall.layout import KINDS
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]
@@ -56,9 +56,9 @@ def joint_segments(joints, bodies, motion, magnify=1.0):
 
 def tributary_ends(joints):
     """Ends of the tributary lengths before any motion, (n_joints, 2, 2) [m]: bed joints along x,
-    head joints along z, around the contact point, or inwards from it where it is a corner."""
+    head joints and bricks' cuts along z, around the contact point, or inwards from it where it is a corner."""
     point, length = joints[["x_m", "z_m"]].to_numpy(), joints["length_m"].to_numpy()
-    is_head = (joints["kind"] == "head").to_numpy()
+    is_head = joints["kind"].isin(("head", "brick")).to_numpy()
     along = np.where(is_head[:, None], (0.0, 1.0), (1.0, 0.0))
     middle = point + along * (_inwards(joints, point, length) * length / 2)[:, None]
     return middle[:, None] + np.array([-0.5, 0.5])[:, None] * (along * length[:, None])[:, None]

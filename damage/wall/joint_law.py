@@ -18,6 +18,14 @@ stiffness; friction is there from the start and does not soften.  G -> 0 is the 
 decays exponentially and shear that unloads elastically are Lourenço and Rots (1997, J. Eng. Mech. 123(7),
 660-668); the last hundredth of the bond goes at once, and 1 - GONE makes up for the energy that its tail had.
 
+A joint that crushes is perfectly plastic in compression, whatever its bond:
+
+    (C1)  sigma >= -f_c
+    (C2)  sigma = k_n (u_n + d) while closed, with a closure d that only grows: d d > 0 at sigma = -f_c alone
+
+All of the law holds with u_n + d in place of u_n: it unloads with k_n, opens at u_n > -d, has friction by the sigma
+that is left, and whole bonds hang together across the closure.  Crushing takes f_c dd.
+
 The functions are scalar and pure; they run as plain Python, and numba compiles them as they are.
 """
 
@@ -47,7 +55,7 @@ def material_of(joint):
 class LawParameters(NamedTuple):
     """normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa] of the whole bond (infinite
     for a joint that stays elastic); material: Material; mode_i_energy, mode_ii_energy [J/m2]: zero for a
-    brittle bond."""
+    brittle bond; compressive_strength [Pa], infinite where nothing crushes."""
 
     normal_stiffness: float
     shear_stiffness: float
@@ -56,13 +64,14 @@ class LawParameters(NamedTuple):
     material: Material
     mode_i_energy: float = 0.0
     mode_ii_energy: float = 0.0
+    compressive_strength: float = math.inf
 
 
 class ContactState(NamedTuple):
     """normal_stress, shear_stress [Pa]; slip [m]: plastic, signed, of the closed contact;
     broken: the bond is gone; at_limit: has failed in shear or slid without a bond, ever;
-    friction_work, fracture_work [J/m2]: dissipated so far; kappa [-], gap [m]: of a bond that softens,
-    how far, and its largest inelastic opening w."""
+    friction_work, fracture_work [J/m2]: dissipated so far, of the latter by crushing, too; kappa [-], gap [m]: of a
+    bond that softens, how far, and its largest inelastic opening w; closure [m]: by how much it is crushed, d."""
 
     normal_stress: float = 0.0
     shear_stress: float = 0.0
@@ -73,6 +82,7 @@ class ContactState(NamedTuple):
     fracture_work: float = 0.0
     kappa: float = 0.0
     gap: float = 0.0
+    closure: float = 0.0
 
 
 @register_jitable
@@ -84,6 +94,12 @@ def stays_elastic(normal_stress, shear_stress, tensile_strength, cohesion, frict
     `elastic_range` returns, opening and shear displacement [m].
     """
     return (normal_stress <= tensile_strength) & (abs(shear_stress) < cohesion - normal_stress * friction)
+
+
+@register_jitable
+def withstands(normal_stress, compressive_strength):
+    """Whether a contact with this elastic stress does not crush, (C1); both may be forces [N]."""
+    return normal_stress >= -compressive_strength
 
 
 @register_jitable
@@ -127,6 +143,27 @@ def advance(opening, shear_increment, state, parameters):
     shear_increment [m]: shear displacement during the step.
     Returns (new ContactState, INTACT | TENSION | SHEAR).
     """
+    closure, work = crush(opening, state, parameters)
+    new, event = advance_uncrushed(opening + closure, shear_increment, state, parameters)
+    return ContactState(new.normal_stress, new.shear_stress, new.slip, new.broken, new.at_limit, new.friction_work,
+                        new.fracture_work + work, new.kappa, new.gap, closure), event
+
+
+@register_jitable
+def crush(opening, state, parameters):
+    """Closure [m] at an opening [m], (C1), (C2), and the work that its growth takes [J/m2]."""
+    strength = parameters.compressive_strength
+    more = -(opening + state.closure) - strength / parameters.normal_stiffness
+    if not more > 0.0:
+        return state.closure, 0.0
+    # Trapezium of the stresses before and after, as central differences do work on the bodies.
+    before = min(max(-state.normal_stress, 0.0), strength)
+    return state.closure + more, 0.5 * (before + strength) * more
+
+
+@register_jitable
+def advance_uncrushed(opening, shear_increment, state, parameters):
+    """`advance` at an opening from where the contact's closure has left its faces [m]."""
     kn, ks, material = parameters.normal_stiffness, parameters.shear_stiffness, parameters.material
     slip, broken, at_limit, kappa, gap = state.slip, state.broken, state.at_limit, state.kappa, state.gap
     friction_work, fracture_work = state.friction_work, state.fracture_work

@@ -6,7 +6,7 @@ shear are measured along the joint's axes turned by the mean rotation of the two
 
 import numpy as np
 
-from damage.wall.layout import GROUND, HEAD
+from damage.wall.layout import GROUND
 
 
 def rigid_displacement(ux, uz, turn, x, z):
@@ -27,7 +27,7 @@ class ContactKinematics:
         self.ends = [np.where(body == GROUND, len(bodies), body) for body in (contacts.first, contacts.second)]
         x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
         self.arms = [(contacts.x - x[body], contacts.z - z[body]) for body in self.ends]
-        self.head = contacts.kind == HEAD
+        self.head = contacts.upright
 
     def displacements(self, motion, select=slice(None)):
         """Opening u_n and shear u_s [m], each (n_selected,).

@@ -11,18 +11,17 @@ the top mass.  The ground is body `GROUND`.  Contact points lie on the bed and h
 A brick's cells break at every head joint of the wall, so that facing cells of two courses match.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.fibres import Fibres, split_into_fibres
+from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.parameters import ModelOptions, Wall
+from damage.wall.split import CUT_POINTS, split_bricks
 
-GROUND = -1
-BED, HEAD, CAP = 0, 1, 2
-KINDS = ("bed", "head", "cap")
 MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
 CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
@@ -62,9 +61,10 @@ class Cells:
 class Contacts:
     """Contact points, arrays of shape (n_contacts,); the caps' glue comes last.
 
-    kind: BED, HEAD or CAP; first, second: bodies, the normal points from first to second;
+    kind: BED, HEAD, CUT or CAP; first, second: bodies, the normal points from first to second;
     x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
     bricks' compliance; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
+    compressive_strength [Pa], infinite where it does not crush;
     first_cell, second_cell: the facing cells (GROUND below the base).
     """
 
@@ -80,18 +80,30 @@ class Contacts:
     elastic: np.ndarray
     tensile_strength: np.ndarray
     cohesion: np.ndarray
+    compressive_strength: np.ndarray
     first_cell: np.ndarray
     second_cell: np.ndarray
 
     def __len__(self):
         return len(self.x)
 
+    @property
+    def mortar(self):
+        """Which are of joints that may break, bool (n_contacts,)."""
+        return ~self.elastic & (self.kind != CUT)
+
+    @property
+    def upright(self):
+        """Which lie across the wall's length, their normal along +x: head joints and cuts, bool (n_contacts,)."""
+        return (self.kind == HEAD) | (self.kind == CUT)
+
 
 @dataclass(frozen=True)
 class Layout:
     """A wall laid out under given options.
 
-    n_joints: the first n_joints contacts are joints, the rest is the caps' glue.
+    n_joints: the first n_joints contacts are joints, behind them the cuts where bricks can split; the rest is the
+    caps' glue.
     drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
     piers: (left, right) [m] of each pier, the parts of the length that carry the top.
     fibres: of the contacts where `options` ask for them, else None.
@@ -111,8 +123,14 @@ class Layout:
 
     @property
     def total_joint_length(self):
-        """Length of all bed, head and base joints [m], the caps' glue excluded."""
-        return float(self.contacts.length[:self.n_joints].sum())
+        """Length of all bed, head and base joints [m], the caps' glue and bricks' cuts excluded."""
+        return float(self.joint_length.sum())
+
+    @property
+    def joint_length(self):
+        """Length of joint that each of the first n_joints contacts stands for, none on a brick's cut [m]."""
+        n = self.n_joints
+        return np.where(self.contacts.kind[:n] == CUT, 0.0, self.contacts.length[:n])
 
     @property
     def pushed_bodies(self):
@@ -155,16 +173,20 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
     points = (len(cells.body) + n_bricks) * (1 if options.contacts == "interior" else 2)
+    points += CUT_POINTS * n_bricks * wall.brick.splits
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
                          f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
     contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks, (scatter, (seed, 1)))
     drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)
-    return Layout(
+    layout = Layout(
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
-        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
-        fibres=split_into_fibres(wall.joint, contacts, options.fibres) if options.fibres else None)
+        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers)
+    if wall.brick.splits:
+        layout = split_bricks(layout)
+    return replace(layout, fibres=split_into_fibres(wall.joint, layout.contacts, options.fibres)
+                   if options.fibres else None)
 
 
 # --- bricks -------------------------------------------------------------------------------------
@@ -343,8 +365,9 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks, scatter):
     factors = factors * _strength_factors(first, second, *scatter)
     strengths = [np.where(elastic, np.inf, strength * factors)
                  for strength in (wall.joint.tensile_strength, wall.joint.cohesion)]
+    crushes = np.where(elastic, np.inf, wall.joint.compressive_strength or np.inf)
     return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
-                    normal, shear, elastic, *strengths, first_cell, second_cell)
+                    normal, shear, elastic, *strengths, crushes, first_cell, second_cell)
 
 
 def _bed_pairs(wall, bodies, n_bricks, cells, breaks):

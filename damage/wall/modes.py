@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import eigsh
 
 from damage.errors import InputError
-from damage.wall.layout import GROUND, HEAD
+from damage.wall.layout import GROUND
 
 _ROUNDING = 100 * np.finfo(float).eps
 """A squared frequency below this share of the highest is rounding, of a part that can move freely."""
@@ -29,7 +29,7 @@ class Modes:
 
 def contact_normals(contacts):
     """Unit normals (n_contacts, 2) from first to second: +x across head joints, +z else."""
-    head = contacts.kind == HEAD
+    head = contacts.upright
     return np.column_stack([head, ~head]).astype(float)
 
 

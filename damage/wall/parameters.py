@@ -24,6 +24,9 @@ class Brick:
     length, height, thickness [m]: along x, z and y.
     density [kg/m3]: not in the paper; 1900 is usual for calcium silicate and clay brickwork.
     young_modulus, shear_modulus [Pa]: Table 2.
+    tensile_strength, cohesion [Pa]: at which whole bricks split in the middle, in bending and in shear
+        (`damage.wall.split`); None, the first, for bricks that do not split, as in the paper; the second, for those
+        that tension alone splits.
     """
 
     length: float = 0.225
@@ -32,10 +35,26 @@ class Brick:
     density: float = 1900.0
     young_modulus: float = 5.2e9
     shear_modulus: float = 2.16e9
+    tensile_strength: float | None = None
+    cohesion: float | None = None
+
+    @property
+    def splits(self):
+        """Whether whole bricks can split."""
+        return self.tensile_strength is not None
 
     def __post_init__(self):
         check_fields(self, **dict.fromkeys(("length", "height", "thickness"), (1e-3, 100.0)), density=(1.0, 1e5),
-                     **dict.fromkeys(("young_modulus", "shear_modulus"), (1.0, 1e20)))
+                     **dict.fromkeys(("young_modulus", "shear_modulus"), (1.0, 1e20)),
+                     **_given(self, "tensile_strength", "cohesion"))
+        if self.cohesion is not None and not self.splits:
+            raise InputError(f"Brick.cohesion = {self.cohesion:g} Pa of bricks that do not split: expected a tensile "
+                             "strength beside it; give Brick(tensile_strength=...), or leave it out")
+
+
+def _given(record, *names):
+    """{name: (0, 1e20)} of strengths [Pa] that are given."""
+    return dict.fromkeys((name for name in names if getattr(record, name) is not None), (0.0, 1e20))
 
 
 @dataclass(frozen=True)
@@ -47,6 +66,7 @@ class Joint:
     mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the bond is gone;
         None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and 102 to 353
         (Korswagen, dissertation, TU Delft, 2022); `softening_energies` gives a rule.
+    compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not, as in the paper.
     """
 
     normal_stiffness: float = 12e11
@@ -56,10 +76,15 @@ class Joint:
     cohesion: float = 0.24e6
     mode_i_fracture_energy: float | None = None
     mode_ii_fracture_energy: float | None = None
+    compressive_strength: float | None = None
 
     def __post_init__(self):
         check_fields(self, **dict.fromkeys(("normal_stiffness", "shear_stiffness"), (1.0, 1e20)),
-                     **dict.fromkeys(("tensile_strength", "cohesion"), (0.0, 1e20)))
+                     **dict.fromkeys(("tensile_strength", "cohesion"), (0.0, 1e20)),
+                     **_given(self, "compressive_strength"))
+        if self.compressive_strength == 0:
+            raise InputError("Joint.compressive_strength = 0 Pa: expected above zero, or None for joints that do not "
+                             "crush; mend it")
         check_not_negative("Joint.friction_angle", self.friction_angle)
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "

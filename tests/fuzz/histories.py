@@ -42,6 +42,7 @@ def originals(folder):
     paths[OLD].write_bytes(data[HEAD_BYTES:])  # addresses in a file count from its superblock on
     with h5py.File(paths[OLD], "r+", libver="latest") as file:
         file.attrs["schema_version"] = 1
+        file["joints/kind"].attrs["codes"] = "bed, head"
         del file["frames/offset_m"]
     return paths
 

@@ -1,0 +1,197 @@
+"""Joints that crush, and bricks that split: the law by hand, layouts, histories, and both solvers on one wall."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from pytest import approx
+from small_history import make_history
+
+from damage.errors import InputError
+from damage.history.schema import BROKEN, CRUSHED
+from damage.measure.cracks import cracks_at
+from damage.measure.summary import summarise
+from damage.measure.tables import joints_table, summary_row
+from damage.reference.wall import ReferenceWall
+from damage.wall.joint_law import ContactState, LawParameters, Material, advance, elastic_energy
+from damage.wall.layout import CAP, CUT, lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from damage.wall.split import CUT_POINTS, cut_strengths
+
+KN, KS, FT, C, MU, FC = 6e10, 2.4e10, 0.2e6, 0.24e6, 0.6, 3e6
+LAW = LawParameters(KN, KS, FT, C, Material(MU), compressive_strength=FC)
+SOFT = LAW._replace(mode_i_energy=10.0, mode_ii_energy=100.0)
+DEEP = FC / KN
+"""Opening [m] at which LAW crushes, without its sign."""
+SPLITTING = Brick(tensile_strength=1e6)
+
+
+def follow(openings, state=None, law=LAW):
+    states = [state or ContactState()]
+    for opening in openings:
+        states.append(advance(opening, 0.0, states[-1], law)[0])
+    return states[1:]
+
+
+class TestLaw:
+    @pytest.mark.parametrize("law", [LAW, SOFT])
+    def test_stress_stays_at_the_strength_and_unloads_with_the_stiffness(self, law):
+        pressed, less, again = follow([-3 * DEEP, -2.5 * DEEP, -3.5 * DEEP], law=law)
+        assert pressed.normal_stress == approx(-FC) and pressed.closure == approx(2 * DEEP)
+        assert less.normal_stress == approx(-FC / 2) and less.closure == pressed.closure
+        assert again.normal_stress == approx(-FC) and again.closure == approx(2.5 * DEEP)
+
+    def test_a_dry_joint_opens_where_its_closure_has_left_it(self):
+        closed, opened = follow([-2.9 * DEEP, -1.8 * DEEP], ContactState(broken=True))
+        assert closed.normal_stress < 0 and closed.closure == approx(1.9 * DEEP)
+        assert opened.normal_stress == 0.0
+
+    def test_a_whole_bond_holds_across_the_closure(self):
+        *_, pulled, gone = follow([-3 * DEEP, -2 * DEEP + 0.99 * FT / KN, -2 * DEEP + 1.01 * FT / KN])
+        assert pulled.normal_stress == approx(0.99 * FT) and not pulled.broken
+        assert gone.broken and gone.normal_stress == 0.0
+
+    def test_friction_is_that_of_the_strength(self):
+        state = ContactState(broken=True)
+        for _ in range(3):
+            state, _ = advance(-5 * DEEP, 2 * FC / KS, state, LAW)
+        assert state.shear_stress == approx(MU * FC)
+
+    def test_below_the_strength_nothing_differs_to_the_last_bit(self):
+        path = np.random.default_rng(1).uniform(-0.99 * DEEP, 2 * FT / KN, 200)
+        assert follow(path) == follow(path, law=LAW._replace(compressive_strength=math.inf))
+
+    @given(st.lists(st.floats(-6 * DEEP, 2 * DEEP), min_size=2, max_size=6), st.booleans(),
+           st.sampled_from([LAW, SOFT]))
+    @settings(max_examples=40, deadline=None)
+    def test_energies_close(self, corners, broken, law):
+        """What is put in is stored or dissipated, and the closure costs f_c a metre."""
+        path = np.concatenate([np.linspace(a, b, 400) for a, b in zip([0.0, *corners[:-1]], corners)])
+        states = follow(path, ContactState(broken=broken), law)
+        stress = np.array([0.0, *(state.normal_stress for state in states)])
+        work = np.sum((stress[1:] + stress[:-1]) / 2 * np.diff(path, prepend=0.0))
+        last = states[-1]
+        stored = elastic_energy(last.normal_stress, 0.0, KN, KS)
+        if last.normal_stress > 0:  # a bond that has softened is a secant
+            stored = last.normal_stress * (path[-1] + last.closure) / 2
+        assert work == approx(stored + last.fracture_work + last.friction_work, rel=0.02, abs=2e-3 * FC * DEEP)
+        assert last.fracture_work >= 0.98 * FC * last.closure
+
+
+class TestParameters:
+    def test_by_default_nothing_crushes_or_splits(self):
+        layout = lay_out(Wall("plain", 0.9, 0.45))
+        assert np.isinf(layout.contacts.compressive_strength).all() and not (layout.contacts.kind == CUT).any()
+
+    @pytest.mark.parametrize("make", [lambda: Joint(compressive_strength=0.0), lambda: Joint(compressive_strength=-1.0),
+                                      lambda: Brick(tensile_strength=-1.0), lambda: Brick(cohesion=1e6)])
+    def test_what_cannot_be_is_refused_in_one_line(self, make):
+        with pytest.raises(InputError) as refused:
+            make()
+        assert "expected" in str(refused.value) and "\n" not in str(refused.value)
+
+    def test_lintels_and_cuts_do_not_crush(self):
+        wall = Wall("lintel", 0.9, 0.45, joint=Joint(compressive_strength=5e6), brick=SPLITTING)
+        contacts = lay_out(wall).contacts
+        crushes = np.isfinite(contacts.compressive_strength)
+        assert_allclose(crushes, (contacts.kind != CUT) & (contacts.kind != CAP))
+
+
+class TestCuts:
+    def test_halves_keep_mass_moment_and_inertia_of_their_bricks(self):
+        wall = Wall("small", 0.9, 0.45)
+        whole, split = lay_out(wall).bodies, lay_out(replace(wall, brick=SPLITTING)).bodies
+        for weight in (np.ones_like, lambda x: x, np.square):
+            sums = [np.sum(of.mass * weight(of.x)) for of in (whole, split)]
+            if weight is np.square:
+                sums = [total + np.sum(of.inertia - of.mass * of.height**2 / 12)
+                        for total, of in zip(sums, (whole, split))]
+            assert_allclose(*sums)
+        assert_allclose(np.unique(split.length.round(9)), [SPLITTING.length / 2, 0.9])
+
+    def test_contacts_lie_on_the_halves_that_they_touch(self):
+        layout = lay_out(Wall("small", 0.9, 0.45, brick=SPLITTING), ModelOptions(contacts="corners"))
+        contacts, bodies = layout.contacts, layout.bodies
+        for body in (contacts.first, contacts.second):
+            on = body >= 0
+            assert np.all(np.abs(contacts.x - bodies.x[body])[on] <= bodies.length[body][on] / 2 + 1e-9)
+
+    def test_the_index_and_its_length_are_of_joints_alone(self):
+        wall = Wall("small", 0.9, 0.45)
+        whole, split = lay_out(wall), lay_out(replace(wall, brick=SPLITTING))
+        assert split.total_joint_length == approx(whole.total_joint_length)
+        assert split.n_joints - whole.n_joints == CUT_POINTS * 21
+
+    def test_a_course_is_as_soft_as_its_bricks(self):
+        """A cut takes its share of the bricks' compliance from the head joints beside it."""
+        wall = Wall("row", 0.9, 0.075, precompression=0.0)
+        stiffness = []
+        for brick in (Brick(), SPLITTING):
+            contacts = lay_out(replace(wall, brick=brick)).contacts
+            across = contacts.upright
+            pairs = {}
+            for row in np.flatnonzero(across):
+                key = int(contacts.first[row]), int(contacts.second[row])
+                pairs[key] = pairs.get(key, 0.0) + contacts.normal_stiffness[row] * contacts.area[row]
+            stiffness.append(sum(1 / value for value in pairs.values()))
+        half = SPLITTING.length / 2 / SPLITTING.young_modulus / (0.075 * 0.1025)
+        assert stiffness[1] == approx(stiffness[0] + half, rel=1e-9)  # four cuts, and three joints less a half each
+
+    def test_without_a_cohesion_tension_alone_splits(self):
+        assert cut_strengths(SPLITTING) == (approx(0.8e6), np.inf)
+        assert cut_strengths(replace(SPLITTING, cohesion=3e6))[1] == approx(2e6)
+
+
+class TestHistory:
+    @pytest.fixture(scope="class")
+    def history(self, tmp_path_factory):
+        layout = lay_out(Wall("small", 0.9, 0.45, brick=SPLITTING))
+        cuts = np.flatnonzero(layout.contacts.kind == CUT)
+        return make_history(tmp_path_factory.mktemp("split") / "split.h5", layout,
+                            opening={int(cut): 1e-3 for cut in cuts[:CUT_POINTS]})
+
+    def test_a_split_brick_is_in_no_index_but_in_psi_and_a_column_of_its_own(self, history):
+        found = summarise(history)
+        assert found["max"]["DI"] == 0.0 and found["max_psi"] > 1
+        assert found["split_length_m"] == approx(SPLITTING.height) and found["crushed_length_m"] == 0.0
+        assert found["total_joint_length_m"] == approx(float(history.attributes["total_joint_length_m"]))
+        assert summary_row(history)["split_length_m"] == approx(SPLITTING.height)
+
+    def test_its_crack_is_one_upright_line(self, history):
+        table = cracks_at(history, -1)
+        assert table["crack"].nunique() == 1 and table["length_m"].sum() == approx(SPLITTING.height)
+        assert np.ptp(table[["x_start_m", "x_end_m"]].to_numpy()) == approx(0.0)
+        assert (joints_table(history)["kind"] == "brick").sum() == CUT_POINTS * 21
+
+
+def pushed(layout, seconds=0.02, speed=0.05):
+    """A wall whose cap is pushed down and sideways fast: energies and state at the end."""
+    wall = ReferenceWall(layout, 0.3 * natural_modes(layout, 1).critical_time_step_s)
+    wall.start(np.zeros((0, 2)))
+    wall.hold(layout.pushed_bodies, rotation=True)
+    wall.push(speed)
+    wall.run(round(seconds / wall.time_step))
+    return wall
+
+
+@pytest.mark.parametrize("energies", [{}, {"mode_i_fracture_energy": 10.0, "mode_ii_fracture_energy": 100.0}])
+@pytest.mark.parametrize("options", [{}, {"fibres": 8}])
+def test_energy_of_a_wall_that_crushes_and_splits(energies, options):
+    if options and not energies:
+        pytest.skip("fibres are of joints that soften")
+    joint = Joint(compressive_strength=0.5e6, **energies)
+    layout = lay_out(Wall("small", 0.9, 0.45, joint=joint, brick=replace(SPLITTING, tensile_strength=0.2e6)),
+                     ModelOptions(**options))
+    wall = pushed(layout)
+    state = wall.state
+    cuts = layout.contacts.kind[:layout.n_joints] == CUT
+    assert (state[~cuts] & CRUSHED).any() and (state[cuts] & BROKEN).any() and not (state[cuts] & CRUSHED).any()
+    came_in, friction, fracture, _ = wall.energy
+    lifted = 9.81 * float(layout.bodies.mass @ wall.displacement[:, 1])
+    there = wall.kinetic_energy() + wall.elastic_energy() + lifted + friction + fracture
+    assert there == approx(came_in, rel=5e-3)

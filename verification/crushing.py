@@ -1,0 +1,155 @@
+"""Joints that crush: a toe under a rigid block, a column, and a joint that is pressed again and again.
+
+A rigid block on a joint of compressive strength f_c, pressed by N and pushed sideways at its centre, h / 2 up, turns
+about a toe on which the stress is f_c: a stress block of length N / (f_c t), so that
+
+    H h / 2 = N / 2 (L - N / (f_c t)).
+
+Contact points of length l crush one by one; that shifts the resultant by up to l / 8 over the toe's length in points.
+A column bears no more than f_c A.  A joint that is pressed further each time, and unloaded between, dissipates f_c
+times its closure, whatever its bond; pulled apart then, its bond's energy besides.
+"""
+
+import json
+import tempfile
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from damage.units import GRAVITY
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from verification import softening
+from verification.block import settle, solver_of
+from verification.problem import Problem, ask_yade, run_yade
+from verification.softening import Driven, between, drive, pair
+
+BLOCK, TOE = Brick(length=0.4, height=0.8, thickness=0.1), 0.25
+"""A block, and the share of its length that its toe takes."""
+PUSH_M_S, PUSHED_M, PARTS = 4e-4, 2e-4, 20
+"""Largest speed of its centre, which grows in parts from nothing, and how far it is pushed: 0.2 mm shift the load by
+0.13 %."""
+STRENGTH = 2e6
+"""Compressive strength of the joint that is pressed again and again [Pa]."""
+PRESSED = (2.0, 3.0, 4.0)
+"""How far, over the depth at which it crushes, the joint is pressed each time."""
+DRY, OPENED = "without a bond, to 1.2 mm", 10.0
+"""The form whose bond is broken first, and how far it is opened for that and pressed then, over the others."""
+_BRITTLE = {"mode_i_fracture_energy": None, "mode_ii_fracture_energy": None}
+FORMS = {"brittle": (0, _BRITTLE), DRY: (0, {"tensile_strength": 0.0, "cohesion": 0.0, **_BRITTLE}),
+         "softening": (0, {}), "softening, 8 fibres": (8, {})}
+"""Name -> fibres, what is changed of JOINT beside its compressive strength."""
+
+
+def weight(layout):
+    """Of the block [N]."""
+    return float(layout.bodies.mass[0]) * GRAVITY
+
+
+def block():
+    """The block on a dry joint that does not slide, sixteen contact points, crushed over a quarter by its weight."""
+    weight_n = BLOCK.density * BLOCK.length * BLOCK.height * BLOCK.thickness * GRAVITY
+    joint = Joint(tensile_strength=0.0, cohesion=0.0, friction_angle=1.4,
+                  compressive_strength=weight_n / (TOE * BLOCK.length * BLOCK.thickness))
+    return lay_out(Wall("block", BLOCK.length, BLOCK.height, brick=BLOCK, joint=joint, precompression=0.0),
+                   ModelOptions(cells=8))
+
+
+def toe_force(layout):
+    """The largest force at the centre [N], by the stress block."""
+    return weight(layout) * (1 - TOE) * BLOCK.length / BLOCK.height
+
+
+def toe():
+    """The force that pushes the block's centre, at the end [N]."""
+    wall = solver_of(block(), 0.5)
+    settle(wall, GRAVITY)
+    wall.local_damping = 0.7
+    wall.hold(np.array([0]), rotation=False)
+    for speed, steps in pushes(wall.time_step):
+        wall.push(speed)
+        wall.run(steps)
+    return wall.push_force()
+
+
+def pushes(time_step):
+    """[(speed [m/s], steps), ...] of the push."""
+    speeds = PUSH_M_S * np.arange(1, PARTS + 1) / PARTS
+    return [(float(speed), round(PUSHED_M / speeds.sum() / time_step)) for speed in speeds]
+
+
+def column_force(layout):
+    """f_c A [N]."""
+    return layout.wall.joint.compressive_strength * BLOCK.length * BLOCK.thickness
+
+
+def column():
+    """The largest force under the block while it has twice the weight that its joint bears [N]."""
+    layout = block()
+    wall, forces = solver_of(layout, 0.5), []
+    wall.start(np.zeros((0, 2)), np.array([2 * column_force(layout) / layout.bodies.mass[0]]))
+    for _ in range(200):
+        wall.run(1)
+        forces.append(wall.base_force()[1])
+    return max(forces)
+
+
+def joint_of(form):
+    """(fibres, {parameter: value}) of a form's joint: what makes of JOINT one that crushes."""
+    fibres, changes = FORMS[form]
+    return fibres, {"compressive_strength": STRENGTH, **changes}
+
+
+def cycles(form, steps=400):
+    """Path (n, 2) of opening and shear displacement [m]: pressed further each time and unloaded, at last to nothing."""
+    layout = pair()
+    depth = STRENGTH / layout.contacts.normal_stiffness[between(layout)]
+    further = OPENED if form == DRY else 1.0
+    corners = [0.0, depth, 0.0] if form == DRY else [0.0]
+    for pressed in PRESSED:
+        corners += [-further * pressed * depth, -(further * pressed - 1) * depth]
+    parts = [np.linspace(a, b, steps, endpoint=False) for a, b in zip(corners[:-1], corners[1:])]
+    opening = np.concatenate([*parts, corners[-1:]])
+    return np.column_stack([opening, np.zeros_like(opening)])
+
+
+def closure(form):
+    """By how much the cycles close the joint for good [m]."""
+    return -float(cycles(form)[-1, 0])
+
+
+@cache
+def driven(solver, form):
+    """The joint Driven through the cycles."""
+    fibres, joint = joint_of(form)
+    if solver == "reference":
+        return drive(cycles(form), fibres, **joint)
+    with tempfile.TemporaryDirectory() as folder:
+        given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
+        np.savez(given, cycles=cycles(form))
+        run_yade("verification/yade_paths.py", given, found, fibres, json.dumps(joint))
+        with np.load(found) as results:
+            return Driven(cycles(form), results["cycles"], results["cycles/energies"])
+
+
+def problems():
+    """Toe, column, cycles."""
+    layout, solvers = block(), ("reference", "yade")
+    found = [
+        Problem("crushing toe", "force that turns a block about its toe", "N", toe_force(layout),
+                "stress block of f_c", dict.fromkeys(solvers, 2e-2),
+                {"reference": toe, "yade": lambda: ask_yade("toe")}),
+        Problem("crushed column", "largest force under it", "N", column_force(layout), "f_c A",
+                {"reference": 1e-9, "yade": 2e-2}, {"reference": column, "yade": lambda: ask_yade("column")})]
+    for form, (quantity, measure) in product(FORMS, (
+            ("energy dissipated", lambda done: done.dissipated),
+            ("... by its own account", lambda done: done.fracture))):
+        in_yade = softening.NOT_IN_YADE if form == "softening" else \
+            lambda form=form, measure=measure: measure(driven("yade", form))
+        found.append(Problem(
+            f"crushing in cycles, {form}", quantity, "J/m²", STRENGTH * closure(form), "f_c times the closure",
+            dict.fromkeys(solvers, 5e-3),
+            {"reference": lambda form=form, measure=measure: measure(driven("reference", form)), "yade": in_yade}))
+    return found
