@@ -85,7 +85,7 @@ while [ $# -gt 0 ]; do
             esac
             shift 2
             ;;
-        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --run, --slurm, --cores, --shard or --remake; see --help" ;;
+        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --run, --slurm, --cores, --shard, --remake or --dry-run; see --help" ;;
         *)
             [ -z "$study" ] || fail "two studies, $study and $1: expected one; run them one after the other"
             study=$1

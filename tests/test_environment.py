@@ -265,7 +265,8 @@ class TestRunAll:
         (("harmonik",), "no study harmonik is shipped: expected"),
         (("../studies/quick",), "is shipped: expected"),
         (("mine.toml",), "mine.toml: no such study file"),
-        (("quick", "--fast"), "unknown option --fast: expected -j, --out, --solver, --slurm or --remake"),
+        (("quick", "--fast"), "unknown option --fast: expected -j, --out, --solver, --keep, --run, --slurm, "
+         "--cores, --shard, --remake or --dry-run"),
         (("quick", "quick"), "two studies"),
         (("quick", "-j"), "-j without a value"),
         (("quick", "-j", "0"), "-j 0: expected a whole number"),

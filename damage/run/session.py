@@ -94,12 +94,12 @@ def _run(backend, wall_file, make_wall, arguments, prog):
     hold_buffers()
     settings = parse_run(arguments, prog=prog, solver=backend.name)
     with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
-        return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings))
+        show = backend.open_view() if settings.view and backend.open_view else None  # before there is a history
+        return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings), show)
 
 
-def _run_to_its_pictures(prepared):
-    backend, settings, out = prepared.backend, prepared.settings, prepared.writer.path
-    show = backend.open_view() if settings.view and backend.open_view else None
+def _run_to_its_pictures(prepared, show):
+    settings, out = prepared.settings, prepared.writer.path
     with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
         status = simulate(prepared, keep_going)
     try:
