@@ -42,7 +42,8 @@ def test_every_file_of_a_run_has_its_table(history, tmp_path):
 def test_tables_of_a_study(history, tmp_path):
     runs = pd.DataFrame([summary_row(history)])
     assert set(runs) | {"members"} == known("summary.csv")
-    full = runs.assign(**{name: runs[name].fillna(1.0) for name in runs if name in _numbers()})  # NAME_min of them all
+    # A number for each that is missing: then all have their NAME_min.
+    full = runs.assign(**{name: runs[name].astype(float).fillna(1.0) for name in runs if name in _numbers()})
     assert set(points_of(full)) == known("points.csv")
     write_hdf5({"runs": runs, "points": points_of(full)}, tmp_path / "study.h5")
     with h5py.File(tmp_path / "study.h5") as file:
