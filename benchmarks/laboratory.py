@@ -6,7 +6,6 @@ TABLE: laws, cycles; both by default, in the reference solver, about half an hou
 short cycle in both solvers, about an hour.  Histories that are already in DIR are not run again.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -15,7 +14,7 @@ import numpy as np
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
 
-from benchmarks.softening import Bench, print_row, print_table
+from benchmarks.softening import main, print_row, print_table
 from damage.laboratory.pushed import SPECIMENS, read_test
 from damage.measure import pushed
 from damage.measure.summary import summarise
@@ -101,18 +100,5 @@ def yade(bench):
 TABLES = {table.__name__: table for table in (laws, cycles, yade)}
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tables", nargs="*", default=["laws", "cycles"], metavar="TABLE", help=", ".join(TABLES))
-    parser.add_argument("--out", type=Path, default=Path("results/laboratory"))
-    parsed = parser.parse_args()
-    unknown = [name for name in parsed.tables if name not in TABLES]
-    if unknown:
-        sys.exit(f"error: no table {unknown[0]}; expected one of {', '.join(TABLES)}")
-    parsed.out.mkdir(parents=True, exist_ok=True)
-    for name in parsed.tables:
-        TABLES[name](Bench(parsed.out))
-
-
 if __name__ == "__main__":
-    main()
+    main(TABLES, ("laws", "cycles"), "results/laboratory", __doc__)

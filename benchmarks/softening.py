@@ -309,18 +309,19 @@ USUAL = {table.__name__: table for table in (pushed, fibres, steps, damping, sca
 TABLES = USUAL | {table.__name__: table for table in (yade_pushed, yade_steps, yade_shaken)}
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tables", nargs="*", default=list(USUAL), metavar="TABLE", help=", ".join(TABLES))
-    parser.add_argument("--out", type=Path, default=Path("results/softening"))
+def main(tables, usual, folder, description):
+    """Print the tables that a command line asks for; usual: those of one that asks for none."""
+    parser = argparse.ArgumentParser(description=description.splitlines()[0])
+    parser.add_argument("tables", nargs="*", default=list(usual), metavar="TABLE", help=", ".join(tables))
+    parser.add_argument("--out", type=Path, default=Path(folder))
     parsed = parser.parse_args()
-    unknown = [name for name in parsed.tables if name not in TABLES]
+    unknown = [name for name in parsed.tables if name not in tables]
     if unknown:
-        sys.exit(f"error: no table {unknown[0]}; expected one of {', '.join(TABLES)}")
+        sys.exit(f"error: no table {unknown[0]}; expected one of {', '.join(tables)}")
     parsed.out.mkdir(parents=True, exist_ok=True)
     for name in parsed.tables:
-        TABLES[name](Bench(parsed.out))
+        tables[name](Bench(parsed.out))
 
 
 if __name__ == "__main__":
-    main()
+    main(TABLES, USUAL, "results/softening", __doc__)
