@@ -195,21 +195,27 @@ class TestAfterDamage:
 
     @pytest.fixture
     def study(self, tmp_path):
-        rows = []
+        rows, shocks = [], []
         for wall, first, second in product(range(8), (0.25, 0.5), (1.0, 0.5, 0.25)):
             name, capacity = f"run-{wall}-{first}-{second}", 0.9 + 0.03 * wall
             strongest = max(first, second)
             left = 1.0 if first == 0.5 else 0.0
             psi = [1.5 * first / capacity, 1.5 * second * (1 + left) / capacity]
-            write_table(pd.DataFrame({
-                "shock": [1, 2], "factor": [first, -second], "end_s": [1.0, 2.0], "max_DI": 0.0,
-                "max_crack_width_mm": 0.0, "max_psi": psi, "residual_psi": [left, 0.0]}),
-                tmp_path / "tables" / f"{name}_shocks.csv")
+            shocks.append(pd.DataFrame({
+                "run": name, "shock": [1, 2], "factor": [first, -second], "end_s": [1.0, 2.0], "max_DI": 0.0,
+                "max_crack_width_mm": 0.0, "max_psi": psi, "residual_psi": [left, 0.0]}))
             rows.append({"run": name, "wall": "w", "record": "r", "pga_g": 0.2 * strongest, "arias_m_s": strongest**2,
                          "strength_seed": wall, "strength_cov": 0.3, "status": "complete", "collapsed_at_s": np.nan,
                          "shocks": 2, "max_DI": 0.0, "max_crack_width_mm": 0.0, "max_psi": max(psi)})
+        write_table(pd.concat(shocks), tmp_path / "tables" / "shocks.csv")
         write_table(pd.DataFrame(rows), tmp_path / "tables" / "summary.csv")
         return tmp_path
+
+    def test_a_run_without_its_shocks_is_named(self, study):
+        path = study / "tables" / "shocks.csv"
+        write_table(pd.read_csv(path).query("run != 'run-3-0.5-1.0'"), path)
+        with pytest.raises(InputError, match="lacks the shocks of run-3-0.5-1.0"):
+            load_shocks(load_runs(study), study)
 
     def test_each_shock_has_its_own_intensity_and_damage_before(self, study):
         shocks = load_shocks(load_runs(study), study)

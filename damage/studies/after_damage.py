@@ -23,12 +23,18 @@ def load_shocks(runs, folder):
     class `before`, a word of BEFORE, else "more".
 
     Measures are those within the shock, intensities its own: the run's, of its strongest shock, by the factors.
-    folder: the study's, with tables/RUN_shocks.csv.  InputError where there is no sequence.
+    folder: the study's, with tables/shocks.csv.  InputError where there is no sequence, or a run's shocks are missing.
     """
-    sequences, rows = runs[runs["shocks"] > 1], []
-    for _, run in sequences.iterrows():
-        path = folder / "tables" / f"{run['run']}_shocks.csv"
-        table = read_table(path, ("shock", "factor", "end_s", *LEVELS, "residual_psi"))
+    path, rows = folder / "tables" / "shocks.csv", []
+    if not path.is_file():
+        raise InputError(f"{folder} holds no tables/shocks.csv; expected a study of sequences, as "
+                         "studies/aftershocks.toml, summed up by this version: run ./run_all.sh again")
+    by_run = dict(list(read_table(path, ("run", "shock", "factor", "end_s", *LEVELS, "residual_psi")).groupby("run")))
+    for _, run in runs[runs["shocks"] > 1].iterrows():
+        if run["run"] not in by_run:
+            raise InputError(f"{path} lacks the shocks of {run['run']}; expected those of every run, run "
+                             "./run_all.sh again")
+        table = by_run[run["run"]]
         strongest = table["factor"].abs().max()
         before = table["residual_psi"].shift(1, fill_value=0.0)
         for (_, shock), psi in zip(table.iterrows(), before):
