@@ -162,8 +162,10 @@ def test_a_study_does_not_start_with_too_little_room(study, tmp_path):
 @ROOT
 @pytest.mark.slow
 def test_a_study_ends_politely_when_the_room_runs_short(study, tmp_path):
+    long = tmp_path / "long.toml"  # so long that the next look at the disk finds it at work
+    long.write_text(STUDY.replace("rest = 0.5", "rest = 300").replace("tiny.py", f"{study.parent}/tiny.py"))
     with disk(tmp_path / "disk", 40_000) as folder:
-        words = command(study, folder / "out")
+        words = command(long, folder / "out")
         done = run_until_full(words, folder, "runs/*.part.h5", 15_000)
         assert done.returncode == 1, done.stderr
         assert done.stderr.count("\n") == 1 and "MB free: expected 20 MB" in done.stderr
