@@ -68,7 +68,7 @@ ENTRY_KEYS = {
     "samples": "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov"}
 GRID_KEYS = {
     "vary": "of a grid: lists of values by name; {name} in a string stands for the value",
-    "rows": "of a grid: a CSV table of values that belong together, as records and their windows; its columns are names"}
+    "rows": "of a grid: a CSV table of values that belong together, as records and windows; its columns are names"}
 """What stands in a study file, and what it is for; `damage.studies.schema` tells editors."""
 
 ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")

@@ -28,13 +28,13 @@ MOST_MEGABYTES = 10
 _NAME = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
 
-def expand(grid, where, rows=({},)):
+def expand(grid, where, rows=None):
     """The tables that a grid stands for: row by row, in the order of its values, the last named varying fastest.
 
     grid: a table with `vary` and any others, which are kept; rows: dictionaries of values that belong together, as
     `read_rows` returns them.  Raises InputError, which says what is wrong.
     """
-    kept = {key: value for key, value in grid.items() if key not in ("vary", "rows")}
+    kept, rows = {key: value for key, value in grid.items() if key not in ("vary", "rows")}, rows or [{}]
     vary = grid.get("vary", {} if "rows" in grid else None)
     if not isinstance(vary, dict) or not (vary or "rows" in grid):
         raise InputError(f"{where}: vary = {vary!r}; expected a table of lists, like vary = {{ scale = [0.5, 1] }}")
@@ -59,7 +59,8 @@ def read_rows(path, where):
     try:
         lines = [line for line in csv.reader(path.read_text(encoding="utf-8-sig").splitlines()) if any(line)]
     except (OSError, ValueError, csv.Error) as error:
-        raise InputError(f"{where}: rows: {path} is no table of text ({error}); expected CSV in UTF-8, mend it") from error
+        raise InputError(f"{where}: rows: {path} is no table of text ({error}); expected CSV in UTF-8, mend "
+                         "it") from error
     names, *values = lines or [[]]
     for name in names:
         if not _NAME.fullmatch(f"{{{name}}}") or names.count(name) > 1:
@@ -70,7 +71,8 @@ def read_rows(path, where):
             raise InputError(f"{where}: rows: row {number} of {path} has {len(line)} values, or an empty one; expected "
                              f"{len(names)}, of {', '.join(names)}; mend it")
     if not values:
-        raise InputError(f"{where}: rows: {path} has no rows; expected a line of names and one for each point; add some")
+        raise InputError(f"{where}: rows: {path} has no rows; expected a line of names and one for each point; "
+                         "add some")
     return [dict(zip(names, map(_number_or_word, line))) for line in values]
 
 
