@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -22,6 +23,8 @@ from matplotlib.lines import Line2D
 
 from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, SKY, VERMILLION, save_figures, styled
+from damage.motion.formats import read_record
+from damage.motion.intensity import response_spectrum
 from damage.studies.fragility import curve, exceeding, fragility, load_runs
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -44,20 +47,27 @@ KORSWAGEN_2 = (40, 0.06)
 
 SOILS_N_M3 = {"peat": (1.21e8, 1.04e8), "sand": (4.36e8, 3.76e8)}
 """Subgrade moduli of his soils, up and along [N/m3]."""
+RECORDS = REPOSITORY / "studies/records.csv"
 STRIPS_M = (0.3, 0.5)
 """Widths of a foundation strip [m], assumed here."""
 
 
 def soil_table():
-    """Lines of Markdown: first periods on a fixed base and on soil springs."""
+    """Lines of Markdown: first periods on a fixed base and on soil springs, and by what the records' spectral
+    acceleration there is more, or less."""
+    records = [read_record(REPOSITORY / path) for path in pd.read_csv(RECORDS)["record"].unique()]
     columns = [(soil, width) for soil in SOILS_N_M3 for width in STRIPS_M]
     lines = ["| wall | fixed base | " + " | ".join(f"{soil}, strip of {width:g} m" for soil, width in columns) + " |",
              "| --- " * (len(columns) + 2) + "|"]
     for name in ("symmetric", "variants/symmetric_light"):
         layout = lay_out(load_wall(REPOSITORY / "walls" / f"{name}.py"))
-        periods = [f"{period_on_soil(layout, *SOILS_N_M3[soil], width):.3f} s" for soil, width in columns]
+        periods = [natural_modes(layout).period_s[0],
+                   *(period_on_soil(layout, *SOILS_N_M3[soil], width) for soil, width in columns)]
+        spectra = np.array([response_spectrum(record, periods) for record in records])
+        ratios = spectra / spectra[:, :1]
+        cells = [f"{period:.3f} s, {ratio.min():.2f} to {ratio.max():.2f}" for period, ratio in zip(periods, ratios.T)]
         words = MODELS[Path(name).name, False][0].split(",")[0]
-        lines.append(f"| {words} | {natural_modes(layout).period_s[0]:.3f} s | {' | '.join(periods)} |")
+        lines.append(f"| {words} | {periods[0]:.3f} s | {' | '.join(cells[1:])} |")
     return lines
 
 

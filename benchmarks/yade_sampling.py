@@ -59,9 +59,9 @@ def main():
                 run.solver.advance(STEPS, run.sample_steps, run.sample)
             times = [[microseconds(run, sampled) for sampled in (True, False)] for _ in range(rounds)]
             with_samples, alone = map(min, zip(*times))
-            print(f"{name}, {int((run.solver.instant(run.base[0] * 0).state > 0).sum())} broken: {with_samples:.0f} us a "
-                  f"step as a run goes, {alone:.0f} by steps alone: {100 * (with_samples / alone - 1):.0f} % more; a "
-                  f"sample every {run.sample_steps} steps", flush=True)
+            broken = int((run.solver.instant(run.base[0] * 0).state > 0).sum())
+            print(f"{name}, {broken} broken: {with_samples:.0f} us a step as a run goes, {alone:.0f} by steps alone: "
+                  f"{100 * (with_samples / alone - 1):.0f} % more; a sample every {run.sample_steps} steps", flush=True)
         run.writer.finish("interrupted")
     return 0
 
