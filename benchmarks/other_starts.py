@@ -56,7 +56,7 @@ def main(arguments=None):
         cells, cycles = [], []
         for motion in MOTIONS:
             found = summarise(run(shape, *motion, asked.out))
-            cells.append(f"{found['max_DI']:.3f} / {found['max_shear_limit_DI']:.3f}")
+            cells.append(f"{found['max']['DI']:.3f} / {found['max_shear_limit']['DI']:.3f}")
             free = found["first_free_cycle_s"]
             cycles.append("-" if free is None else f"{free:.3f} s")
         print(f"| {shape} | a record | {' | '.join(cells)} | first free cycles {', '.join(cycles)}", flush=True)
