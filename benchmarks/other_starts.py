@@ -1,8 +1,9 @@
 """Three cycles that start and end otherwise than a sine from zero, as records: the rows of docs/underdetermined.md.
 
-    python3 benchmarks/other_starts.py [--out DIR] [cosine] [ramp] [in-and-out]
+    python3 benchmarks/other_starts.py [--out DIR] [--motion PERIOD_S AMPLITUDE_G ...] [cosine] [ramp] [in-and-out]
 
-Each runs on walls/symmetric.py in the reference solver, at the document's four motions; prints rows in Markdown.
+Each runs on walls/symmetric.py in the reference solver, by default at the document's four motions; prints rows in
+Markdown, of all motions together, then the last cycle begun in each motion and the first free one.
 Histories that are already in DIR are not run again.
 """
 
@@ -47,6 +48,8 @@ def run(shape, period_s, amplitude_g, folder):
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("shapes", nargs="*", metavar="SHAPE", help=f"of {', '.join(SHAPES)}; by default all")
+    parser.add_argument("--motion", nargs=2, type=float, action="append", metavar=("PERIOD_S", "AMPLITUDE_G"),
+                        help="instead of the four; can be given again")
     parser.add_argument("--out", type=Path, default=Path("results/other_starts"), metavar="DIR")
     asked = parser.parse_args(arguments)
     if set(asked.shapes) - set(SHAPES):
@@ -54,12 +57,12 @@ def main(arguments=None):
     asked.out.mkdir(parents=True, exist_ok=True)
     for shape in asked.shapes or SHAPES:
         cells, cycles = [], []
-        for motion in MOTIONS:
+        for motion in asked.motion or MOTIONS:
             found = summarise(run(shape, *motion, asked.out))
             cells.append(f"{found['max']['DI']:.3f} / {found['max_shear_limit']['DI']:.3f}")
-            free = found["first_free_cycle_s"]
-            cycles.append("-" if free is None else f"{free:.3f} s")
-        print(f"| {shape} | a record | {' | '.join(cells)} | first free cycles {', '.join(cycles)}", flush=True)
+            cycles.append(", ".join("-" if found[name] is None else f"{found[name]:.3f}"
+                                    for name in ("last_cycle_s", "first_free_cycle_s")))
+        print(f"| {shape} | {' | '.join(cells)} | last and first free cycle [s]: {' | '.join(cycles)} |", flush=True)
     return 0
 
 
