@@ -89,7 +89,7 @@ def toe_length(layout):
 
 
 def bound(layout, **options):
-    """The largest force at the top [N], which is kept from rotating unless `held` says so; options of `collapse_load`."""
+    """The largest force at the top [N], kept from rotating unless `held` says otherwise; options of `collapse_load`."""
     return collapse_load(layout, load=top_load(layout), **{"held": layout.pushed_bodies, **options}).multiplier
 
 

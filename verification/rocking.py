@@ -9,8 +9,9 @@ theta by
 from rest at theta_0 to the ground in a quarter of its period.  Housner's own T/4 = arccosh(1/(1 - theta_0/alpha))/p
 with p^2 = m g R/I puts alpha - theta for its sine; the quadrature here does not.
 
-At the impact Housner's rigid block keeps ((I_o - 2 m b^2) / I_o)^2 of its energy, I_o about a corner.  One on an elastic
-joint loses in another way: contact points that land or open have little force on them and slide, and friction takes it.
+At the impact Housner's rigid block keeps ((I_o - 2 m b^2) / I_o)^2 of its energy, I_o about a corner.  One on an
+elastic joint loses in another way: contact points that land or open have little force on them and slide, and friction
+takes it.
 
     python3 -m verification.rocking            # what is left after one impact, in the reference solver
 """
@@ -171,7 +172,8 @@ def rock(share, contacts="corners", joint=DRY):
 def energy_of(wall):
     """Kinetic energy, height and strain of the joint [J] above those of the block that stands without load."""
     bodies, joints, contacts = wall.layout.bodies, wall.system.joints, wall.layout.contacts
-    moved = 0.5 * bodies.mass[0] * np.sum(wall.velocity[0, :2]**2) + 0.5 * bodies.inertia[0] * wall.velocity[0, 2]**2
+    velocity = wall.velocity[0]
+    moved = 0.5 * bodies.mass[0] * (velocity[0]**2 + velocity[1]**2) + 0.5 * bodies.inertia[0] * velocity[2]**2
     strain = joints["sigma"]**2 / contacts.normal_stiffness + joints["tau"]**2 / contacts.shear_stiffness
     return moved + bodies.mass[0] * GRAVITY * wall.displacement[0, 1] + 0.5 * float(np.sum(contacts.area * strain))
 

@@ -65,8 +65,9 @@ def _draw_run(left, right, history, colour, line, marker):
     else:
         right.plot(100 * series["drift_ratio"].abs(), history.index()["DI"], color=colour, lw=1.1, ls="--")
     joints = "softening" if history.masonry_wall.joint.softens else "brittle"
-    return Line2D([], [], color=colour, lw=1.3, ls=line, marker=marker if cyclic else "", ms=3, label=(
-        f"{history.wall}, {joints}, {solver}, {'cyclic' if cyclic else 'pushover'} {1e3 * loading.speed_m_s:g} mm/s"))
+    way = "cyclic" if cyclic else "pushover"
+    return Line2D([], [], color=colour, lw=1.3, ls=line, marker=marker if cyclic else "", ms=3,
+                  label=f"{history.wall}, {joints}, {solver}, {way} {1e3 * loading.speed_m_s:g} mm/s")
 
 
 def _draw_test(ax, test, sides):
