@@ -179,7 +179,8 @@ def energy_of(wall):
 
 
 def main():
-    print("| contact points | tan phi | from, of alpha | energy left | friction took | Housner |\n" + "| --- " * 6 + "|")
+    print("| contact points | tan phi | from, of alpha | energy left | friction took | Housner |")
+    print("| --- " * 6 + "|")
     for contacts in ("interior", "corners"):
         layout = one_block(SLENDER, contacts=contacts, cells=1)
         half_width, half_height = foot(layout), float(layout.bodies.z[0])

@@ -60,8 +60,8 @@ def _draw_run(left, right, history, colour, line, marker):
     if cyclic:
         table = cycles_table(history)
         drift = np.column_stack([table["max_drift_pct"], -table["min_drift_pct"]]).ravel()
-        right.plot(drift, table[["DI_at_max", "DI_at_min"]].to_numpy().ravel(), color=colour, marker=marker, ms=3, lw=0.7,
-                   ls=line)
+        index = table[["DI_at_max", "DI_at_min"]].to_numpy().ravel()
+        right.plot(drift, index, color=colour, marker=marker, ms=3, lw=0.7, ls=line)
     else:
         right.plot(100 * series["drift_ratio"].abs(), history.index()["DI"], color=colour, lw=1.1, ls="--")
     joints = "softening" if history.masonry_wall.joint.softens else "brittle"
