@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.measure.tables import write_table
-from damage.studies.after_damage import load_shocks
+from damage.studies.after_damage import load_shocks, table_after_damage
 from damage.studies.fragility import LEVELS, curve, efficiency_table, fit, fragility, load_runs
 from damage.studies.fragility_picture import few_note, fragility_picture
 
@@ -219,12 +219,19 @@ class TestAfterDamage:
 
     def test_each_shock_has_its_own_intensity_and_damage_before(self, study):
         shocks = load_shocks(load_runs(study), study)
-        assert len(shocks) == 2 * 8 * 2 * 3
+        assert len(shocks) == 8 * (2 + 2 * 3)  # a first shock once, whatever follows
         assert set(shocks["before"]) == {"undamaged", "Psi about 1"}
-        one = shocks[(shocks["run"] == "run-0-0.5-0.25")].set_index("shock")
-        assert_allclose(one["pga_g"], [0.1, 0.05])
-        assert_allclose(one["arias_m_s"], [0.25, 0.0625])
-        assert_allclose(one["max_psi"], [0.75 / 0.9, 0.75 / 0.9])
+        one = shocks[(shocks["run"] == "run-0-0.5-1.0")].set_index("shock")
+        assert_allclose(one["pga_g"], [0.1, 0.2])
+        assert_allclose(one["arias_m_s"], [0.25, 1.0])
+        assert_allclose(one["max_psi"], [0.75 / 0.9, 3 / 0.9])
+
+    def test_too_few_shocks_of_a_class_are_not_fitted(self, study):
+        shocks = load_shocks(load_runs(study), study)
+        few = shocks[(shocks["before"] == "undamaged") | (shocks["strength_seed"] < 2)]
+        assert set(table_after_damage(few, "pga_g", 5)["before"]) == {"undamaged"}
+        with pytest.raises(InputError, match="expected 20 or more"):
+            table_after_damage(shocks.head(19), "pga_g", 5)
 
     def test_a_damaged_wall_reaches_psi_1_at_half_the_intensity(self, study, tmp_path, capsys):
         assert main(["fragility", str(study), "--out", str(tmp_path / "f"), "--after-damage", "--replicates", "5"]) == 0

@@ -14,18 +14,19 @@ from damage.studies.fragility import INTENSITIES, LEVELS, fragility
 BEFORE = {"undamaged": (0.0, 0.25), "Psi about 0.5": (0.25, 0.75), "Psi about 1": (0.75, 1.25),
           "Psi about 1.5": (1.25, 1.75)}
 """Words for Psi at rest before a shock: from, up to [-]; a single crack of 0.02 mm is 0.62."""
+LEAST_SHOCKS = 20
+"""Fewer of a class of damage before are not fitted."""
 _SQUARED = ("arias_m_s",)
 """Intensities that go with the square of the motion."""
-
-
 def load_shocks(runs, folder):
     """Every shock of runs (rows of a study's summary.csv) as a row like theirs, with `shock`, `psi_before` [-] and its
     class `before`, a word of BEFORE, else "more".
 
-    Measures are those within the shock, intensities its own: the run's, of its strongest shock, by the factors.
+    Measures are those within the shock, intensities its own: the run's, of its strongest shock, by the factors.  What
+    several runs share, as the first shock of all that differ by the second one, counts once.
     folder: the study's, with tables/shocks.csv.  InputError where there is no sequence, or a run's shocks are missing.
     """
-    path, rows = folder / "tables" / "shocks.csv", []
+    path, rows, known = folder / "tables" / "shocks.csv", [], set()
     if not path.is_file():
         raise InputError(f"{folder} holds no tables/shocks.csv; expected a study of sequences, as "
                          "studies/aftershocks.toml, summed up by this version: run ./run_all.sh again")
@@ -39,6 +40,11 @@ def load_shocks(runs, folder):
         before = table["residual_psi"].shift(1, fill_value=0.0)
         for (_, shock), psi in zip(table.iterrows(), before):
             factor = abs(shock["factor"]) / strongest
+            so_far = table["factor"][table["shock"] <= shock["shock"]] * (run["pga_g"] / strongest)
+            story = (run["wall"], str(run["record"]), run["strength_seed"], *so_far.round(9), *shock[[*LEVELS]])
+            if story in known:
+                continue
+            known.add(story)
             fell = run["collapsed_at_s"] <= shock["end_s"] + 1e-9
             rows.append(run.to_dict() | {name: run[name] * factor ** (2 if name in _SQUARED else 1)
                                          for name in INTENSITIES if name in run}
@@ -56,13 +62,20 @@ def _class(psi):
 
 
 def table_after_damage(shocks, intensity, replicates):
-    """A DataFrame with a row for each wall, class of the damage before, measure and level: fits of `fragility`."""
+    """A DataFrame with a row for each wall, class of the damage before, measure and level: fits of `fragility`.
+
+    InputError where no class has enough shocks."""
     rows = []
     for (wall, before), of_class in shocks.groupby(["wall", "before"], sort=False):
+        if len(of_class) < LEAST_SHOCKS:
+            continue
         for measure, levels in LEVELS.items():
             for level in levels:
                 one = fragility(of_class, measure, level, intensity, replicates)
                 rows.append({"wall": wall, "before": before, "intensity": intensity, **one.row()})
+    if not rows:
+        raise InputError(f"{len(shocks)} shocks; expected {LEAST_SHOCKS} or more of one class of the damage before; run "
+                         "more of them")
     table = pd.DataFrame(rows)
     order = {words: place for place, words in enumerate([*BEFORE, "more"])}
     return table.sort_values("before", key=lambda column: column.map(order), kind="stable", ignore_index=True)

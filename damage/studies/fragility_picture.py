@@ -74,18 +74,18 @@ def picture_after_damage(wall, shocks, table, intensity="pga_g"):
     """A panel for Psi of 1 and of 2, a curve for each class of the damage before; shocks, table: of one wall, of
     `damage.studies.after_damage`."""
     levels = LEVELS["max_psi"]
-    figure, axes = grid(1, len(levels), 2.3)
+    figure, axes = grid(1, len(levels), 3.0)
     x = np.linspace(0.005, 1.08, 200) * shocks[intensity].max()
     for number, (ax, level) in enumerate(zip(axes[0], levels)):
         rows = table[(table["measure"] == "max_psi") & (table["level"] == level)]
         handles = [_draw_after(ax, x, shocks, row, style, intensity)
                    for (_, row), style in zip(rows.iterrows(), (*_STYLES, (VERMILLION, "v", ":"), (BLACK, "x", "-")))]
-        ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
+        ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.1), ncols=1, borderaxespad=0)
         letter(ax, number, rf"$\Psi$ > {level:g}")
         ax.set(xlabel=INTENSITIES[intensity], xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     axes[0, 0].set_ylabel("probability of exceeding")
     records = shocks["record"].dropna().unique()
-    add_heading(figure, f"{wall} wall, {len(shocks)} shocks of {shocks['run'].nunique()} runs, by the damage before",
+    add_heading(figure, f"{wall} wall, {len(shocks)} shocks, by the damage before",
                 "; ".join(record_label(name) for name in records), slip_note(shocks), few_note(len(records)))
     return finish(figure, [Line2D([], [], color="0.3", label="lognormal fit"), Line2D(
         [], [], color="0.3", marker="o", ls="", ms=3, label="share of the shocks at one intensity")], columns=2)
