@@ -46,7 +46,9 @@ class HistoryWriter:
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         self.path = Path(path)
-        self._rows = {group: [] for group in schema.GROWING}  # of each group, in the order of its columns
+        # What waits to be written: of the frames whole columns, of the other groups rows in the order of theirs.
+        self._rows = {group: [] for group in schema.GROWING if group != "frames"}
+        self._frames = [np.empty((_CHUNK, layout.n_joints), column.dtype) for column in schema.FRAMES.values()]
         with self._writing():
             self._file = _create_file(self.path, overwrite)
             write_head(self.path, Head(**head_of(solver, versions)))
@@ -72,9 +74,9 @@ class HistoryWriter:
         opening, slip, offset [m], state (bits BROKEN, AT_LIMIT, CRUSHED): arrays (n_joints,).
         """
         row = {"stage": schema.STAGES.index(stage), **row}
+        for column, values in zip(self._frames, (opening, slip, offset, state), strict=True):
+            column[len(self._rows["series"])] = values
         self._rows["series"].append([row.get(name, np.nan) for name in schema.SERIES])
-        self._rows["frames"].append((*(np.array(values, "f4") for values in (opening, slip, offset)),
-                                     np.array(state, "u1")))
         if len(self._rows["series"]) >= _CHUNK:
             self.flush()
 
@@ -90,10 +92,14 @@ class HistoryWriter:
     def flush(self):
         """Write what is buffered and make it safe."""
         with self._writing():
-            for group, rows in self._rows.items():
-                for dataset, column in zip(self._growing[group], zip(*rows)):
-                    _extend(dataset, column)
-                    dataset.flush()
+            waiting = {group: list(zip(*rows)) for group, rows in self._rows.items()}
+            waiting["frames"] = [column[:len(self._rows["series"])] for column in self._frames]
+            for group, columns in waiting.items():
+                for dataset, column in zip(self._growing[group], columns):
+                    if len(column) > 0:
+                        _extend(dataset, column)
+                        dataset.flush()
+            for rows in self._rows.values():
                 rows.clear()
             self._file.flush()
 

@@ -5,6 +5,7 @@ other there, and moves those that are to go equally far as lanes of one block.  
 """
 
 import threading
+from collections import deque
 
 from damage.memory import hold_buffers
 from damage.reference.lanes import MOST_LANES, are_alike, run_together
@@ -88,18 +89,19 @@ def _give_up(prepared, *_):
 class Meeting:
     """Where walls wait until all that have not left are there; then each goes as far as it asked for.
 
-    members: how many will come, each from a thread of its own, and `leave`.
+    members: how many will come, each from a thread of its own, and `leave`.  When all have been moved one after the
+    other has its turn until it is back: eight threads awake at once would hinder each other, as Python runs but one.
     """
 
     def __init__(self, members):
-        self._members, self._change = members, threading.Condition()
+        self._members, self._lock = members, threading.Lock()
         self._kinds = []  # a wall of each
-        self._waiting, self._failures = {}, {}  # {wall: steps}, {wall: failure or None}
+        self._waiting, self._moved = {}, deque()  # {wall: steps}, in an order that stays; walls that wait for their turn
 
     def solver(self, layout, time_step):
         """A ReferenceSolver that steps with the others."""
         wall = _Member(layout, time_step)
-        with self._change:
+        with self._lock:
             kind = next((k for k, other in enumerate(self._kinds) if are_alike(other, wall)), len(self._kinds))
             self._kinds += [wall] * (kind == len(self._kinds))
             wall.meet(self, kind)
@@ -107,32 +109,36 @@ class Meeting:
 
     def step(self, wall, n_steps):
         """Advance a wall as soon as all others are to advance, too."""
-        with self._change:
+        with self._lock:
             self._waiting[wall] = n_steps
             self._go_on()
-            self._change.wait_for(lambda: wall in self._failures)
-            failure = self._failures.pop(wall)
-        if failure is not None:
-            raise failure
+        wall.turn.acquire()
+        if wall.failure is not None:
+            raise wall.failure
 
     def leave(self):
         """Come no more."""
-        with self._change:
+        with self._lock:
             self._members -= 1
             self._go_on()
 
     def _go_on(self):
-        """Advance all, where all wait."""
-        if len(self._waiting) < max(1, self._members):
-            return
+        """Give the turn to the next wall; where all wait advance them before."""
+        if not self._moved and len(self._waiting) >= max(1, self._members):
+            self._move_all()
+        if self._moved:
+            self._moved.popleft().turn.release()
+
+    def _move_all(self):
+        """Advance all walls."""
         companies = {}  # {(kind, steps): walls}
-        for wall in sorted(self._waiting, key=id):  # in an order that stays: lanes would be made anew
-            n_steps = self._waiting[wall]
+        for wall, n_steps in self._waiting.items():
             companies.setdefault((wall.kind, n_steps), []).append(wall)
         for (_, n_steps), walls in companies.items():
-            self._failures |= zip(walls, _advance(walls, n_steps))
+            for wall, failure in zip(walls, _advance(walls, n_steps)):
+                wall.failure = failure
+        self._moved += self._waiting
         self._waiting.clear()
-        self._change.notify_all()
 
 
 def _advance(walls, n_steps):
@@ -146,10 +152,13 @@ def _advance(walls, n_steps):
 
 
 class _Member(ReferenceSolver):
-    """A ReferenceSolver that advances when the others do; kind: which of them have the same bricks."""
+    """A ReferenceSolver that advances when the others do; kind: which of them have the same bricks; turn: released when
+    it may go on; failure: of its last steps, or None."""
 
     def meet(self, meeting, kind):
-        self._meeting, self.kind = meeting, kind
+        self._meeting, self.kind, self.failure = meeting, kind, None
+        self.turn = threading.Lock()
+        self.turn.acquire()
 
     def run(self, n_steps):
         self._meeting.step(self, n_steps)
