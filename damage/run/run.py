@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from damage.errors import RunError
-from damage.history.writer import SNAPSHOT_SAMPLES
+from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.doubts import AT_REST
 from damage.measure.energy import Balance, noise_j
 from damage.run import schedule
@@ -50,8 +50,8 @@ class Run:
     @property
     def index(self):
         """The damage index of the last sample."""
-        return index_now(self.layout, self._top(self._motion(self._last)) / self.layout.drift_height, self._last.opening,
-                         self._last.offset)
+        return index_now(self.layout, self._top(self._motion(self._last)) / self.layout.drift_height,
+                         self._last.opening, self._last.offset)
 
     @property
     def energy_error(self):
