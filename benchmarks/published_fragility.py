@@ -4,7 +4,8 @@
     python3 benchmarks/published_fragility.py results/published [--out DIR]
 
 Psi over 1 and 2 by PGV: this model's symmetric wall, with stress, period and damping switched in turn, and the shares
-of P. A. Korswagen and others (2022).
+of P. A. Korswagen and others (2022).  `--soil` prints, without a study, the periods that the walls would have on his
+soil springs.
 """
 
 import argparse
@@ -12,6 +13,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
@@ -20,7 +23,12 @@ from matplotlib.lines import Line2D
 
 from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, SKY, VERMILLION, save_figures, styled
+from damage.motion.formats import read_record
+from damage.motion.intensity import response_spectrum
 from damage.studies.fragility import curve, exceeding, fragility, load_runs
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.modes import mass_vector, natural_modes, stiffness_matrix
 
 MODELS = {("symmetric", False): ("0.6 MPa in the piers, 0.200 s, undamped (default)", BLACK, "-"),
           ("symmetric_light_slow", False): ("0.12 MPa, 0.200 s", BLUE, "-"),
@@ -36,6 +44,50 @@ KORSWAGEN = {"Korswagen, undamaged": (0.01, 0.06, 0.19, 0.32, 0.48, 0.60),
 """Shares of his runs that reach Psi of 1, at KORSWAGEN_MM_S."""
 KORSWAGEN_2 = (40, 0.06)
 """PGV [mm/s], and the share that reaches Psi of 2 there."""
+
+SOILS_N_M3 = {"peat": (1.21e8, 1.04e8), "sand": (4.36e8, 3.76e8)}
+"""Subgrade moduli of his soils, up and along [N/m3]."""
+RECORDS = REPOSITORY / "studies/records.csv"
+STRIPS_M = (0.3, 0.5)
+"""Widths of a foundation strip [m], assumed here."""
+
+
+def soil_table():
+    """Lines of Markdown: first periods on a fixed base and on soil springs, and by what the records' spectral
+    acceleration there is more, or less."""
+    records = [read_record(REPOSITORY / path) for path in pd.read_csv(RECORDS)["record"].unique()]
+    columns = [(soil, width) for soil in SOILS_N_M3 for width in STRIPS_M]
+    lines = ["| wall | fixed base | " + " | ".join(f"{soil}, strip of {width:g} m" for soil, width in columns) + " |",
+             "| --- " * (len(columns) + 2) + "|"]
+    for name in ("symmetric", "variants/symmetric_light"):
+        layout = lay_out(load_wall(REPOSITORY / "walls" / f"{name}.py"))
+        periods = [natural_modes(layout).period_s[0],
+                   *(period_on_soil(layout, *SOILS_N_M3[soil], width) for soil, width in columns)]
+        spectra = np.array([response_spectrum(record, periods) for record in records])
+        ratios = spectra / spectra[:, :1]
+        cells = [f"{period:.3f} s, {ratio.min():.2f} to {ratio.max():.2f}" for period, ratio in zip(periods, ratios.T)]
+        words = MODELS[Path(name).name, False][0].split(",")[0]
+        lines.append(f"| {words} | {periods[0]:.3f} s | {' | '.join(cells[1:])} |")
+    return lines
+
+
+def period_on_soil(layout, up, along, width):
+    """First period [s] of an intact wall on a rigid strip without mass, `width` [m] wide, on springs `up` and `along`
+    [N/m3]: the flexibility of the strip adds to the wall's."""
+    length, bodies = layout.wall.length, layout.bodies
+    rigid = np.zeros((len(bodies.x), 3, 3))  # of every body, when the strip moves along, up, and turns about its middle
+    rigid[:, 0, 0] = rigid[:, 1, 1] = rigid[:, 2, 2] = 1.0
+    rigid[:, 0, 2], rigid[:, 1, 2] = -bodies.z, bodies.x - length / 2
+    rigid = rigid.reshape(-1, 3)
+    flexibility = 1 / (width * length * np.array([along, up, up * length**2 / 12]))
+    root, solve = np.sqrt(mass_vector(layout)), splu(stiffness_matrix(layout).tocsc()).solve
+
+    def dynamic(vector):
+        forces = root * vector.ravel()
+        return root * (solve(forces) + rigid @ (flexibility * (rigid.T @ forces)))
+
+    largest = eigsh(LinearOperator((len(root),) * 2, matvec=dynamic), k=1, return_eigenvectors=False)[0]
+    return 2 * np.pi * np.sqrt(largest)
 
 
 def fits(runs):
@@ -92,9 +144,14 @@ def picture(runs, found):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("study", type=Path)
+    parser.add_argument("study", type=Path, nargs="?")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--soil", action="store_true")
     asked = parser.parse_args()
+    if asked.soil:
+        print("\n".join(soil_table()))
+    if asked.study is None:
+        return
     runs = load_runs(asked.study)
     found = fits(runs)
     print("\n".join(table(found)))

@@ -1,6 +1,7 @@
 """Crack files: what is refused, what the joints of a wall make of them, and the way back to the index."""
 
 import json
+from dataclasses import replace
 from math import nan, sqrt
 
 import numpy as np
@@ -21,6 +22,7 @@ from damage.laboratory.crack_mapping import (
     map_cracks,
 )
 from damage.measure.cracks import cracks_at, psi
+from damage.wall.layout import CUT, HEAD, lay_out
 
 HEADER = "load_level,drift_pct,crack,point,x_m,z_m,opening_mm,slip_mm,width_mm,mode\n"
 WALL = '''
@@ -148,6 +150,22 @@ def test_a_crack_through_a_brick_or_beside_the_wall_is_on_no_joint(tmp_path):
     assert level["unmapped_m"] == pytest.approx(0.265) and level["psi"] == level["DI"][1] == 0
     assert level["psi_drawn"] == pytest.approx(2 * 2**0.15 * 0.2**0.3)
     assert level["drift_pct"] is None and level["DI_drift"] is None
+
+
+@pytest.mark.parametrize("splits, cracks, on_joints", [(False, 2, 0.075), (True, 1, 0.0)])
+def test_a_crack_through_a_bricks_middle(tmp_path, splits, cracks, on_joints):
+    """Half on the head joint above and half on that below; in a wall whose bricks split on the brick's own middle,
+    which is a crack but no part of the index."""
+    layout = small_layout()
+    if splits:
+        layout = lay_out(replace(layout.wall, brick=replace(layout.wall.brick, tensile_strength=2e6)))
+    (pattern,) = patterns(tmp_path, "1,,1,1,0.3375,0.15,,,0.2,tension\n1,,1,2,0.3375,0.225,,,,\n")
+    mapped = map_cracks(pattern, layout)
+    assert set(layout.contacts.kind[mapped.table["joint"]]) == {CUT if splits else HEAD}
+    level = figures(pattern, layout)
+    assert (level["unmapped_m"], level["cracks"]) == (pytest.approx(0, abs=1e-3), cracks)  # the middle piece
+    assert level["crack_length_m"] == pytest.approx(0.075, abs=1e-3)
+    assert level["DI_open"][0] * layout.total_joint_length == pytest.approx(on_joints, abs=1e-3)
 
 
 def test_a_crack_drawn_twice_counts_once(tmp_path):

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.dic_field import sampled_field
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.history.reader import read_history
@@ -35,21 +36,6 @@ def wall():
     return Wall("panel", 0.9, {height}, precompression=0.05e6, joint=Joint(
         tensile_strength=0.02e6, cohesion=0.03e6, friction_angle=math.radians({friction})))
 '''
-
-
-def sampled_field(layout, motion, level=1.0, spacing=0.01, noise=0.0, seed=0, drift_ratio=np.nan):
-    """What DIC sees of bricks that move as `motion` (n_bodies, 3) says: a Field of points on a grid."""
-    bodies, wall = layout.bodies, layout.wall
-    grid = np.stack(np.meshgrid(np.arange(spacing / 2, wall.length, spacing),
-                                np.arange(spacing / 2, wall.built_height, spacing)), -1).reshape(-1, 2)
-    displacement = np.full_like(grid, np.nan)
-    for brick in range(layout.n_bricks):
-        place = grid - [bodies.x[brick], bodies.z[brick]]
-        inside = np.all(np.abs(place) <= [bodies.length[brick] / 2, bodies.height[brick] / 2], axis=1)
-        displacement[inside] = motion[brick, :2] + turned(place[inside], motion[brick, 2])
-    displacement += np.random.default_rng(seed).normal(0, noise, displacement.shape)
-    seen = np.isfinite(displacement[:, 0])
-    return Field(level, drift_ratio, grid[seen], displacement[seen])
 
 
 def write_field(path, fields):

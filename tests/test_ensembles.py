@@ -47,8 +47,40 @@ class TestGrid:
         assert [one["a"] for one in expand({"a": "{n}", "vary": {"n": {"from": 3, "to": 5}}}, "")] == [3, 4, 5]
         assert [one["a"] for one in expand({"a": "{n}", "vary": {"n": [False, [1, 2]]}}, "")] == [False, [1, 2]]
 
+    def test_rows_of_a_file_go_with_every_value_of_vary(self, tmp_path):
+        (tmp_path / "list.csv").write_text(f"record,start,end,scale\n{BGAR},18,19,2\n{BGAR},18.5,20,0.5\n\n")
+        study = load_study(write_study(tmp_path, (
+            '[[grid]]\nwall = "walls/{wall}.py"\nrows = "list.csv"\nvary = { wall = ["solid", "symmetric"] }\n'
+            'options = { record = "{record}", window = ["{start}", "{end}"], scale = "{scale}" }\n')), "reference")
+        assert [(run.wall, *run.words[3:]) for run in study.runs] == [
+            (f"walls/{wall}.py", "18" if scale == "2" else "18.5", end, "--scale", scale)
+            for end, scale in (("19", "2"), ("20", "0.5")) for wall in ("solid", "symmetric")]
+
+    @pytest.mark.parametrize(("table", "vary", "told"), [
+        (None, "", "no file list.csv"),
+        ("", "", "has no rows"),
+        ("a\n", "", "has no rows"),
+        ("a,b\n1,2\n", "", "'b', which nothing uses"),
+        ("b\n1\n", "", "'b', which nothing uses"),
+        ("a\n1\n2,3\n", "", "row 2 of"),
+        ("a,a\n1,2\n", "", "a column 'a'"),
+        ("1a\n1\n", "", "a column '1a'"),
+        ("a,b\n1,\n", "", "or an empty one"),
+        ("a\n1\n", "vary = { a = [1] }\n", "both name 'a'"),
+        ("a\nnan\n", "", "rest"),
+        (b"a\n\xff\n", "", "no table of text"),
+    ], ids=str)
+    def test_bad_rows_are_refused_in_one_line(self, tmp_path, table, vary, told):
+        if table is not None:
+            (tmp_path / "list.csv").write_bytes(table if isinstance(table, bytes) else table.encode())
+        grid = f'[[grid]]\n{WALL}rows = "list.csv"\n{vary}options = {{ harmonic = [0.2, 0.05], rest = "{{a}}" }}\n'
+        with pytest.raises(InputError) as caught:
+            load_study(write_study(tmp_path, grid), "reference")
+        assert told in str(caught.value) and "\n" not in str(caught.value)
+
     @pytest.mark.parametrize(("text", "told"), [
         (f'[[grid]]\n{WALL}{SINE}', "grid 1: vary = None"),
+        (f'[[grid]]\n{WALL}{SINE}rows = 3', "rows = 3"),
         (f'[[grid]]\n{WALL}{SINE}vary = {{ a = [] }}', "vary holds a = []"),
         (f'[[grid]]\n{WALL}{SINE}vary = {{ a = [1] }}', "vary names 'a', which nothing uses"),
         ('[[grid]]\nwall = "{b}"\noptions = { rest = "{a}" }\nvary = { a = [1] }', "names 'b'"),

@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -301,6 +302,18 @@ class TestStudy:
         assert links.count("#run-A") == 2  # of the contents and of the table
         (study / "runs" / "a.h5").unlink()
         assert "a.h5" in Page(page([], [study])).text
+
+    def test_of_every_point_the_worst_run_comes_before_its_others(self, study):
+        summary = read_table(study / "tables" / "summary.csv")
+        again = summary[summary["run"] == "b"].assign(run="b_again")
+        shutil.copy(study / "runs" / "b.h5", study / "runs" / "b_again.h5")
+        pd.concat([summary, again.assign(max_DI=again["max_DI"] * 2)]).to_csv(study / "tables" / "summary.csv",
+                                                                              index=False)
+        told = Page(page([], [study])).text
+        order = sorted(("b_again.h5,", "b.h5,", "a.h5,"), key=told.index)
+        worse = summary.set_index("run")["max_DI"]
+        assert order == (["b_again.h5,", "a.h5,", "b.h5,"] if 2 * worse["b"] > worse["a"]
+                         else ["a.h5,", "b_again.h5,", "b.h5,"])
 
     def test_without_histories_the_tables_are_left(self, study):
         for path in (study / "runs").iterdir():

@@ -11,6 +11,7 @@ from damage.wall.parameters import ModelOptions, Wall
 from verification.limit_analysis import collapse_load
 from verification.lourenco import (
     CRUSHING,
+    LENGTH,
     LOADS_N,
     SPLITTING_PUSH_M_S,
     STONE,
@@ -42,6 +43,12 @@ def test_measured_curves(name, peaks):
 class TestLimitAnalysis:
     def test_friction_below_the_top_course_is_the_bound(self, name):
         assert_allclose(bound(lay(name)), sliding_by_hand(name), rtol=1e-6)
+
+    def test_a_free_top_carries_less_than_the_whole_wall_turning_about_its_toe(self, name):
+        layout = lay(name)
+        arm = layout.bodies.z[layout.pushed_bodies].mean()
+        about_the_toe = layout.total_mass * GRAVITY * LENGTH / 2 / arm
+        assert 0.85 * about_the_toe < bound(layout, held=()) < about_the_toe
 
     def test_crushing_at_the_stones_strength_changes_nothing(self, name):
         assert_allclose(bound(lay(name), crushing=CRUSHING), bound(lay(name)), rtol=1e-6)

@@ -64,6 +64,16 @@ def test_quarter_period_by_plain_integration():
     assert_allclose(rocking.housner(share, rate), solved.t_events[0][0], rtol=1e-2)
 
 
+@pytest.mark.parametrize("contacts, least, most, housner", [
+    ("interior", 0.02, 0.03, 0.955), ("corners", 0.06, 0.08, 0.831)])
+def test_what_a_rocking_block_loses_at_its_impact_is_frictions(contacts, least, most, housner):
+    """By its energy before and after; Housner's rigid block keeps (1 - 2 b^2 / (I / m + b^2 + h^2))^2 of it."""
+    found = rocking.rock(0.5, contacts)
+    assert least < found.friction < most
+    assert found.left + found.friction == pytest.approx(1, abs=0.01)
+    assert housner < found.left < 1 and 0.8 < found.tilt < 1
+
+
 def test_a_wall_without_weight_has_the_period_of_its_springs():
     layout = lay_out(load_wall(REPOSITORY / "benchmarks" / "small_wall.py"))
     springs = natural_modes(layout, 1).period_s[0]

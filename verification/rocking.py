@@ -7,20 +7,27 @@ theta by
     I theta'' = -m g R sin(alpha - theta)
 
 from rest at theta_0 to the ground in a quarter of its period.  Housner's own T/4 = arccosh(1/(1 - theta_0/alpha))/p
-with p^2 = m g R/I puts alpha - theta for its sine; the quadrature here does not.  What happens at the impact is
-left out: Housner's block loses energy there, one on an elastic joint does not.
+with p^2 = m g R/I puts alpha - theta for its sine; the quadrature here does not.
+
+At the impact Housner's rigid block keeps ((I_o - 2 m b^2) / I_o)^2 of its energy, I_o about a corner.  One on an
+elastic joint loses in another way: contact points that land or open have little force on them and slide, and friction
+takes it.
+
+    python3 -m verification.rocking            # what is left after one impact, in the reference solver
 """
 
 import math
-from dataclasses import replace
+import sys
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.integrate import quad
 
+from damage.reference.tables import FRICTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Joint, ModelOptions, Wall
-from verification.block import SLENDER, STICKY, foot, settle, solver_of
+from verification.block import DRY, SLENDER, STICKY, foot, one_block, settle, solver_of
 from verification.problem import Problem, ask_yade
 
 SHARES = (0.2, 0.5, 0.8)
@@ -117,15 +124,19 @@ def tilted(layout, tilt):
     return half_width + radius * math.cos(angle), radius * math.sin(angle) - half_height, sag
 
 
-def fall_back(tilt):
-    """Time [s] from rest at a tilt about the right corner until the block stands upright."""
-    layout = layout_of()
-    wall = solver_of(layout, 0.5)
-    x, z, sag = tilted(layout, tilt)
+def tilt_it(wall, tilt):
+    """Put the block of a ReferenceWall at a tilt about its right corner, at rest."""
+    x, z, sag = tilted(wall.layout, tilt)
     place = wall.system.place
     place["x"][0], place["z"][0] = x, z - sag
     place["turn"][0], place["cos1"][0], place["sin"][0] = -tilt, math.cos(tilt) - 1, -math.sin(tilt)
     wall.refresh()
+
+
+def fall_back(tilt):
+    """Time [s] from rest at a tilt about the right corner until the block stands upright."""
+    wall = solver_of(layout_of(), 0.5)
+    tilt_it(wall, tilt)
     before = -tilt
     while True:
         wall.run(1)
@@ -133,3 +144,54 @@ def fall_back(tilt):
         if now >= 0:
             return (wall.step - now / (now - before)) * wall.time_step
         before = now
+
+
+# --- through the impact ---------------------------------------------------------------------------
+
+@dataclass(frozen=True)
+class Impact:
+    """After one impact, at the next turn, in shares of the energy at the first: left; friction; tilt over the first."""
+
+    left: float
+    friction: float
+    tilt: float
+
+
+def rock(share, contacts="corners", joint=DRY):
+    """The Impact of a block on a joint of a wall that falls back from a share of its slenderness."""
+    wall = solver_of(one_block(SLENDER, joint, contacts=contacts, cells=1), 0.5)
+    tilt = share * math.atan(foot(wall.layout) / float(wall.layout.bodies.z[0]))
+    tilt_it(wall, tilt)
+    start, before = energy_of(wall), -tilt
+    while wall.displacement[0, 2] < 0 or wall.displacement[0, 2] > before:
+        before = wall.displacement[0, 2]
+        wall.run(20)
+    return Impact(energy_of(wall) / start, float(wall.energy[FRICTION]) / start, before / tilt)
+
+
+def energy_of(wall):
+    """Kinetic energy, height and strain of the joint [J] above those of the block that stands without load."""
+    bodies, joints, contacts = wall.layout.bodies, wall.system.joints, wall.layout.contacts
+    velocity = wall.velocity[0]
+    moved = 0.5 * bodies.mass[0] * (velocity[0]**2 + velocity[1]**2) + 0.5 * bodies.inertia[0] * velocity[2]**2
+    strain = joints["sigma"]**2 / contacts.normal_stiffness + joints["tau"]**2 / contacts.shear_stiffness
+    return moved + bodies.mass[0] * GRAVITY * wall.displacement[0, 1] + 0.5 * float(np.sum(contacts.area * strain))
+
+
+def main():
+    print("| contact points | tan phi | from, of alpha | energy left | friction took | Housner |")
+    print("| --- " * 6 + "|")
+    for contacts in ("interior", "corners"):
+        layout = one_block(SLENDER, contacts=contacts, cells=1)
+        half_width, half_height = foot(layout), float(layout.bodies.z[0])
+        inertia = layout.bodies.inertia[0] / layout.bodies.mass[0] + half_width**2 + half_height**2
+        for joint in (DRY, STICKY):
+            for share in SHARES:
+                found = rock(share, contacts, joint)
+                print(f"| {contacts} | {math.tan(joint.friction_angle):.3g} | {share:g} | {found.left:.3f} | "
+                      f"{found.friction:.3f} | {(1 - 2 * half_width**2 / inertia)**2:.3f} |")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

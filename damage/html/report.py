@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from jinja2.utils import htmlsafe_json_dumps
 
@@ -70,17 +71,20 @@ def _environment():
 
 
 def _worst(studies, most):
-    """(Histories of the runs of studies with the largest DI, up to so many, the worst first; what is said of those that
-    cannot be read).  Runs without a file are passed over, those that fell come first."""
-    found = []
+    """(Histories of the runs of studies with the largest DI, up to so many, one of every point first; what is said of
+    those that cannot be read).  Runs without a file are passed over, those that fell come first."""
+    runs = pd.DataFrame(columns=["path", "others", "stood", "DI"])
     for folder in studies:
         summary, _ = runs_of(folder)
-        measures = summary.reindex(columns=["collapsed_at_s", "max_DI"]).astype(float)
-        paths = [folder / "runs" / f"{run}.h5" for run in summary["run"]]
-        found += zip(-measures["collapsed_at_s"].notna().astype(int), -measures["max_DI"].fillna(0.0), paths)
+        mine = summary.reindex(columns=["run", "point", "solver"]).assign(
+            path=[folder / "runs" / f"{run}.h5" for run in summary["run"]],
+            stood=summary.reindex(columns=["collapsed_at_s"]).isna().all(axis=1),
+            DI=-summary.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0))
+        mine = mine[[path.is_file() for path in mine["path"]]].sort_values(["stood", "DI", "run"])
+        runs = pd.concat([runs, mine.assign(others=mine.groupby(["point", "solver"], dropna=False).cumcount())])
     histories, unread = [], []
-    for _, _, path in sorted(found):
-        if len(histories) < most and path.is_file():
+    for path in runs.sort_values(["others", "stood", "DI"], kind="stable")["path"]:
+        if len(histories) < most:
             try:
                 histories.append(read_history(path))
             except InputError as error:

@@ -11,7 +11,8 @@ from damage.history.info import origin
 from damage.laboratory.pushed import test_of
 from damage.measure.pushed import cycles_table, envelope, pushed_loading
 
-RUN_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
+RUN_LOOKS = ((BLUE, "-", "o"), (ORANGE, "--", "s"), (GREEN, "-.", "^"), (PURPLE, ":", "D"), (SKY, (0, (5, 1)), "v"))
+"""Colour, line and marker of each run, so that runs are told apart in grey, too."""
 SIDES = ((1, 0), (-1, 1))  # direction of loading, its place in a test's pairs
 
 
@@ -25,7 +26,7 @@ def beside_test_picture(histories):
     test = next(iter(tests.values()))
     figure, ((left, right),) = grid(1, 2, 2.9, width_ratios=(1.25, 1))
     cyclic = any(pushed_loading(history).cycles for history in histories)
-    handles = [_draw_run(left, right, history, colour) for history, colour in zip(histories, RUN_COLOURS)]
+    handles = [_draw_run(left, right, history, *look) for history, look in zip(histories, RUN_LOOKS)]
     handles += _draw_test(left, test, SIDES if cyclic else SIDES[:1])
     handles += [right.axvline(drift, color=VERMILLION, lw=0.8, ls=line, label=label)
                 for drift, label, line in DRIFT_LIMITS_PCT]
@@ -39,7 +40,7 @@ def beside_test_picture(histories):
     old = any(history.offset_m is None for history in histories)
     add_heading(figure, f"{test.specimen}: simulated and measured; failure in the test: {test.mode}",
                 SLIP_LABELS["accumulated"] if old else "")
-    return finish(figure, handles, columns=3)
+    return finish(figure, handles, columns=2)
 
 
 def _reach(histories, test, cyclic):
@@ -48,22 +49,25 @@ def _reach(histories, test, cyclic):
     return (-reach if cyclic else -0.05 * reach), reach
 
 
-def _draw_run(left, right, history, colour):
+def _draw_run(left, right, history, colour, line, marker):
     series, loading = history.series, pushed_loading(history)
     cyclic, solver = loading.cycles > 0, "YADE" if history.solver == "yade" else history.solver
     if cyclic:
-        left.plot(100 * series["drift_ratio"], series["base_shear_n"] / 1e3, color=colour, lw=0.4, alpha=0.6)
+        left.plot(100 * series["drift_ratio"], series["base_shear_n"] / 1e3, color=colour, lw=0.3, alpha=0.5)
     for sign in (1, -1) if cyclic else (1,):
         curve = envelope(history, sign)
-        left.plot(100 * sign * curve["drift_ratio"], sign * curve["force_n"] / 1e3, color=colour, lw=1.3)
+        left.plot(100 * sign * curve["drift_ratio"], sign * curve["force_n"] / 1e3, color=colour, lw=1.3, ls=line)
     if cyclic:
         table = cycles_table(history)
         drift = np.column_stack([table["max_drift_pct"], -table["min_drift_pct"]]).ravel()
-        right.plot(drift, table[["DI_at_max", "DI_at_min"]].to_numpy().ravel(), color=colour, marker="o", ms=3, lw=0.7)
+        index = table[["DI_at_max", "DI_at_min"]].to_numpy().ravel()
+        right.plot(drift, index, color=colour, marker=marker, ms=3, lw=0.7, ls=line)
     else:
         right.plot(100 * series["drift_ratio"].abs(), history.index()["DI"], color=colour, lw=1.1, ls="--")
-    return Line2D([], [], color=colour, lw=1.3, label=f"{history.wall}, {solver}, "
-                  f"{'cyclic' if cyclic else 'pushover'} {1e3 * loading.speed_m_s:g} mm/s")
+    joints = "softening" if history.masonry_wall.joint.softens else "brittle"
+    way = "cyclic" if cyclic else "pushover"
+    return Line2D([], [], color=colour, lw=1.3, ls=line, marker=marker if cyclic else "", ms=3,
+                  label=f"{history.wall}, {joints}, {solver}, {way} {1e3 * loading.speed_m_s:g} mm/s")
 
 
 def _draw_test(ax, test, sides):

@@ -80,9 +80,9 @@ def judge_readings(folder):
 
 
 def table(found):
-    """Lines of a Markdown table: a row a claim, a column a reading; and below it how many hold."""
-    claims = [claim for claim in dict.fromkeys(finding.claim for findings in found.values() for finding in findings)
-              if claim.predicted]
+    """Lines of a Markdown table: a row a claim that a reading judges, a column a reading; and below it how many hold."""
+    claims = dict.fromkeys(finding.claim for findings in found.values() for finding in findings
+                           if finding.claim.predicted and finding.verdict != UNJUDGED)
     lines = ["| claim | " + " | ".join(reading.words for reading in found) + " |", "| --- " * (1 + len(found)) + "|"]
     for claim in claims:
         cells = [_cell([one for one in findings if one.claim == claim]) for findings in found.values()]
@@ -120,6 +120,8 @@ def conclusions(found):
     met = {claim for findings in found.values() for claim in holding(findings, list(CRITERIA))}
     judged = dict.fromkeys(one.claim for findings in found.values() for one in findings
                            if one.claim.predicted and one.verdict == DIFFERS)
+    left = dict.fromkeys(one.claim.id for findings in found.values() for one in findings
+                         if one.claim.predicted and one.claim not in met and one.claim not in judged)
     default = next(iter(found))
     gained = {reading.words: [claim.id for claim in holding(findings, list(CRITERIA))
                               if claim not in holding(found[default], list(CRITERIA))]
@@ -131,6 +133,7 @@ def conclusions(found):
     return [f"Most claims, {most}, hold in: {', '.join(best)}.",
             "No reading meets, by any criterion of slip: "
             f"{', '.join(claim.id for claim in judged if claim not in met) or 'nothing'}.",
+            *([f"Not judged, for want of runs: {', '.join(left)}."] if left else []),
             *(f"{words}: mends {', '.join(gained[words]) or 'nothing'}; breaks {', '.join(lost[words]) or 'nothing'}."
               for words in gained)]
 

@@ -13,8 +13,8 @@ A study is a TOML file:
 `options` is a table of the run's command-line options without their dashes (true stands for an
 option without a value), or the list of words of a command line.  A run may have an `id` of its own;
 otherwise one is made of its wall and options.  Paths are looked for beside the study file, then in
-the repository; a list of paths means the first that is there.  A table [[grid]] has `vary`, too, and
-stands for many runs: `damage.studies.grid`.
+the repository; a list of paths means the first that is there.  A table [[grid]] has `vary` or `rows`,
+too, and stands for many runs: `damage.studies.grid`.
 
 Every run is a point of the study.  In the reference solver a point can be an ensemble:
 
@@ -36,7 +36,7 @@ from pathlib import Path
 from damage.checks import check_file, check_path, check_whole
 from damage.errors import InputError
 from damage.run.options import parse_run
-from damage.studies.grid import expand
+from damage.studies.grid import expand, read_rows
 
 PATH_OPTIONS = ("--record", "--vertical")
 RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
@@ -66,7 +66,9 @@ ENTRY_KEYS = {
     "scatter": f"of members: coefficient of variation of the strengths (default {SCATTER:g})",
     "perturb": "of members: instead of scatter, size of the bricks' random offsets [m]",
     "samples": "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov"}
-VARY = "of a grid: lists of values by name; {name} in a string stands for the value"
+GRID_KEYS = {
+    "vary": "of a grid: lists of values by name; {name} in a string stands for the value",
+    "rows": "of a grid: a CSV table of values that belong together, as records and windows; its columns are names"}
 """What stands in a study file, and what it is for; `damage.studies.schema` tells editors."""
 
 ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -179,7 +181,7 @@ def load_study(path, solver="yade", root=None):
         raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, mend it") from error
     _check_depth(table, path)
     _check_keys(table, set(KEYS), f"{path}")
-    runs = [run for entry, where in _entries(table, path) for run in _load_entry(entry, where, path.parent, root)]
+    runs = [run for entry, where in _entries(table, path, root) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
     study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
                   runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
@@ -207,7 +209,7 @@ def _check_keys(table, known, where):
                          "take it out or mend its spelling")
 
 
-def _entries(table, path):
+def _entries(table, path, root):
     """(a table of one point, where it stands in the file), of the runs and then of the grids."""
     for kind, what in (("runs", "run"), ("grid", "grid")):
         tables = table.get(kind, [])
@@ -215,9 +217,18 @@ def _entries(table, path):
             raise InputError(f"{path}: {kind} is no list of tables; write one [[{kind}]] for each")
         for number, entry in enumerate(tables, start=1):
             where = f"{path}, {what} {number}"
-            _check_keys(entry, set(ENTRY_KEYS) | ({"vary"} if kind == "grid" else set()), where)
-            for one in expand(entry, where) if kind == "grid" else [entry]:
+            _check_keys(entry, {*ENTRY_KEYS, *(GRID_KEYS if kind == "grid" else ())}, where)
+            for one in _points(entry, where, path.parent, root) if kind == "grid" else [entry]:
                 yield one, where
+
+
+def _points(grid, where, folder, root):
+    """The tables that a grid stands for."""
+    if "rows" not in grid:
+        return expand(grid, where)
+    if not isinstance(grid["rows"], str):
+        raise InputError(f"{where}: rows = {grid['rows']!r}; expected the path of a CSV table; mend it")
+    return expand(grid, where, read_rows(root / _find(grid["rows"], where, folder, root), where))
 
 
 def _load_entry(table, where, folder, root):

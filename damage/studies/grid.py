@@ -7,38 +7,83 @@
 
 "{name}" within a string is replaced by the value; a string that is nothing but "{name}" becomes the value itself,
 whatever its type.  `{ from = 1, to = 25 }` stands for the whole numbers 1 to 25.
+
+What belongs together, as a record, its window and its scales, comes by rows = "FILE.csv", a table whose columns are
+names: every row goes with every combination of `vary`, which may then be missing.
 """
 
+import csv
 import itertools
 import math
 import re
 
+from damage.checks import check_file
 from damage.errors import InputError
 
 MOST_POINTS = 100_000
 """Runs that a grid may stand for."""
+MOST_MEGABYTES = 10
+"""Of a table of rows."""
 
 _NAME = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
 
-def expand(grid, where):
-    """The tables that a grid stands for, in the order of its values, the last named varying fastest.
+def expand(grid, where, rows=None):
+    """The tables that a grid stands for: row by row, in the order of its values, the last named varying fastest.
 
-    grid: a table with `vary` and any others, which are kept; raises InputError, which says what is wrong.
+    grid: a table with `vary` and any others, which are kept; rows: dictionaries of values that belong together, as
+    `read_rows` returns them.  Raises InputError, which says what is wrong.
     """
-    kept = {key: value for key, value in grid.items() if key != "vary"}
-    vary = grid.get("vary")
-    if not isinstance(vary, dict) or not vary:
+    kept, rows = {key: value for key, value in grid.items() if key not in ("vary", "rows")}, rows or [{}]
+    vary = grid.get("vary", {} if "rows" in grid else None)
+    if not isinstance(vary, dict) or not (vary or "rows" in grid):
         raise InputError(f"{where}: vary = {vary!r}; expected a table of lists, like vary = {{ scale = [0.5, 1] }}")
     lists = {name: _values(name, values, where) for name, values in vary.items()}
-    count = math.prod(map(len, lists.values()))
+    count = len(rows) * math.prod(map(len, lists.values()))
     if count > MOST_POINTS:
         raise InputError(f"{where}: vary stands for {count} runs; expected up to {MOST_POINTS}; take some values out")
-    unused = sorted(set(lists) - _names(kept))
+    twice = sorted(lists.keys() & rows[0].keys())
+    if twice:
+        raise InputError(f"{where}: vary and rows both name {twice[0]!r}; expected it in one of them; take one out")
+    unused = sorted({*lists, *rows[0]} - _names(kept))
     if unused:
         raise InputError(f"{where}: vary names {unused[0]!r}, which nothing uses; expected {{{unused[0]}}} in its "
                          "wall or options; write it there or take it out")
-    return [_replaced(kept, dict(zip(lists, chosen)), where) for chosen in itertools.product(*lists.values())]
+    return [_replaced(kept, row | dict(zip(lists, chosen)), where)
+            for row in rows for chosen in itertools.product(*lists.values())]
+
+
+def read_rows(path, where):
+    """The rows of a CSV table as dictionaries, numbers as numbers; raises InputError, which says what is wrong."""
+    check_file(path, "a table of rows (.csv)", MOST_MEGABYTES)
+    try:
+        lines = [line for line in csv.reader(path.read_text(encoding="utf-8-sig").splitlines()) if any(line)]
+    except (OSError, ValueError, csv.Error) as error:
+        raise InputError(f"{where}: rows: {path} is no table of text ({error}); expected CSV in UTF-8, mend "
+                         "it") from error
+    names, *values = lines or [[]]
+    for name in names:
+        if not _NAME.fullmatch(f"{{{name}}}") or names.count(name) > 1:
+            raise InputError(f"{where}: rows: {path} has a column {name!r}; expected names like record or scale, each "
+                             "once, in its first line; mend it")
+    for number, line in enumerate(values, start=1):
+        if len(line) != len(names) or not all(line):
+            raise InputError(f"{where}: rows: row {number} of {path} has {len(line)} values, or an empty one; expected "
+                             f"{len(names)}, of {', '.join(names)}; mend it")
+    if not values:
+        raise InputError(f"{where}: rows: {path} has no rows; expected a line of names and one for each point; "
+                         "add some")
+    return [dict(zip(names, map(_number_or_word, line))) for line in values]
+
+
+def _number_or_word(text):
+    """A number where a text is one, of whole ones an int."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
 
 
 def _values(name, values, where):

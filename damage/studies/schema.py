@@ -10,6 +10,7 @@ from damage.run.options import file_path, make_parser
 from damage.studies.definition import (
     CONCLUSIONS,
     ENTRY_KEYS,
+    GRID_KEYS,
     ID,
     KEYS,
     LONGEST_ID,
@@ -18,7 +19,6 @@ from damage.studies.definition import (
     PICTURES,
     RESERVED_OPTIONS,
     SOLVERS,
-    VARY,
 )
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
@@ -60,7 +60,7 @@ def _entry(grid):
     whole = _varied({"type": "integer", "minimum": 1, "maximum": MOST_MEMBERS}, grid)
     positive = _varied({"type": "number", "exclusiveMinimum": 0}, grid)
     entry = {
-        "type": "object", "additionalProperties": False, "required": ["wall", "vary"] if grid else ["wall"],
+        "type": "object", "additionalProperties": False, "required": ["wall"],
         "properties": _told(ENTRY_KEYS, {
             "id": _varied(_identifier(LONGEST_ID), grid), "wall": {"type": "string"}, "options": _options(grid),
             "solvers": {"type": "array", "items": {"enum": list(SOLVERS)}, "minItems": 1},
@@ -71,8 +71,10 @@ def _entry(grid):
         whole_number = {"type": "integer"}
         values = {"type": ["array", "object"], "minItems": 1, "required": ["from", "to"],
                   "additionalProperties": False, "properties": {"from": whole_number, "to": whole_number}}
-        entry["properties"]["vary"] = {"type": "object", "minProperties": 1, "description": VARY,
-                                       "additionalProperties": values}
+        entry["anyOf"] = [{"required": [name]} for name in GRID_KEYS]
+        entry["properties"] |= _told(GRID_KEYS, {
+            "vary": {"type": "object", "minProperties": 1, "additionalProperties": values},
+            "rows": {"type": "string"}})
     return entry
 
 
