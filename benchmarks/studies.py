@@ -3,12 +3,13 @@
     python3 benchmarks/studies.py                              # 2 points of 8 members, 3 rounds, about 4 minutes
     python3 benchmarks/studies.py --members 4 --rounds 1
 
-Both ways do all that a member needs: a record, a history, its tables' rows.  One after another is a process that does
+All ways do all that a member needs: a record, a history, its tables' rows.  One after another is a process that does
 a member whole before the next, as studies did up to now, its summary printed and its history read again for the
 tables; in lanes is what `workflow/run_shard.py` does with a group in one of its processes, where all histories are kept
 and where those of each point's first run are.  A round does each of the points in every way, and the last way first
 every second time; the ratio is of the processor's seconds, its median and range over the rounds.  Then come the account
-of the time in each, timed in one more round without which the ratio is taken, the time of two processes at once, bytes of a run, and what they say of 100 000 runs on a node of 64 cores.
+of the time in each, timed in one more round without which the ratio is taken, the time of two processes at once, bytes
+of a run, and what they say of 100 000 runs on a node of 64 cores.
 """
 
 import argparse
