@@ -3,12 +3,13 @@
     python3 benchmarks/studies.py                              # 2 points of 8 members, 3 rounds, about 4 minutes
     python3 benchmarks/studies.py --members 4 --rounds 1
 
-Both ways do all that a member needs: a record, a history, its tables' rows.  One after another is a process that does
+All ways do all that a member needs: a record, a history, its tables' rows.  One after another is a process that does
 a member whole before the next, as studies did up to now, its summary printed and its history read again for the
-tables; in lanes is what `workflow/run_shard.py` does with a group in one of its processes.  A round does each of the
-points both ways, and the other way first every second time; the ratio is of the processor's seconds, its median and
-range over the rounds.  Then come the account of the time in either, timed in one more round without which the ratio is
-taken, the time of two processes at once, bytes of a run, and what they say of 100 000 runs on a node of 64 cores.
+tables; in lanes is what `workflow/run_shard.py` does with a group in one of its processes, where all histories are kept
+and where those of each point's first run are.  A round does each of the points in every way, and the last way first
+every second time; the ratio is of the processor's seconds, its median and range over the rounds.  Then come the account
+of the time in each, timed in one more round without which the ratio is taken, the time of two processes at once, bytes
+of a run, and what they say of 100 000 runs on a node of 64 cores.
 """
 
 import argparse
@@ -27,7 +28,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
+from damage.history.writer import HistoryWriter
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
 from damage.reference import lanes, together
 from damage.reference.session import run_reference
@@ -55,7 +58,7 @@ def main():
 
 def measure(folder, members, rounds):
     """Measure and print all."""
-    ways = {"one after another": one_after_another, "in lanes": in_lanes}
+    ways = {"one after another": one_after_another, "in lanes": in_lanes, "in lanes, summary": in_lanes_for_a_summary}
     for way in ways.values():  # compiles, or loads what is compiled
         timed(way, folder, lines(folder, SCALES[0], 1))
     seconds = {name: [] for name in ways}
@@ -63,8 +66,10 @@ def measure(folder, members, rounds):
         for name in sorted(ways, reverse=number % 2 == 1):
             seconds[name].append(sum(timed(ways[name], folder, lines(folder, scale, members)) for scale in SCALES))
             print(f"round {number + 1}, {name}: {seconds[name][-1] / members / len(SCALES):.3f} s a run", flush=True)
-    ratios = [one / other for one, other in zip(seconds["one after another"], seconds["in lanes"])]
-    print(f"ratio of runs an hour: {statistics.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})")
+    for name in list(ways)[1:]:
+        ratios = [one / other for one, other in zip(seconds["one after another"], seconds[name])]
+        print(f"ratio of runs an hour, {name}: {statistics.median(ratios):.2f} ({min(ratios):.2f} to "
+              f"{max(ratios):.2f})")
     count = members * len(SCALES)
     for name, way in ways.items():
         tell_account(name, way, folder, members)
@@ -103,15 +108,20 @@ def one_after_another(folder, asked):
         summary_row(history)
 
 
-def in_lanes(folder, asked):
-    """As a process of `workflow/run_shard.py` runs a group."""
-    for _ in together.run_references(asked):
+def in_lanes(folder, asked, unwritten=None):
+    """As a process of `workflow/run_shard.py` runs a group; unwritten: as `run_references` takes it."""
+    for _ in together.run_references(asked, unwritten):
         pass
     for number, name in enumerate(asked):
-        history = read_history(folder / f"{name}.h5")
+        history = unwritten[name].history() if name in (unwritten or {}) else read_history(folder / f"{name}.h5")
         if number == 0:
             write_run_tables(history, folder / name)
         record_of(history, name, "p")
+
+
+def in_lanes_for_a_summary(folder, asked):
+    """The same with --keep summary."""
+    in_lanes(folder, asked, dict.fromkeys(list(asked)[1:]))
 
 
 def timed(way, *arguments):
@@ -143,9 +153,11 @@ def wall_time(folder, members, processes):
 PARTS = {
     "record, options": (session, ["parse_run"]), "layout": (session, ["lay_out"]),
     "modes": (session, ["natural_modes"]),
-    "history: begin": (session, ["HistoryWriter"]),
-    "history: write": (session.HistoryWriter, ["append", "event", "snapshot", "static_stage", "flush"]),
-    "history: seal": (session.HistoryWriter, ["finish"]),
+    "history: begin": (HistoryWriter, ["__init__"]),
+    "history: write": (HistoryWriter, ["append", "event", "snapshot", "static_stage", "flush"]),
+    "history: seal": (HistoryWriter, ["finish"]),
+    "history in memory": (HistoryInMemory, [
+        "__init__", "append", "event", "snapshot", "static_stage", "flush", "finish", "history"]),
     "steps": (lanes.kernel, ["run_steps", "find_forces"]),
     "between stretches": (lanes.Lanes, ["run", "__init__"]), "waiting for others": (together.Meeting, ["step"]),
     "instants, events": (ReferenceSolver, ["instant", "drain_events", "forces", "base_reaction"]),

@@ -31,8 +31,8 @@ def small_layout(**options):
 
 def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0, opening=None, slip=None, offset=None,
                  broken=(), at_limit=(), snapshots=None, row=None, loading="harmonic", status="complete",
-                 collapsed_at_s=None, overwrite=False):
-    """Write a history of a few samples to `path` and read it back.
+                 collapsed_at_s=None, overwrite=False, write=HistoryWriter):
+    """Write a history of a few samples to `path` and read it back; or by `write`, HistoryInMemory, keep it.
 
     stages: of each of n_times samples, step_s apart; drift: drift ratio, (n_times,) or one number;
     opening, slip, offset: {joint: (n_times,) or one number [m]}, all others zero; no offset: that of the slip;
@@ -50,7 +50,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     opened, slipped, away = (_frames(layout, n_times, values) for values in
                              (opening, slip, slip if offset is None else offset))
     state = _states(opened, np.abs(slipped) + np.abs(away), broken, at_limit)
-    writer = HistoryWriter(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
+    writer = write(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
         "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": {}})
     for k, stage in enumerate(stages):
         writer.append(stage, {name: values[k] for name, values in columns.items()},
@@ -60,7 +60,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     for time, displacement in snapshots.items():
         writer.snapshot(time, displacement)
     writer.finish(status, collapsed_at_s)
-    return read_history(path)
+    return read_history(path) if write is HistoryWriter else writer.history()
 
 
 def as_version_2(path):

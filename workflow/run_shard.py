@@ -4,9 +4,9 @@
 
 Runs of walls that share their bricks step together (`damage.reference.together`), eight in a process.  A run grows in
 runs/NAME.part.h5.  When it is whole its record comes into NUMBER.rows (`damage.studies.records`), and its history gets
-the name runs/NAME.h5; with "keep": "summary" that of every other run than the first of its point is deleted.  What is
-there is not done again.  A point that is done leaves runs/POINT.members, the names of its runs, and the tables of the
-first one.  The part of a run that failed stays.
+the name runs/NAME.h5; with "keep": "summary" that of every other run than the first of its point is in memory alone.
+What is there is not done again.  A point that is done leaves runs/POINT.members, the names of its runs, and the tables
+of the first one.  The part of a run that failed stays.
 
 Exit status: 0 all done, 130 interrupted, otherwise that of the last run that failed.
 """
@@ -230,19 +230,23 @@ def do_group(tasks):
              for task in tasks if not task.history.is_file()}
     statuses = dict.fromkeys((task.name for task in tasks), EXIT_OK)
     print("---", *lines, flush=True)
-    for ended in run_references(lines):
+    unwritten = {task.name: None for task in tasks if not task.kept}
+    for ended in run_references(lines, unwritten):
         statuses |= ended
-    return [(task, *(conclude(task) if statuses[task.name] == EXIT_OK else (statuses[task.name], None)))
-            for task in tasks]
+    return [(task, *(conclude(task, unwritten.get(task.name)) if statuses[task.name] == EXIT_OK
+                     else (statuses[task.name], None))) for task in tasks]
 
 
-def conclude(task):
-    """Give a history its name where it stays, and make of it what it leaves; returns (exit status, record or None)."""
+def conclude(task, unwritten=None):
+    """Give a history its name where it stays, and make of it what it leaves; returns (exit status, record or None).
+
+    unwritten: the HistoryInMemory of a run that was done without a file, else None.
+    """
     path = task.history if task.kept or task.history.is_file() else task.part
     if path == task.history and not path.is_file():
         os.replace(task.part, path)
     try:
-        history = read_history(path)
+        history = read_history(path) if unwritten is None else unwritten.history()
         if task.number == 1:
             write_run_tables(history, task.folder / "tables" / task.name)
         return EXIT_OK, record_of(history, task.name, task.point.point)

@@ -132,10 +132,18 @@ class History:
 
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
         """The damage index over time: `damage.index.damage_index` of this run, by the criterion `judged_by(slip)`."""
-        return damage_index(
-            self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), self.opening_m,
-            self.slip_by(slip), self.at_limit, self.joint_length_m,
-            threshold=threshold, drift_limit=drift_limit, slip_criterion=slip)
+        asked = threshold, drift_limit, slip
+        if asked not in self._indices:
+            self._indices[asked] = damage_index(
+                self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), self.opening_m,
+                self.slip_by(slip), self.at_limit, self.joint_length_m,
+                threshold=threshold, drift_limit=drift_limit, slip_criterion=slip)
+        return self._indices[asked].copy()
+
+    @cached_property
+    def _indices(self):
+        """The indices that were asked for, which several tables need: {(threshold, drift limit, slip): DataFrame}."""
+        return {}
 
 
 def read_history(path):
@@ -160,15 +168,20 @@ def _open(path, believe=lambda n_bytes: None):
             believe(check_structure(file))
             history = _read(file, path)
         _check_head(history)
-        check_values(history)
-        check_parameters(history.parameters)
-        # Parameters that make no sense are a fault of the file, to be told here and not in the midst of a command.
-        _ = history.loading.as_dict(), history.model, history.masonry_wall
-        return history
+        return checked(history)
     except InputError as error:
         raise error if str(path) in str(error) else _unreadable(path, error) from None
     except Exception as error:  # a damaged file may say anything
         raise _unreadable(path, error) from error
+
+
+def checked(history):
+    """A History that says nothing that cannot be; raises InputError of one that does."""
+    check_values(history)
+    check_parameters(history.parameters)
+    # Parameters that make no sense are a fault of the file, to be told here and not in the midst of a command.
+    _ = history.loading.as_dict(), history.model, history.masonry_wall
+    return history
 
 
 def _check_head(history):
@@ -206,33 +219,38 @@ def _check_schema(file, path):
 
 
 def _read(file, path):
-    run, tables = file["run"], tables_of(int(file.attrs["schema_version"]))
-    # A killed run may have flushed one column more often than another: cut to the shortest.
-    series, n_times = _columns(file, "series", min(len(file[f"{group}/{name}"]) for group in ("series", "frames")
-                                                   for name in tables[group]))
-    events, _ = _columns(file, "events", min(len(file[f"events/{name}"]) for name in TABLES["events"]))
-    n_snapshots = min(len(file[f"snapshots/{name}"]) for name in TABLES["snapshots"])
-    state = file["frames/state"][:n_times]
-    collapsed = float(run["collapsed_at_s"][()])
     head = read_head(path)
+    # What is open has no end yet, whatever it says of itself.
+    return history_of(path, dict(file["run"].attrs), file, int(file.attrs["schema_version"]),
+                      ended=not head or head.sealed)
+
+
+def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True):
+    """A History from what `run` says of itself and all columns by their paths, {"GROUP/NAME": array or dataset}."""
+    tables = tables_of(version)
+    # A killed run may have flushed one column more often than another: cut to the shortest.
+    series, n_times = _columns(values, "series", min(len(values[f"{group}/{name}"]) for group in ("series", "frames")
+                                                     for name in tables[group]))
+    events, _ = _columns(values, "events", min(len(values[f"events/{name}"]) for name in TABLES["events"]))
+    n_snapshots = min(len(values[f"snapshots/{name}"]) for name in TABLES["snapshots"])
+    state = values["frames/state"][:n_times]
+    collapsed = float(values["run/collapsed_at_s"][()])
     return History(
-        path=path, wall=run.attrs["wall"], solver=run.attrs["solver"], command=run.attrs["command"],
-        # What is open has no end yet, whatever it says of itself.
-        status=STATUS[0 if head and not head.sealed else int(run["status"][()])],
+        path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
+        status=STATUS[int(values["run/status"][()]) if ended else 0],
         collapsed_at_s=None if np.isnan(collapsed) else collapsed,
-        parameters=json.loads(run.attrs["parameters_json"]),
-        versions=json.loads(run.attrs["versions_json"]),
-        static={name: float(file[f"static/{name}"][()]) for name in sorted(TABLES["static"])},
-        attributes=dict(run.attrs),
-        joints=_decode(_columns(file, "joints")[0], "kind", CODES["joints/kind"]),
-        bodies=_columns(file, "bodies")[0],
+        parameters=json.loads(attributes["parameters_json"]), versions=json.loads(attributes["versions_json"]),
+        static={name: float(values[f"static/{name}"][()]) for name in sorted(TABLES["static"])},
+        attributes=attributes,
+        joints=_decode(_columns(values, "joints")[0], "kind", CODES["joints/kind"]),
+        bodies=_columns(values, "bodies")[0],
         series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
-        opening_m=file["frames/opening_m"][:n_times], slip_m=file["frames/slip_m"][:n_times],
+        opening_m=values["frames/opening_m"][:n_times], slip_m=values["frames/slip_m"][:n_times],
         broken=(state & BROKEN) > 0, at_limit=(state & AT_LIMIT) > 0,
         crushed=(state & CRUSHED) > 0,
-        snapshot_time_s=file["snapshots/time_s"][:n_snapshots],
-        displacement=file["snapshots/displacement"][:n_snapshots],
-        offset_m=file["frames/offset_m"][:n_times] if "offset_m" in tables["frames"] else None)
+        snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
+        displacement=values["snapshots/displacement"][:n_snapshots],
+        offset_m=values["frames/offset_m"][:n_times] if "offset_m" in tables["frames"] else None)
 
 
 def _number_shocks(series):
@@ -242,9 +260,9 @@ def _number_shocks(series):
     return series
 
 
-def _columns(file, group, n_rows=None):
-    """The datasets of a group that the schema names, as a DataFrame; how many rows it has."""
-    frame = pd.DataFrame({name: file[f"{group}/{name}"][:n_rows] for name in sorted(TABLES[group])})
+def _columns(values, group, n_rows=None):
+    """The columns of a group that the schema names, as a DataFrame; how many rows it has."""
+    frame = pd.DataFrame({name: values[f"{group}/{name}"][:n_rows] for name in sorted(TABLES[group])})
     return frame, len(frame)
 
 

@@ -44,7 +44,8 @@ def check_values(history):
     _refuse(np.diff(series["time_s"], prepend=-np.inf) <= 0, "time_s", "a later time than before", series["time_s"])
     for name in ("opening_m", "slip_m", "offset_m", "displacement"):
         frames = getattr(history, name)
-        if frames is None:
+        # Of the extremes first, which takes no memory: of what is no number both are none, too.
+        if frames is None or (-_HUGE < frames.min(initial=0.0) and frames.max(initial=0.0) < _HUGE):
             continue
         fine = (np.abs(frames) < _HUGE).all(axis=tuple(range(1, frames.ndim)))
         if not fine.all():

@@ -23,16 +23,14 @@ import scipy
 
 from damage.errors import InputError, WriteError
 from damage.history import schema
+from damage.history.buffer import CHUNK, SNAPSHOT_SAMPLES, Buffer
 from damage.history.head import HEAD_BYTES, Head, head_of, seal, write_head
 
-SNAPSHOT_SAMPLES = 10
-"""Samples between two snapshots of the bodies."""
 _LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
 _LEFT_OPEN = []  # writers whose file could not be written: closing it would write again, and tear what is whole
-_CHUNK = 120  # samples buffered before they are written, with their snapshots: whole chunks, each written once
 
 
-class HistoryWriter:
+class HistoryWriter(Buffer):
     """Write one run.  Call `append`, `event` and `snapshot` as it goes, `finish` at the end.
 
     path: of the new file; an existing one raises InputError unless `overwrite`.
@@ -45,12 +43,12 @@ class HistoryWriter:
     """
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
+        super().__init__(layout)
         self.path = Path(path)
-        self._rows = {group: [] for group in schema.GROWING}  # of each group, in the order of its columns
         with self._writing():
             self._file = _create_file(self.path, overwrite)
             write_head(self.path, Head(**head_of(solver, versions)))
-            _write_run_attributes(self._file, layout, solver, parameters, versions)
+            _write_run(self._file, run_attributes(layout, solver, parameters, versions))
             _write_tables(self._file, layout)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
             self._growing = _create_growing(self._file, layout)
@@ -65,37 +63,18 @@ class HistoryWriter:
                 self._file["static"][name][()] = value
         self.flush()
 
-    def append(self, stage, row, opening, slip, offset, state):
-        """Add one sample.
-
-        stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN;
-        opening, slip, offset [m], state (bits BROKEN, AT_LIMIT, CRUSHED): arrays (n_joints,).
-        """
-        row = {"stage": schema.STAGES.index(stage), **row}
-        self._rows["series"].append([row.get(name, np.nan) for name in schema.SERIES])
-        self._rows["frames"].append((*(np.array(values, "f4") for values in (opening, slip, offset)),
-                                     np.array(state, "u1")))
-        if len(self._rows["series"]) >= _CHUNK:
-            self.flush()
-
-    def event(self, time_s, joint, kind, normal_stress=0.0, shear_stress=0.0, opening=0.0, slip=0.0):
-        """Add one event; kind: one of EVENTS; stresses [Pa] at the break, opening and slip [m]."""
-        code = schema.EVENTS.index(kind)
-        self._rows["events"].append((time_s, joint, code, normal_stress, shear_stress, opening, slip))
-
-    def snapshot(self, time_s, displacement):
-        """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage."""
-        self._rows["snapshots"].append((time_s, np.array(displacement, "f4")))
-
     def flush(self):
         """Write what is buffered and make it safe."""
+        super().flush()
         with self._writing():
-            for group, rows in self._rows.items():
-                for dataset, column in zip(self._growing[group], zip(*rows)):
-                    _extend(dataset, column)
-                    dataset.flush()
-                rows.clear()
             self._file.flush()
+
+    def store(self, columns):
+        with self._writing():
+            for group, arrays in columns.items():
+                for dataset, rows in zip(self._growing[group], arrays):
+                    _extend(dataset, rows)
+                    dataset.flush()
 
     def finish(self, status, collapsed_at_s=None):
         """Mark how the run ended and close the file, unless it could not be written; status: one of STATUS."""
@@ -179,15 +158,13 @@ def _lock(path, kind):
     return file
 
 
-def _write_run_attributes(file, layout, solver, parameters, versions):
-    file.attrs["schema"] = schema.SCHEMA
-    file.attrs["schema_version"] = schema.SCHEMA_VERSION
-    run = file.create_group("run")
+def run_attributes(layout, solver, parameters, versions):
+    """What a history says of its run, {name: words or number}; arguments as those of HistoryWriter."""
     command = parameters.get("command") or " ".join(sys.argv)
     parameters = {name: value for name, value in parameters.items() if name != "command"}
     versions = {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__,
                 "pandas": pd.__version__, "h5py": h5py.__version__, "hdf5": h5py.version.hdf5_version, **versions}
-    run.attrs.update({
+    return {
         "solver": solver, "wall": layout.wall.name, "command": command,
         "created_utc": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{platform.system()} {platform.machine()}",
@@ -195,15 +172,22 @@ def _write_run_attributes(file, layout, solver, parameters, versions):
         "versions_json": json.dumps(versions, sort_keys=True),
         "total_joint_length_m": layout.total_joint_length, "drift_height_m": layout.drift_height,
         "height_m": layout.wall.built_height, "length_m": layout.wall.length,
-    })
+    }
+
+
+def _write_run(file, attributes):
+    file.attrs["schema"] = schema.SCHEMA
+    file.attrs["schema_version"] = schema.SCHEMA_VERSION
+    run = file.create_group("run")
+    run.attrs.update(attributes)
     for name, first in (("status", np.uint8(0)), ("collapsed_at_s", np.nan)):
         run.create_dataset(name, data=first).attrs["unit"] = schema.RUN[name].unit
     for name, column in schema.STATIC.items():
         file.create_dataset(f"static/{name}", data=np.nan).attrs["unit"] = column.unit
 
 
-def _write_tables(file, layout):
-    """The joints and the bodies, which do not change during a run."""
+def layout_tables(layout):
+    """The joints and the bodies, which do not change during a run: {group: {column: array}}."""
     points, bodies, n = layout.contacts, layout.bodies, layout.n_joints
     joints = (points.kind.astype("u1"), points.first, points.second, points.x, points.z, points.length, points.area,
               points.normal_stiffness, points.shear_stiffness, points.elastic, points.tensile_strength,
@@ -211,23 +195,29 @@ def _write_tables(file, layout):
     tables = {"joints": (schema.JOINTS, [values[:n] for values in joints]),
               "bodies": (schema.BODIES, (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia,
                                   bodies.course))}
-    for group, (columns, values) in tables.items():
-        for (name, column), data in zip(columns.items(), values, strict=True):
-            file.create_dataset(f"{group}/{name}", data=data, dtype=column.dtype).attrs["unit"] = column.unit
+    return {group: {name: np.asarray(data, column.dtype)
+                    for (name, column), data in zip(columns.items(), values, strict=True)}
+            for group, (columns, values) in tables.items()}
+
+
+def _write_tables(file, layout):
+    for group, columns in layout_tables(layout).items():
+        for name, values in columns.items():
+            file.create_dataset(f"{group}/{name}", data=values).attrs["unit"] = schema.TABLES[group][name].unit
 
 
 def _create_growing(file, layout):
     """Empty datasets {group: [in the order of its columns]}: rows of frames are of the joints, those of displacements
     of the bodies."""
     shapes = {"frames": (layout.n_joints,), "displacement": (len(layout.bodies), 3)}
-    chunks = {"events": 1024, "snapshots": _CHUNK // SNAPSHOT_SAMPLES}
+    chunks = {"events": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
     made = {group: [] for group in schema.GROWING}
     for group, columns in schema.GROWING.items():
         for name, column in columns.items():
             shape = shapes.get(group, shapes.get(name, ()))
             made[group].append(file.create_dataset(
                 f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,
-                chunks=(chunks.get(group, _CHUNK), *shape), compression="gzip", compression_opts=2, shuffle=True))
+                chunks=(chunks.get(group, CHUNK), *shape), compression="gzip", compression_opts=2, shuffle=True))
             made[group][-1].attrs["unit"] = column.unit
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
@@ -235,7 +225,6 @@ def _create_growing(file, layout):
 
 
 def _extend(dataset, rows):
-    rows = np.asarray(rows, dataset.dtype)
     start = dataset.shape[0]
     dataset.resize(start + len(rows), axis=0)
     dataset[start:] = rows

@@ -7,6 +7,7 @@ import re
 import sys
 import warnings
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -65,16 +66,21 @@ def read_record(path, response=None) -> Record:
     the StationXML of a miniSEED file; without it NET.STA.xml beside the file is taken.
     """
     data = _content(path)
-    suffix = Path(path).suffix.lower()
-    if suffix in (".mseed", ".miniseed", ".msd") or _MINISEED_START.match(data):
+    if Path(path).suffix.lower() in (".mseed", ".miniseed", ".msd") or _MINISEED_START.match(data):
         record = _read_miniseed(path, data, response)
     else:
-        # a comment may be in any encoding; a binary file fails as a line that is not numeric
-        lines = text_lines(path, data, MOST_LINES, errors="replace")
-        like_at2 = suffix != ".csv" and len(lines) > 3 and _at2_count_and_step(lines[3])
-        read = _read_at2 if suffix == ".at2" or like_at2 else _read_csv
-        record = read(path, lines)
+        record = _read_text(path, data)
     return replace(record, sha256=hashlib.sha256(data).hexdigest())
+
+
+@lru_cache(maxsize=2)  # both components of a motion, which the members of a study ask for again and again
+def _read_text(path, data: bytes) -> Record:
+    """The record that the text of a CSV or AT2 file says."""
+    suffix = Path(path).suffix.lower()
+    # a comment may be in any encoding; a binary file fails as a line that is not numeric
+    lines = text_lines(path, data, MOST_LINES, errors="replace")
+    like_at2 = suffix != ".csv" and len(lines) > 3 and _at2_count_and_step(lines[3])
+    return (_read_at2 if suffix == ".at2" or like_at2 else _read_csv)(path, lines)
 
 
 def write_csv(record: Record, path, comments=()) -> Path:

@@ -8,6 +8,8 @@ read, changed and run alone at any time.  Lanes are made anew where the walls th
 last time, so that a wall that has ended is simply left out.
 """
 
+import math
+
 import numpy as np
 
 from damage.index import THRESHOLD
@@ -35,7 +37,7 @@ def run_together(walls, n_steps):
 
 
 def _failure(wall):
-    if np.isfinite(wall.system.place["fx"].sum()):
+    if math.isfinite(wall.system.place["fx"].sum()):
         return None
     return FloatingPointError(f"forces are no longer finite at step {wall.step}: the time step of "
                               f"{wall.time_step:.3g} s is too large for this wall")
@@ -65,7 +67,7 @@ class Lanes:
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
         kernel.run_steps(self.tables, self._blocks, self._width, self._law, self._controls(),
-                         np.stack([_field(wall, n_steps) for wall in self.walls]), self._clock())
+                         self._field(n_steps), self._clock())
         for wall in self.walls:
             wall.step += n_steps
 
@@ -75,6 +77,17 @@ class Lanes:
 
     def _controls(self):
         return np.array([wall.controls for wall in self.walls], float)
+
+    def _field(self, n_steps):
+        """Acceleration of each wall's base along x and z, zero beyond its end, and gravity, whose last value holds
+        beyond its end: (walls, n_steps, 3) [m/s2] of the next steps."""
+        field = np.zeros((len(self.walls), n_steps, 3))
+        for wall, rows in zip(self.walls, field):
+            first = wall.step - wall.first_step
+            base, gravity = wall.base[first:first + n_steps], wall.gravity[first:first + n_steps]
+            rows[:len(base), :2] = base
+            rows[:len(gravity), 2], rows[len(gravity):, 2] = gravity, wall.gravity[-1]
+        return field
 
     def _clock(self):
         return np.array([wall.step - wall.first_step for wall in self.walls])
@@ -118,13 +131,3 @@ def _lane(joined, lane):
     """The tables of one wall of those joined, as views."""
     system = tables.System(*(array[lane] for array in joined))
     return system._replace(place=system.place.view(tables.PLACE)[:, 0], motion=system.motion.view(tables.MOTION)[:, 0])
-
-
-def _field(wall, n_steps):
-    """Acceleration of a wall's base along x and z, zero beyond its end, and gravity, whose last value holds beyond its
-    end: (n_steps, 3) [m/s2] of its next steps."""
-    field, first = np.zeros((n_steps, 3)), wall.step - wall.first_step
-    base = wall.base[first:first + n_steps]
-    field[:len(base), :2] = base
-    field[:, 2] = wall.gravity[np.minimum(np.arange(first, first + n_steps), len(wall.gravity) - 1)]
-    return field

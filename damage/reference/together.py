@@ -5,7 +5,10 @@ other there, and moves those that are to go equally far as lanes of one block.  
 """
 
 import threading
+from collections import deque
 
+from damage.history.in_memory import HistoryInMemory
+from damage.history.writer import HistoryWriter
 from damage.memory import hold_buffers
 from damage.reference.lanes import MOST_LANES, are_alike, run_together
 from damage.reference.session import BACKEND, PROG
@@ -18,16 +21,17 @@ LEAST_LANES = 6
 """Fewer walls are faster one by one: a block is of eight, however many of its lanes are used."""
 
 
-def run_references(lines):
+def run_references(lines, unwritten=None):
     """Run command lines as `run_reference` does, the wall file first, in groups of up to eight; what each ended with is
     in its history, of which no summary and no picture is made.
 
-    lines: {name: words}, each with an --out of its own.  Yields {name: exit status} of each group as it ends, and no
-    group after one that was interrupted.
+    lines: {name: words}, each with an --out of its own; unwritten: a dictionary whose names are those of runs that
+    leave no file unless they fail, each of which gets its HistoryInMemory.  Yields {name: exit status} of each group as
+    it ends, and no group after one that was interrupted.
     """
     names = list(lines)
     for group in groups(len(names)):
-        statuses = _run_group({names[k]: lines[names[k]] for k in group})
+        statuses = _run_group({names[k]: lines[names[k]] for k in group}, unwritten or {})
         yield statuses
         if EXIT_INTERRUPTED in statuses.values():
             return
@@ -44,13 +48,16 @@ def groups(count):
         range(one, one + 1) for one in range(full, count)]
 
 
-def _run_group(lines):
+def _run_group(lines, unwritten):
     """{name: exit status} of runs that step together."""
     prepared, statuses = {}, {}
 
     def begin(name, wall, words):
         settings = parse_run(words, prog=f"{PROG} {wall}", solver=BACKEND.name)
-        prepared[name] = prepare(BACKEND, wall, lambda: load_wall(wall), settings)
+        write = HistoryInMemory if name in unwritten else HistoryWriter
+        prepared[name] = prepare(BACKEND, wall, lambda: load_wall(wall), settings, write)
+        if name in unwritten:
+            unwritten[name] = prepared[name].writer
         return EXIT_OK
 
     others = f" and {len(lines) - 1} more" if len(lines) > 1 else ""
@@ -88,18 +95,20 @@ def _give_up(prepared, *_):
 class Meeting:
     """Where walls wait until all that have not left are there; then each goes as far as it asked for.
 
-    members: how many will come, each from a thread of its own, and `leave`.
+    members: how many will come, each from a thread of its own, and `leave`.  When all have been moved one after the
+    other has its turn until it is back: eight threads awake at once would hinder each other, as Python runs but one.
     """
 
     def __init__(self, members):
-        self._members, self._change = members, threading.Condition()
+        self._members, self._lock = members, threading.Lock()
         self._kinds = []  # a wall of each
-        self._waiting, self._failures = {}, {}  # {wall: steps}, {wall: failure or None}
+        self._waiting = {}  # {wall: steps}, in an order that stays
+        self._moved = deque()  # walls that wait for their turn
 
     def solver(self, layout, time_step):
         """A ReferenceSolver that steps with the others."""
         wall = _Member(layout, time_step)
-        with self._change:
+        with self._lock:
             kind = next((k for k, other in enumerate(self._kinds) if are_alike(other, wall)), len(self._kinds))
             self._kinds += [wall] * (kind == len(self._kinds))
             wall.meet(self, kind)
@@ -107,32 +116,36 @@ class Meeting:
 
     def step(self, wall, n_steps):
         """Advance a wall as soon as all others are to advance, too."""
-        with self._change:
+        with self._lock:
             self._waiting[wall] = n_steps
             self._go_on()
-            self._change.wait_for(lambda: wall in self._failures)
-            failure = self._failures.pop(wall)
-        if failure is not None:
-            raise failure
+        wall.turn.acquire()
+        if wall.failure is not None:
+            raise wall.failure
 
     def leave(self):
         """Come no more."""
-        with self._change:
+        with self._lock:
             self._members -= 1
             self._go_on()
 
     def _go_on(self):
-        """Advance all, where all wait."""
-        if len(self._waiting) < max(1, self._members):
-            return
+        """Give the turn to the next wall; where all wait advance them before."""
+        if not self._moved and len(self._waiting) >= max(1, self._members):
+            self._move_all()
+        if self._moved:
+            self._moved.popleft().turn.release()
+
+    def _move_all(self):
+        """Advance all walls."""
         companies = {}  # {(kind, steps): walls}
-        for wall in sorted(self._waiting, key=id):  # in an order that stays: lanes would be made anew
-            n_steps = self._waiting[wall]
+        for wall, n_steps in self._waiting.items():
             companies.setdefault((wall.kind, n_steps), []).append(wall)
         for (_, n_steps), walls in companies.items():
-            self._failures |= zip(walls, _advance(walls, n_steps))
+            for wall, failure in zip(walls, _advance(walls, n_steps)):
+                wall.failure = failure
+        self._moved += self._waiting
         self._waiting.clear()
-        self._change.notify_all()
 
 
 def _advance(walls, n_steps):
@@ -146,10 +159,13 @@ def _advance(walls, n_steps):
 
 
 class _Member(ReferenceSolver):
-    """A ReferenceSolver that advances when the others do; kind: which of them have the same bricks."""
+    """A ReferenceSolver that advances when the others do; kind: which of them have the same bricks; turn: released when
+    it may go on; failure: of its last steps, or None."""
 
     def meet(self, meeting, kind):
-        self._meeting, self.kind = meeting, kind
+        self._meeting, self.kind, self.failure = meeting, kind, None
+        self.turn = threading.Lock()
+        self.turn.acquire()
 
     def run(self, n_steps):
         self._meeting.step(self, n_steps)

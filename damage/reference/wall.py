@@ -186,8 +186,8 @@ class ReferenceWall:
 
     def base_force(self):
         """Horizontal and downward force of the wall on the ground [N]."""
-        ground = self.system.place[-1]
-        return float(ground["fx"]), float(-ground["fz"])
+        _, _, _, _, fx, fz, *_ = self.system.place[-1].item()
+        return fx, -fz
 
     def kinetic_energy(self, base_acceleration=(0.0, 0.0)):
         """At the instant of the places: velocities are carried half a step on [J]."""
@@ -210,8 +210,8 @@ class Observed(NamedTuple):
 
 
 def _columns(table, *names):
-    """Fields of a structured array as columns (n, len(names))."""
-    return np.column_stack([table[name] for name in names])
+    """Fields of a table of numbers alone as columns (n, len(names))."""
+    return table.view(tables.REAL).reshape(len(table), -1).take([table.dtype.names.index(name) for name in names], 1)
 
 
 def _table(dtype, n, **fields):

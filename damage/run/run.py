@@ -5,13 +5,13 @@ import math
 import numpy as np
 
 from damage.errors import RunError
-from damage.history.writer import SNAPSHOT_SAMPLES
+from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.doubts import AT_REST
 from damage.measure.energy import Balance, noise_j
 from damage.run import schedule
 from damage.run.settings import ADAPTIVE_DAMPING, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import NO_MOTION
-from damage.run.watch import has_collapsed, index_now, unbalanced_force
+from damage.run.watch import has_collapsed, index_now, lowest_places, unbalanced_force
 from damage.units import GRAVITY
 
 LOOK_STEPS = 500
@@ -35,6 +35,7 @@ class Run:
         self.base, self._top_velocities = NO_MOTION, None
         self._zero = self._last = None  # instants: of time zero, of the last sample
         self._last_s = 0.0  # time of that sample
+        self._lowest = lowest_places(layout)
         self._balance_j = self._damped_j = 0.0
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
         if settings.perturb_m > 0:
@@ -49,8 +50,8 @@ class Run:
     @property
     def index(self):
         """The damage index of the last sample."""
-        return index_now(self.layout, self._top(self._last) / self.layout.drift_height, self._last.opening,
-                         self._last.offset)
+        return index_now(self.layout, self._top(self._motion(self._last)) / self.layout.drift_height,
+                         self._last.opening, self._last.offset)
 
     @property
     def energy_error(self):
@@ -168,7 +169,8 @@ class Run:
         base = self._base_now()
         now = self._last = self.solver.instant(base)
         self._last_s = self.time
-        motion, top = self._motion(now), self._top(now)
+        motion = self._motion(now)
+        top = self._top(motion)
         row = {
             "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
             "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
@@ -181,7 +183,7 @@ class Run:
         if self._samples % SNAPSHOT_SAMPLES == 0:
             self.writer.snapshot(self.time, motion)
         self._write_events(self.solver.drain_events())
-        if self.collapsed_at_s is None and has_collapsed(self.layout, motion):
+        if self.collapsed_at_s is None and has_collapsed(motion, self._lowest):
             self.collapsed_at_s = self.time
         if self._top_velocities is not None:
             self.solver.push(self._top_velocities[min(self._samples, len(self._top_velocities) - 1)])
@@ -190,8 +192,8 @@ class Run:
 
     def _check_finite(self, values):
         for name, value in values.items():
-            # Of a number numpy would ask ten times as long.
-            if not (np.isfinite(value).all() if isinstance(value, np.ndarray) else math.isfinite(value)):
+            # The sum of an array is finite where all of it is, unless it is beyond all sense.
+            if not math.isfinite(value.sum() if isinstance(value, np.ndarray) else value):
                 raise self._failure(f"{name} is no longer finite")
 
     def _energies(self, now, motion):
@@ -218,9 +220,9 @@ class Run:
         """Displacement of the bodies since time zero, (n_bodies, 3) [m, m, rad]."""
         return now.displacement - self._zero.displacement
 
-    def _top(self, now):
-        """Mean displacement of the top course over the piers since time zero [m]."""
-        return float(self._motion(now)[self.layout.drift_bodies, 0].mean())
+    def _top(self, motion):
+        """Mean displacement of the top course over the piers since time zero [m]; motion: `_motion`."""
+        return float(motion[self.layout.drift_bodies, 0].mean())
 
     def _base_now(self):
         """Acceleration of the base in this step, (2,) [m/s2]."""

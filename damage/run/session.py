@@ -122,8 +122,11 @@ class Prepared:
     writer: HistoryWriter
 
 
-def prepare(backend, wall_file, make_wall, settings):
-    """A Prepared run, of RunSettings and otherwise the arguments of `run_session`; what it will be is printed."""
+def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
+    """A Prepared run, of RunSettings and otherwise the arguments of `run_session`; what it will be is printed.
+
+    write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to be no file.
+    """
     wall = make_wall()
     if wall.joint.softens and not backend.softening:
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
@@ -145,8 +148,8 @@ def prepare(backend, wall_file, make_wall, settings):
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
-    writer = HistoryWriter(out, layout, solver=backend.name, parameters=parameters,
-                           versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
+    writer = write(out, layout, solver=backend.name, parameters=parameters,
+                   versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
     print(f"history: {out}", flush=True)
     return Prepared(backend, settings, layout, modes, time_step, writer)
 

@@ -13,10 +13,14 @@ def index_now(layout, drift_ratio, opening, offset):
                          length_fraction(np.abs(offset) > THRESHOLD, length)))
 
 
-def has_collapsed(layout, motion):
-    """Whether a brick has dropped by half its height; motion: (n_bodies, 3) since the static stage."""
-    bricks = slice(0, layout.n_bricks)
-    return bool(np.any(-motion[bricks, 1] > layout.bodies.height[bricks] / 2))
+def lowest_places(layout):
+    """Displacement upwards of every brick below which it has fallen, half its height downwards: (n_bricks,) [m]."""
+    return -layout.bodies.height[:layout.n_bricks] / 2
+
+
+def has_collapsed(motion, lowest):
+    """Whether a brick has fallen; motion: (n_bodies, 3) since the static stage; lowest: `lowest_places`."""
+    return bool((motion[:len(lowest), 1] < lowest).any())
 
 
 def unbalanced_force(layout, on_bodies, in_contacts):

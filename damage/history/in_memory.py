@@ -1,0 +1,108 @@
+"""A history in memory alone, of a run of which no more than its numbers are wanted: no file is written and read again.
+
+Most contact points are whole most of the time: of a chunk of samples only those are kept at which anything is told.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from damage.history import schema
+from damage.history.buffer import Buffer
+from damage.history.reader import checked, history_of, read_history
+from damage.history.writer import HistoryWriter, layout_tables, run_attributes
+
+MOST_BYTES = 40_000_000
+"""Beyond these a history goes on in its file after all: eight runs share a process."""
+
+
+class HistoryInMemory(Buffer):
+    """Stands in for a HistoryWriter.  `history()` tells the History of a run that has finished; a run that does not
+    come to its end, or grows too large, leaves its file as if it had been written all the time."""
+
+    def __init__(self, path, layout, **made):
+        super().__init__(layout)
+        self.path, self._layout, self._made = path, layout, made
+        self._values, self._parts, self._n_bytes, self._writer = {}, [], 0, None
+        self._attributes = run_attributes(layout, made["solver"], made["parameters"], made["versions"])
+
+    def static_stage(self, **values):
+        """Keep what the static stage ended with; keys are those of STATIC."""
+        self._values = values
+
+    def store(self, columns):
+        if self._writer is not None:
+            self._writer.store(columns)
+            return
+        part = columns | {"frames": [_Told.of(column) for column in columns.get("frames", [])]}
+        self._parts.append(part)
+        self._n_bytes += sum(array.nbytes for arrays in part.values() for array in arrays)
+        if self._n_bytes > MOST_BYTES:
+            self._write()
+
+    def finish(self, status, collapsed_at_s=None):
+        """As of a HistoryWriter."""
+        self.flush()
+        if status != "complete" and self._writer is None:
+            self._write()
+        if self._writer is not None:
+            self._writer.finish(status, collapsed_at_s)
+        self._status, self._collapsed_at_s = status, collapsed_at_s
+
+    def _write(self):
+        """Go on in a file."""
+        self._writer = HistoryWriter(self.path, self._layout, **self._made)
+        self._writer.static_stage(**self._values)
+        for part in self._parts:
+            self._writer.store(part | {"frames": [told.whole(self._layout.n_joints) for told in part["frames"]]})
+        self._parts.clear()
+
+    def history(self):
+        """The History, equal to what `read_history` would tell of the file; raises InputError where that would."""
+        if self._writer is not None:
+            return read_history(self.path)
+        values = {f"{group}/{name}": values for group, columns in layout_tables(self._layout).items()
+                  for name, values in columns.items()}
+        values |= {f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC}
+        values |= {"run/status": np.uint8(schema.STATUS.index(self._status)),
+                   "run/collapsed_at_s": np.float64(
+                       np.nan if self._collapsed_at_s is None else self._collapsed_at_s)}
+        values |= {f"{group}/{name}": self._column(group, number, name)
+                   for group, columns in schema.GROWING.items() for number, name in enumerate(columns)}
+        return checked(history_of(self.path, self._attributes, values))
+
+    def _column(self, group, number, name):
+        """All rows of a column, of this number in its group."""
+        parts = [part[group][number] for part in self._parts if part.get(group)]
+        sizes = {"joints": self._layout.n_joints, "bodies": len(self._layout.bodies)}
+        _, *shape = schema.SHAPES.get(f"{group}/{name}", schema.SHAPES[group])
+        none = np.empty((0, *(sizes.get(of, of) for of in shape)), schema.GROWING[group][name].dtype)
+        if group != "frames":
+            return np.concatenate([none, *parts])
+        rows, first = np.zeros((sum(len(part.values) for part in parts), *none.shape[1:]), none.dtype), 0
+        for part in parts:
+            rows[first:first + len(part.values), part.joints] = part.values
+            first += len(part.values)
+        return rows
+
+
+class _Told(NamedTuple):
+    """Of some rows of a frame: the joints at which any bit is set, and their values (rows, joints)."""
+
+    joints: np.ndarray
+    values: np.ndarray
+
+    @classmethod
+    def of(cls, rows):
+        joints = np.flatnonzero(rows.view(f"u{rows.itemsize}").any(axis=0))
+        return cls(joints, rows[:, joints])
+
+    @property
+    def nbytes(self):
+        return self.joints.nbytes + self.values.nbytes
+
+    def whole(self, n_joints):
+        """The rows as they were."""
+        rows = np.zeros((len(self.values), n_joints), self.values.dtype)
+        rows[:, self.joints] = self.values
+        return rows
