@@ -80,7 +80,7 @@ def judge_readings(folder):
 
 
 def table(found):
-    """Lines of a Markdown table: a row a claim that a reading judges, a column a reading; and below it how many hold."""
+    """Lines of a Markdown table: a row a claim that a reading judges, a column a reading; below it how many hold."""
     claims = dict.fromkeys(finding.claim for findings in found.values() for finding in findings
                            if finding.claim.predicted and finding.verdict != UNJUDGED)
     lines = ["| claim | " + " | ".join(reading.words for reading in found) + " |", "| --- " * (1 + len(found)) + "|"]
