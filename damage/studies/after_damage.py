@@ -18,6 +18,8 @@ LEAST_SHOCKS = 20
 """Fewer of a class of damage before are not fitted."""
 _SQUARED = ("arias_m_s",)
 """Intensities that go with the square of the motion."""
+
+
 def load_shocks(runs, folder):
     """Every shock of runs (rows of a study's summary.csv) as a row like theirs, with `shock`, `psi_before` [-] and its
     class `before`, a word of BEFORE, else "more".
@@ -74,7 +76,7 @@ def table_after_damage(shocks, intensity, replicates):
                 one = fragility(of_class, measure, level, intensity, replicates)
                 rows.append({"wall": wall, "before": before, "intensity": intensity, **one.row()})
     if not rows:
-        raise InputError(f"{len(shocks)} shocks; expected {LEAST_SHOCKS} or more of one class of the damage before; run "
+        raise InputError(f"{len(shocks)} shocks; expected {LEAST_SHOCKS} or more of one class of damage before; run "
                          "more of them")
     table = pd.DataFrame(rows)
     order = {words: place for place, words in enumerate([*BEFORE, "more"])}
