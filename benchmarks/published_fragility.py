@@ -31,11 +31,11 @@ from damage.wall.layout import lay_out
 from damage.wall.modes import mass_vector, natural_modes, stiffness_matrix
 
 MODELS = {("symmetric", False): ("0.6 MPa in the piers, 0.200 s, undamped (default)", BLACK, "-"),
-          ("symmetric_light_slow", False): ("0.12 MPa, 0.200 s", BLUE, "-"),
-          ("symmetric_fast", False): ("0.6 MPa, 0.111 s", GREEN, "-"),
-          ("symmetric", True): ("0.6 MPa, 0.200 s, 2 % damping", ORANGE, "-"),
-          ("symmetric_light", False): ("0.12 MPa, 0.094 s", SKY, "--"),
-          ("symmetric_light", True): ("0.12 MPa, 0.094 s, 2 % damping", VERMILLION, "--")}
+          ("symmetric_light_slow", False): ("0.12 MPa, 0.200 s", BLUE, "--"),
+          ("symmetric_fast", False): ("0.6 MPa, 0.111 s", GREEN, "-."),
+          ("symmetric", True): ("0.6 MPa, 0.200 s, 2 % damping", ORANGE, (0, (1, 1))),
+          ("symmetric_light", False): ("0.12 MPa, 0.094 s", SKY, (0, (6, 1))),
+          ("symmetric_light", True): ("0.12 MPa, 0.094 s, 2 % damping", VERMILLION, (0, (4, 1, 1, 1, 1, 1)))}
 """(wall, whether it is damped): words, colour, line."""
 LEVELS = (1.0, 2.0)
 KORSWAGEN_MM_S = np.array([5, 10, 15, 20, 30, 40])
