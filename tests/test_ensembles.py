@@ -263,9 +263,11 @@ class TestBatch:
         study = write_study(reference.folder, POINTS % "0.5, 0.4, 0.01")
         batch = reference.start(study)
         until = time.monotonic() + 300
-        while len(reference.members()) < 3 or not list((reference.out / "runs").glob("*.part.h5")):
+        old = growing = set()
+        while len(reference.members()) < 3 or not growing - old:  # one that has just begun still grows when it is killed
             assert batch.poll() is None and time.monotonic() < until, "it ended before it could be killed"
-            time.sleep(0.02)
+            time.sleep(0.005)
+            old, growing = growing, set((reference.out / "runs").glob("*.part.h5"))
         kill_tree(batch.pid)
         batch.wait()
         before = reference.checksums()

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from jinja2.utils import htmlsafe_json_dumps
 
@@ -73,7 +72,7 @@ def _environment():
 def _worst(studies, most):
     """(Histories of the runs of studies with the largest DI, up to so many, one of every point first; what is said of
     those that cannot be read).  Runs without a file are passed over, those that fell come first."""
-    runs = pd.DataFrame(columns=["path", "others", "stood", "DI"])
+    found = []
     for folder in studies:
         summary, _ = runs_of(folder)
         mine = summary.reindex(columns=["run", "point", "solver"]).assign(
@@ -81,9 +80,10 @@ def _worst(studies, most):
             stood=summary.reindex(columns=["collapsed_at_s"]).isna().all(axis=1),
             DI=-summary.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0))
         mine = mine[[path.is_file() for path in mine["path"]]].sort_values(["stood", "DI", "run"])
-        runs = pd.concat([runs, mine.assign(others=mine.groupby(["point", "solver"], dropna=False).cumcount())])
+        others = mine.groupby(["point", "solver"], dropna=False).cumcount()
+        found += zip(others, mine["stood"], mine["DI"], mine["path"])
     histories, unread = [], []
-    for path in runs.sort_values(["others", "stood", "DI"], kind="stable")["path"]:
+    for *_, path in sorted(found):
         if len(histories) < most:
             try:
                 histories.append(read_history(path))
