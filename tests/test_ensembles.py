@@ -264,7 +264,7 @@ class TestBatch:
         batch = reference.start(study)
         until = time.monotonic() + 300
         old = growing = set()
-        while len(reference.members()) < 3 or not growing - old:  # one that has just begun still grows when it is killed
+        while len(reference.members()) < 3 or not growing - old:  # one just begun still grows when it is killed
             assert batch.poll() is None and time.monotonic() < until, "it ended before it could be killed"
             time.sleep(0.005)
             old, growing = growing, set((reference.out / "runs").glob("*.part.h5"))
