@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import pytest
 
 from damage.errors import InputError
@@ -72,3 +73,12 @@ def one_line_error(function, *arguments, **named):
     assert "\n" not in message
     assert "expected" in message or "run pip install" in message
     return message
+
+
+def contents(path):
+    """{name: bytes} of all datasets of a history."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.update({name: item[()].tobytes()})
+                        if isinstance(item, h5py.Dataset) else None)
+    return found

@@ -5,10 +5,9 @@ import shutil
 import subprocess
 import sys
 
-import h5py
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, contents
 
 from damage.history.head import read_head
 from damage.provenance import UNKNOWN, code_of, commit, file_origin, model_digest
@@ -137,12 +136,3 @@ def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
     first, second = map(contents, paths)
     assert first.keys() == second.keys() and len(first) > 50
     assert [name for name in first if first[name] != second[name]] == []
-
-
-def contents(path):
-    """{name: bytes} of all datasets of a history."""
-    found = {}
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: found.update({name: item[()].tobytes()})
-                        if isinstance(item, h5py.Dataset) else None)
-    return found

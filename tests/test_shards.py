@@ -7,10 +7,9 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
-import h5py
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, contents
 from small_history import make_history
 
 from damage.studies.definition import StudyRun
@@ -131,14 +130,6 @@ def run(study, out, *words):
 
 def tables(folder):
     return {path.name: path.read_bytes() for path in (folder / "tables").glob("*.csv")}
-
-
-def contents(path):
-    found = {}
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: found.update({name: item[()].tobytes()})
-                        if isinstance(item, h5py.Dataset) else None)
-    return found
 
 
 @pytest.mark.slow

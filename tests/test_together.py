@@ -9,9 +9,8 @@ import threading
 import time
 from dataclasses import replace
 
-import h5py
 import pytest
-from conftest import REPOSITORY, without_progress
+from conftest import REPOSITORY, contents, without_progress
 
 from damage.history.reader import read_history
 from damage.reference import lanes, together
@@ -46,15 +45,6 @@ def lines(wall, folder, count=8):
     folder.mkdir()
     return {f"m{k}": [str(wall), *OTHERS.get(k, SHAKEN), "--strength-seed", str(k), "--out", str(folder / f"m{k}.h5"),
                       "--no-pictures"] for k in range(1, count + 1)}
-
-
-def contents(path):
-    """{name: bytes} of all datasets of a history."""
-    found = {}
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: found.update({name: item[()].tobytes()})
-                        if isinstance(item, h5py.Dataset) else None)
-    return found
 
 
 @pytest.fixture

@@ -26,6 +26,11 @@ class HistoryInMemory(Buffer):
         self._values, self._parts, self._n_bytes, self._writer = {}, [], 0, None
         self._attributes = run_attributes(layout, made["solver"], made["parameters"], made["versions"])
 
+    @property
+    def where(self):
+        """Where the history is, in words."""
+        return f"in memory, and in {self.path} should the run fail"
+
     def static_stage(self, **values):
         """Keep what the static stage ended with; keys are those of STATIC."""
         self._values = values

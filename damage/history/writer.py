@@ -56,6 +56,11 @@ class HistoryWriter(Buffer):
             self._lock = _lock(self.path, fcntl.LOCK_SH)
         self.flush()
 
+    @property
+    def where(self):
+        """Where the history is, in words."""
+        return str(self.path)
+
     def static_stage(self, **values):
         """Store what the static stage ended with; keys are those of STATIC."""
         with self._writing():

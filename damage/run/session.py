@@ -150,7 +150,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
     writer = write(out, layout, solver=backend.name, parameters=parameters,
                    versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
-    print(f"history: {out}", flush=True)
+    print(f"history: {writer.where}", flush=True)
     return Prepared(backend, settings, layout, modes, time_step, writer)
 
 
