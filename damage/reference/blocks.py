@@ -29,21 +29,19 @@ X, Z, COS1, SIN, FX, FZ, MOMENT, TURN, VX, VZ, SPIN, MASS, INERTIA, INVERSE_X, I
     _fields(0, 17)
 # of pairs, those of PAIR that all lanes share;
 AX, AZ, BX, BZ, KN, KS, KN_OFFSET, KN_OFFSET2, REACH, SLIDE_LOSS, HEAD, PAIR = _fields(0, 12)
-# of what each lane has of its own of them: limits, whether they stayed within, and how far the bodies had moved apart
-# and the forces were in the last step, with which damping compares them;
-OPENING, SLIDE, WHOLE, MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, OWN = _fields(0, 10)
+# of what each lane has of its own of them: limits, and how far the bodies had moved apart and the forces were in the
+# last step, with which damping compares them;
+OPENING, SLIDE, MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, OWN = _fields(0, 9)
 # and of the bench, where one block is worked on.
-OF_A, OF_B = _fields(0, 2, 32)  # x, z, cos1, sin of both bodies
-PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B, WORK = _fields(8, 5)
-BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(13, 7)
+PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B = _fields(0, 4)
+BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(4, 7)
 # Sums are taken in eight parts, the first of rows 0, 8, 16 and so on: those of one wall are the elements of a block.
 MOMENTUM_X, MOMENTUM_Z, PUSHED, LOST, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
 
 
 class Blocks(NamedTuple):
     """Arrays of blocks, flat; first, second: (pairs,) where in `bodies` the fields of a pair's bodies a and b begin, of
-    the first lane; width: of a block, 8, which the compiler does not know: it makes no vectors of loops that it knows
-    to be so short."""
+    the first lane; broken: a byte a block of pairs, whose bits are those that are not whole."""
 
     bodies: np.ndarray
     pairs: np.ndarray
@@ -53,7 +51,6 @@ class Blocks(NamedTuple):
     broken: np.ndarray
     first: np.ndarray
     second: np.ndarray
-    width: int
 
 
 def make_blocks(pairs, n_bodies, lanes):
@@ -70,8 +67,8 @@ def make_blocks(pairs, n_bodies, lanes):
     return Blocks(
         bodies=np.zeros(blocks_of(n_bodies * lanes, BODY)), pairs=shared.ravel(),
         own=_own(blocks_of(len(pairs) * lanes, 1)), bench=np.zeros(int(BENCH)), sums=np.zeros(int(SUMS)),
-        broken=np.zeros(8 * -(-len(pairs) // 16)),
-        first=_first(a, lanes), second=_first(b, lanes), width=8)
+        broken=np.zeros(-(-len(pairs) * lanes // 8), np.uint8),
+        first=_first(a, lanes), second=_first(b, lanes))
 
 
 def _own(n):

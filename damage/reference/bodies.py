@@ -5,6 +5,7 @@ import numpy as np
 from damage.reference import blocks as at
 from damage.reference.blocks import INDEX, NONE, ONE, WIDTH
 from damage.reference.compiled import block_loop, compiled, inlined
+from damage.reference.eight import add, bits, either, load, store
 from damage.reference.tables import DAMPING, INPUT
 
 SMALL = 0.01
@@ -18,7 +19,7 @@ def integrate(tables, blocks, lanes, controls, field, step):
     field: (lanes in use, steps, 3) acceleration of the base along x and z, which acts on all masses backwards, and
     gravity [m/s2].
     """
-    bench, bodies, sums, width = blocks.bench, blocks.bodies, blocks.sums, INDEX(blocks.width)
+    bench, bodies, sums = blocks.bench, blocks.bodies, blocks.sums
     clear(sums, at.MOMENTUM_X, at.DAMPED)
     damped = False
     for lane in range(controls.shape[0]):
@@ -29,10 +30,9 @@ def integrate(tables, blocks, lanes, controls, field, step):
     while block < INDEX(len(bodies)) // at.BODY:
         part = NONE if lanes == 1 else block % WIDTH * WIDTH
         if damped:
-            move_damped(bodies, block * at.BODY, bench, sums, part, width)
+            move_damped(bodies, block * at.BODY, bench, sums, part)
         else:
-            move_free(bodies, block * at.BODY, bench, sums, part, width)
-        turn_far(bodies, block * at.BODY)
+            move_free(bodies, block * at.BODY, bench, sums, part)
         block += ONE
     for lane in range(controls.shape[0]):
         dt = controls[lane, 0]
@@ -70,70 +70,73 @@ def clear(sums, start, stop):
         start += ONE
 
 
-@block_loop
-def move_free(bodies, k, bench, sums, part, width):
+@compiled
+def move_free(bodies, k, bench, sums, part):
     """Move eight bodies whose fields begin at k by a step, undamped; add to the parts of the sums at `part` what moves
     them."""
-    i = NONE
-    while i < width:
-        dt, inverse_x, inverse_z = bench[at.STEP + i], bodies[k + at.INVERSE_X], bodies[k + at.INVERSE_Z]
-        # A prescribed velocity stays.
-        rate_x = bodies[k + at.FX] * inverse_x - bench[at.BASE_X + i] if inverse_x > 0.0 else 0.0
-        rate_z = bodies[k + at.FZ] * inverse_z - bench[at.BASE_Z + i] if inverse_z > 0.0 else 0.0
-        rate_turn = bodies[k + at.MOMENT] * bodies[k + at.INVERSE_TURN]
-        advance(bodies, k, dt, rate_x, rate_z, rate_turn, sums, part + i)
-        i += ONE
-        k += ONE
+    rate_x, rate_z, rate_turn, _, _ = rates(bodies, k, bench)
+    advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_turn, sums, part)
 
 
-@block_loop
-def move_damped(bodies, k, bench, sums, part, width):
+@compiled
+def move_damped(bodies, k, bench, sums, part):
     """The same with damping, and what that takes."""
-    i = NONE
-    while i < width:
-        dt, inverse_x, inverse_z = bench[at.STEP + i], bodies[k + at.INVERSE_X], bodies[k + at.INVERSE_Z]
-        alpha, local, inverse_turn = bench[at.ALPHA + i], bench[at.LOCAL + i], bodies[k + at.INVERSE_TURN]
-        old_x, old_z, old_spin = bodies[k + at.VX], bodies[k + at.VZ], bodies[k + at.SPIN]
-        rate_x = bodies[k + at.FX] * inverse_x - bench[at.BASE_X + i] if inverse_x > 0.0 else 0.0
-        rate_z = bodies[k + at.FZ] * inverse_z - bench[at.BASE_Z + i] if inverse_z > 0.0 else 0.0
-        rate_turn = bodies[k + at.MOMENT] * inverse_turn
-        taken_x = resistance(old_x, rate_x, alpha, local) if inverse_x > 0.0 else 0.0
-        taken_z = resistance(old_z, rate_z, alpha, local) if inverse_z > 0.0 else 0.0
-        taken_turn = resistance(old_spin, rate_turn, alpha, local) if inverse_turn > 0.0 else 0.0
-        rate_x, rate_z, rate_turn = rate_x - taken_x, rate_z - taken_z, rate_turn - taken_turn
-        sums[at.LOST + part + i] += (
-            bodies[k + at.MASS] * (taken_x * (old_x + 0.5 * dt * rate_x) + taken_z * (old_z + 0.5 * dt * rate_z))
-            + bodies[k + at.INERTIA] * taken_turn * (old_spin + 0.5 * dt * rate_turn))
-        advance(bodies, k, dt, rate_x, rate_z, rate_turn, sums, part + i)
-        i += ONE
-        k += ONE
+    dt, alpha, local = load(bench, at.STEP), load(bench, at.ALPHA), load(bench, at.LOCAL)
+    old_x, old_z, old_spin = load(bodies, k + at.VX), load(bodies, k + at.VZ), load(bodies, k + at.SPIN)
+    rate_x, rate_z, rate_turn, free_x, free_z = rates(bodies, k, bench)
+    taken_x = either(free_x, resistance(old_x, rate_x, alpha, local), 0.0)
+    taken_z = either(free_z, resistance(old_z, rate_z, alpha, local), 0.0)
+    taken_turn = either(load(bodies, k + at.INVERSE_TURN) > 0.0, resistance(old_spin, rate_turn, alpha, local), 0.0)
+    rate_x, rate_z, rate_turn = rate_x - taken_x, rate_z - taken_z, rate_turn - taken_turn
+    add(sums, at.LOST + part, (
+        load(bodies, k + at.MASS) * (taken_x * (old_x + 0.5 * dt * rate_x) + taken_z * (old_z + 0.5 * dt * rate_z))
+        + load(bodies, k + at.INERTIA) * taken_turn * (old_spin + 0.5 * dt * rate_turn)))
+    advance(bodies, k, dt, rate_x, rate_z, rate_turn, sums, part)
+
+
+@inlined
+def rates(bodies, k, bench):
+    """Acceleration of eight bodies by their forces [m/s2, rad/s2], and which are free along x and along z."""
+    inverse_x, inverse_z = load(bodies, k + at.INVERSE_X), load(bodies, k + at.INVERSE_Z)
+    free_x, free_z = inverse_x > 0.0, inverse_z > 0.0  # a prescribed velocity stays
+    rate_x = either(free_x, load(bodies, k + at.FX) * inverse_x - load(bench, at.BASE_X), 0.0)
+    rate_z = either(free_z, load(bodies, k + at.FZ) * inverse_z - load(bench, at.BASE_Z), 0.0)
+    return rate_x, rate_z, load(bodies, k + at.MOMENT) * load(bodies, k + at.INVERSE_TURN), free_x, free_z
 
 
 @inlined
 def advance(bodies, k, dt, rate_x, rate_z, rate_turn, sums, part):
-    """Velocities and places of the body whose fields begin at k, a step of dt [s] on with these accelerations; its
-    momentum, and the work on it where its velocity is prescribed, for the sums."""
-    free, mass, old_x, old_z = bodies[k + at.INVERSE_X] > 0.0, bodies[k + at.MASS], bodies[k + at.VX], bodies[k + at.VZ]
-    vx, vz, spin = old_x + dt * rate_x, old_z + dt * rate_z, bodies[k + at.SPIN] + dt * rate_turn
-    sums[at.MOMENTUM_X + part] += mass * (old_x + vx) if free else 0.0
-    sums[at.MOMENTUM_Z + part] += mass * (old_z + vz)
-    sums[at.PUSHED + part] -= 0.0 if free else bodies[k + at.FX] * vx
-    turn = bodies[k + at.TURN] + dt * spin
-    bodies[k + at.VX], bodies[k + at.VZ], bodies[k + at.SPIN] = vx, vz, spin
-    bodies[k + at.X], bodies[k + at.Z] = bodies[k + at.X] + dt * vx, bodies[k + at.Z] + dt * vz
-    bodies[k + at.TURN] = turn
-    bodies[k + at.FX] = bodies[k + at.FZ] = bodies[k + at.MOMENT] = 0.0  # for those of the next places
+    """Velocities and places of eight bodies whose fields begin at k, a step of dt [s] on with these accelerations;
+    their momentum, and the work on them where their velocity is prescribed, for the sums."""
+    free, mass = load(bodies, k + at.INVERSE_X) > 0.0, load(bodies, k + at.MASS)
+    old_x, old_z = load(bodies, k + at.VX), load(bodies, k + at.VZ)
+    vx, vz, spin = old_x + dt * rate_x, old_z + dt * rate_z, load(bodies, k + at.SPIN) + dt * rate_turn
+    add(sums, at.MOMENTUM_X + part, either(free, mass * (old_x + vx), 0.0))
+    add(sums, at.MOMENTUM_Z + part, mass * (old_z + vz))
+    add(sums, at.PUSHED + part, -either(free, 0.0, load(bodies, k + at.FX) * vx))
+    turn = load(bodies, k + at.TURN) + dt * spin
+    store(bodies, k + at.VX, vx)
+    store(bodies, k + at.VZ, vz)
+    store(bodies, k + at.SPIN, spin)
+    add(bodies, k + at.X, dt * vx)
+    add(bodies, k + at.Z, dt * vz)
+    store(bodies, k + at.TURN, turn)
+    store(bodies, k + at.FX, 0.0)  # for those of the next places
+    store(bodies, k + at.FZ, 0.0)
+    store(bodies, k + at.MOMENT, 0.0)
     # cos(turn) - 1 and sin(turn) by series, whose remainder is below 1e-17 while the angle is SMALL.
     square = turn * turn
-    bodies[k + at.COS1] = -0.5 * square * (1.0 - square * (1 / 12) * (1.0 - square * (1 / 30)))
-    bodies[k + at.SIN] = turn * (1.0 - square * (1 / 6) * (1.0 - square * (1 / 20) * (1.0 - square * (1 / 42))))
+    store(bodies, k + at.COS1, -0.5 * square * (1.0 - square * (1 / 12) * (1.0 - square * (1 / 30))))
+    store(bodies, k + at.SIN, turn * (1.0 - square * (1 / 6) * (1.0 - square * (1 / 20) * (1.0 - square * (1 / 42)))))
+    if bits(abs(turn) < SMALL) != 255:
+        turn_far(bodies, k)
 
 
 @inlined
 def resistance(velocity, rate, alpha, local):
     """Deceleration by damping proportional to mass (alpha [1/s]) and by local damping [-], which is against the
-    motion: of a velocity [m/s or rad/s] that changes at a rate [m/s2 or rad/s2]."""
-    sign = 1.0 if velocity > 0.0 else (-1.0 if velocity < 0.0 else 0.0)
+    motion: of velocities [m/s or rad/s] that change at a rate [m/s2 or rad/s2]."""
+    sign = either(velocity > 0.0, 1.0, either(velocity < 0.0, -1.0, 0.0))
     return alpha * velocity + local * abs(rate) * sign
 
 
@@ -151,11 +154,11 @@ def turn_far(bodies, k):
 def adapt(tables, blocks, lanes, controls):
     """Adaptive global damping, for static solutions (Cundall's, as in UDEC): it takes a constant share of
     the rate at which the kinetic energy [J] changes, and so follows whichever mode still moves."""
-    bodies, sums, width = blocks.bodies, blocks.sums, INDEX(blocks.width)
+    bodies, sums = blocks.bodies, blocks.sums
     clear(sums, at.KINETIC, at.SUMS)
     block = NONE
     while block < INDEX(len(bodies)) // at.BODY:
-        kinetic_block(bodies, block * at.BODY, sums, NONE if lanes == 1 else block % WIDTH * WIDTH, width)
+        kinetic_block(bodies, block * at.BODY, sums, NONE if lanes == 1 else block % WIDTH * WIDTH)
         block += ONE
     for lane in range(controls.shape[0]):
         dt, share, kinetic = controls[lane, 0], controls[lane, 4], total(sums, at.KINETIC, lane, lanes)
@@ -165,16 +168,12 @@ def adapt(tables, blocks, lanes, controls):
         tables.relaxation[lane, 0], tables.relaxation[lane, 1] = min(wanted, 0.5 / dt), kinetic
 
 
-@block_loop
-def kinetic_block(bodies, k, sums, part, width):
+@compiled
+def kinetic_block(bodies, k, sums, part):
     """Add the kinetic energy [J] of eight bodies, whose velocities are those half a step ago."""
-    i = NONE
-    while i < width:
-        vx, vz, spin = bodies[k + at.VX], bodies[k + at.VZ], bodies[k + at.SPIN]
-        sums[at.KINETIC + part + i] += 0.5 * (bodies[k + at.MASS] * (vx * vx + vz * vz)
-                                              + bodies[k + at.INERTIA] * spin * spin)
-        i += ONE
-        k += ONE
+    vx, vz, spin = load(bodies, k + at.VX), load(bodies, k + at.VZ), load(bodies, k + at.SPIN)
+    add(sums, at.KINETIC + part, 0.5 * (load(bodies, k + at.MASS) * (vx * vx + vz * vz)
+                                        + load(bodies, k + at.INERTIA) * spin * spin))
 
 
 @compiled

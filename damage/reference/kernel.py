@@ -17,25 +17,29 @@ import numpy as np
 from damage.reference import blocks as at
 from damage.reference.blocks import INDEX, NONE, ONE, WIDTH, pack, place_of, unpack
 from damage.reference.bodies import adapt, clear, integrate, total
-from damage.reference.compiled import block_loop, compiled
+from damage.reference.compiled import block_loop, compiled, inlined
 from damage.reference.contacts import joint_forces, read_joints, remember, springs, sum_of_stresses
+from damage.reference.eight import add, bits, collect, load, store
 from damage.reference.pairs import (
-    Gap,
-    change,
+    Place,
     damp,
-    damped_lanes,
-    damped_rows,
+    damp_eight,
+    eight_pairs,
     keep_last,
+    last_forces,
+    last_gap,
+    less,
+    line_of,
+    lines_of,
+    place_of_body,
     push,
+    push_where,
     relative_motion,
-    whole_lanes,
-    whole_rows,
+    spring_of,
+    springs_of,
 )
 from damage.reference.tables import DAMPING
 from damage.wall.joint_law import Material
-
-CHUNK = INDEX(16)
-"""Pairs that are passed by together where all are whole."""
 
 
 class Law(NamedTuple):
@@ -88,12 +92,12 @@ def all_forces(tables, blocks, lanes, law, clock, step, singly, damped):
     are written then, too.
     """
     clear(blocks.sums, at.DAMPED, at.KINETIC)
-    if not singly:
-        clear(blocks.broken, NONE, INDEX(len(blocks.broken)))
-        if lanes == 1:
-            forces_of_one(blocks, damped)
-        else:
-            forces_of_lanes(blocks, damped)
+    if singly:
+        blocks.broken[:] = 255
+    elif lanes == 1:
+        forces_of_one(blocks, damped)
+    else:
+        forces_of_lanes(blocks, damped)
     forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped)
     if damped:
         for lane in range(tables.energy.shape[0]):
@@ -114,18 +118,17 @@ def clear_forces(bodies):
 def forces_of_one(blocks, damped):
     """Forces of the pairs of one wall that are whole: eight pairs are a block."""
     pairs, bodies, bench, own = blocks.pairs, blocks.bodies, blocks.bench, blocks.own
-    first, second, sums, broken, width = blocks.first, blocks.second, blocks.sums, blocks.broken, INDEX(blocks.width)
+    first, second, sums = blocks.first, blocks.second, blocks.sums
     block = NONE
-    while block < INDEX(len(own)) // at.OWN:
+    while block < INDEX(len(blocks.broken)):
         row, p, m = block * WIDTH, block * at.PAIR, block * at.OWN
-        fetch(bodies, first, second, row, bench)
+        a, b = places_of(bodies, first, row), places_of(bodies, second, row)
+        frame, gap, forces, whole = eight_pairs(lines_of(pairs, p), springs_of(pairs, p), a, b, own, m)
         if damped:
-            damped_rows(pairs, p, bench, at.OF_A, at.OF_B, own, m, bench, width)
-            add_work(bench, sums, NONE, width)
-        else:
-            whole_rows(pairs, p, bench, at.OF_A, at.OF_B, own, m, bench, width)
-        note_broken(broken, row // CHUNK * WIDTH, own, m, width)
-        push_rows(bodies, first, second, row, bench)
+            forces, work = damp_eight(own, m, load(bench, at.RATE), gap, forces, whole)
+            add(sums, at.DAMPED, work)
+        blocks.broken[block] = 255 - bits(whole)
+        push_rows(bodies, first, second, row, bench, push_where(whole, frame, forces))
         block += ONE
 
 
@@ -133,17 +136,17 @@ def forces_of_one(blocks, damped):
 def forces_of_lanes(blocks, damped):
     """Forces of the pairs of several walls that are whole: a pair in eight lanes is a block."""
     pairs, bodies, bench, own = blocks.pairs, blocks.bodies, blocks.bench, blocks.own
-    first, second, sums, broken, width = blocks.first, blocks.second, blocks.sums, blocks.broken, INDEX(blocks.width)
+    first, second, sums = blocks.first, blocks.second, blocks.sums
     row = NONE
-    while row < INDEX(len(own)) // at.OWN:
+    while row < INDEX(len(blocks.broken)):
         a, b, p, m = first[row], second[row], place_of(row, at.PAIR), row * at.OWN
+        frame, gap, forces, whole = eight_pairs(line_of(pairs, p), spring_of(pairs, p), places_in_lanes(bodies, a),
+                                                places_in_lanes(bodies, b), own, m)
         if damped:
-            damped_lanes(pairs, p, bodies, a, b, own, m, bench, width)
-            add_work(bench, sums, row % WIDTH * WIDTH, width)
-        else:
-            whole_lanes(pairs, p, bodies, a, b, own, m, bench, width)
-        push_lanes(bodies, a, b, bench, width)
-        note_broken(broken, row // CHUNK * WIDTH, own, m, width)
+            forces, work = damp_eight(own, m, load(bench, at.RATE), gap, forces, whole)
+            add(sums, at.DAMPED + row % WIDTH * WIDTH, work)
+        blocks.broken[row] = 255 - bits(whole)
+        push_lanes(bodies, a, b, push_where(whole, frame, forces))
         row += ONE
 
 
@@ -151,19 +154,15 @@ def forces_of_lanes(blocks, damped):
 def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
     """Forces of the pairs that are not whole, or of all, contact by contact: after the others, in the same order
     whether a wall is alone or among others."""
-    for chunk in range(len(blocks.broken) // 8):
-        for lane in range(tables.pairs.shape[0]):
-            if singly or any_broken(blocks.broken, chunk, lane, lanes):
-                forces_of_chunk(tables, blocks, lanes, law, clock[lane] + step, lane, chunk, singly, damped)
-
-
-@block_loop
-def forces_of_chunk(tables, blocks, lanes, law, step, lane, chunk, singly, damped):
-    """The same of the pairs of a chunk, in one lane."""
-    for p in range(16 * chunk, min(16 * chunk + 16, tables.pairs.shape[1])):
-        m = place_of(INDEX(p * lanes + lane), at.OWN)
-        if singly or blocks.own[m + at.WHOLE] == 0.0:
-            forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped)
+    for block in range(len(blocks.broken)):
+        flags = int(blocks.broken[block])
+        if flags == 0:
+            continue
+        for k in range(8):
+            p, lane = (8 * block + k, 0) if lanes == 1 else (block, k)
+            if flags >> k & 1 and p < tables.pairs.shape[1] and lane < tables.pairs.shape[0]:
+                forces_of_pair(tables, blocks, lanes, law, clock[lane] + step, lane, p,
+                               place_of(INDEX(p * lanes + lane), at.OWN), singly, damped)
 
 
 @block_loop
@@ -172,45 +171,25 @@ def forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped)
     own, bodies, contacts = blocks.own, blocks.bodies, tables.contacts
     start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop  # of all lanes: fewer to fetch from memory
     a, b = blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane)
-    frame, gap = relative_motion(blocks.pairs, place_of(INDEX(p), at.PAIR), bodies, a, b)
+    frame, gap = relative_motion(line_of(blocks.pairs, place_of(INDEX(p), at.PAIR)), place_of_body(bodies, a),
+                                 place_of_body(bodies, b))
     forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
-    steady = change(own, m, forces)
+    steady = less(forces, last_forces(own, m))
     if elastic:
         remember(contacts, lane, start, stop, gap)
     else:
-        before = Gap(own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED])
-        forces, steady, failed = joint_forces(tables, law, lane, p, step, gap, before, damped)
+        forces, steady, failed = joint_forces(tables, law, lane, p, step, gap, last_gap(own, m), damped)
         if failed:
             tables.pairs[lane, p].broken = 1
             own[m + at.OPENING] = -np.inf
     if singly:
         read_joints(contacts, tables.joints, lane, start, stop, gap)
     if damped:
-        with_damping, work = damp(own, m, blocks.bench[at.RATE + INDEX(lane)], gap, forces, steady)
+        with_damping, work = damp(blocks.bench[at.RATE + INDEX(lane)], gap, last_gap(own, m), forces, steady)
         keep_last(own, m, gap, forces)
         blocks.sums[at.DAMPED + INDEX(p % 8 * lanes + lane)] += work
         forces = with_damping
     push_pair(bodies, a, b, push(frame, forces))
-
-
-@block_loop
-def note_broken(broken, c, own, m, width):
-    """Note in the eight numbers of a chunk whether a pair of a block is not whole."""
-    i = NONE
-    while i < width:
-        broken[c + i] += 1.0 - own[m + i + at.WHOLE]
-        i += ONE
-
-
-@compiled
-def any_broken(broken, chunk, lane, lanes):
-    """Whether a pair of a chunk is not whole, in this lane."""
-    if lanes > 1:
-        return broken[8 * chunk + lane] > 0.0
-    total = 0.0
-    for i in range(8 * chunk, 8 * chunk + 8):
-        total += broken[i]
-    return total > 0.0
 
 
 @block_loop
@@ -224,22 +203,32 @@ def push_pair(bodies, a, b, pushed):
     bodies[b + at.MOMENT] -= pushed.moment_b
 
 
-@block_loop
-def fetch(bodies, first, second, row, bench):
-    """Bring the places of the bodies of eight pairs on the bench, of the rows from this one on."""
-    i = NONE
-    while i < WIDTH:
-        a, b = first[row + i], second[row + i]
-        bench[at.OF_A + at.X + i], bench[at.OF_B + at.X + i] = bodies[a + at.X], bodies[b + at.X]
-        bench[at.OF_A + at.Z + i], bench[at.OF_B + at.Z + i] = bodies[a + at.Z], bodies[b + at.Z]
-        bench[at.OF_A + at.COS1 + i], bench[at.OF_B + at.COS1 + i] = bodies[a + at.COS1], bodies[b + at.COS1]
-        bench[at.OF_A + at.SIN + i], bench[at.OF_B + at.SIN + i] = bodies[a + at.SIN], bodies[b + at.SIN]
-        i += ONE
+@inlined
+def places_of(bodies, first, row):
+    """Place of the bodies of eight pairs, of the rows from this one on."""
+    return Place(collect(bodies, first, row, at.X), collect(bodies, first, row, at.Z),
+                 collect(bodies, first, row, at.COS1), collect(bodies, first, row, at.SIN))
+
+
+@inlined
+def places_in_lanes(bodies, a):
+    """Place of a body in eight lanes."""
+    return Place(load(bodies, a + at.X), load(bodies, a + at.Z), load(bodies, a + at.COS1), load(bodies, a + at.SIN))
+
+
+@inlined
+def push_rows(bodies, first, second, row, bench, pushed):
+    """Add what eight pairs do to their bodies, by way of the bench: they may share one."""
+    store(bench, at.PUSH_X, pushed.x)
+    store(bench, at.PUSH_Z, pushed.z)
+    store(bench, at.MOMENT_A, pushed.moment_a)
+    store(bench, at.MOMENT_B, pushed.moment_b)
+    push_one_by_one(bodies, first, second, row, bench)
 
 
 @block_loop
-def push_rows(bodies, first, second, row, bench):
-    """Add what eight pairs do to their bodies."""
+def push_one_by_one(bodies, first, second, row, bench):
+    """Add what is on the bench to the bodies of eight pairs."""
     i = NONE
     while i < WIDTH:
         a, b = first[row + i], second[row + i]
@@ -252,30 +241,15 @@ def push_rows(bodies, first, second, row, bench):
         i += ONE
 
 
-@block_loop
-def push_lanes(bodies, a, b, bench, width):
+@inlined
+def push_lanes(bodies, a, b, pushed):
     """Add what a pair does to its bodies in eight lanes."""
-    i = NONE
-    while i < width:
-        bodies[a + at.FX + i] += bench[at.PUSH_X + i]
-        bodies[a + at.FZ + i] += bench[at.PUSH_Z + i]
-        bodies[a + at.MOMENT + i] += bench[at.MOMENT_A + i]
-        i += ONE
-    i = NONE
-    while i < width:
-        bodies[b + at.FX + i] -= bench[at.PUSH_X + i]
-        bodies[b + at.FZ + i] -= bench[at.PUSH_Z + i]
-        bodies[b + at.MOMENT + i] -= bench[at.MOMENT_B + i]
-        i += ONE
-
-
-@block_loop
-def add_work(bench, sums, part, width):
-    """Add the work of damping of eight pairs to its sum."""
-    i = NONE
-    while i < width:
-        sums[at.DAMPED + part + i] += bench[at.WORK + i]
-        i += ONE
+    add(bodies, a + at.FX, pushed.x)
+    add(bodies, a + at.FZ, pushed.z)
+    add(bodies, a + at.MOMENT, pushed.moment_a)
+    add(bodies, b + at.FX, -pushed.x)
+    add(bodies, b + at.FZ, -pushed.z)
+    add(bodies, b + at.MOMENT, -pushed.moment_b)
 
 
 @compiled
@@ -284,7 +258,8 @@ def remember_all(tables, blocks, lanes):
     for lane in range(tables.pairs.shape[0]):
         for p in range(tables.pairs.shape[1]):
             pair, here = tables.pairs[lane, p], INDEX(lane)
-            _, gap = relative_motion(blocks.pairs, place_of(INDEX(p), at.PAIR), blocks.bodies, blocks.first[p] + here,
-                                     blocks.second[p] + here)
+            _, gap = relative_motion(line_of(blocks.pairs, place_of(INDEX(p), at.PAIR)),
+                                     place_of_body(blocks.bodies, blocks.first[p] + here),
+                                     place_of_body(blocks.bodies, blocks.second[p] + here))
             keep_last(blocks.own, place_of(INDEX(p * lanes + lane), at.OWN), gap,
                       sum_of_stresses(tables.contacts, lane, pair.start, pair.stop, gap))

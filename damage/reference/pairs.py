@@ -9,15 +9,46 @@ worked out once a pair, not once a contact.
 
 A pair that is whole and whose outermost opening leaves all its springs within their strength is one spring and a
 couple: where that ends `joint_law.stays_elastic` says.  Eight pairs at a time go this way; those that are not whole
-are then done again, contact by contact.
+are then done again, contact by contact.  All here is of one pair, or of eight (eight.py).
 """
 
 from typing import NamedTuple
 
 from damage.reference import blocks as at
-from damage.reference.blocks import NONE, ONE
-from damage.reference.compiled import block_loop, inlined
+from damage.reference.compiled import inlined
+from damage.reference.eight import either, load, store
 from damage.wall import joint_law
+
+
+class Line(NamedTuple):
+    """Where the middle of a pair's contacts lies from the centres of its bodies a and b [m]; head: above zero for a
+    head joint."""
+
+    ax: float
+    az: float
+    bx: float
+    bz: float
+    head: float
+
+
+class Place(NamedTuple):
+    """Displacement of a body [m], and the cosine less one and the sine of its rotation."""
+
+    x: float
+    z: float
+    cos1: float
+    sin: float
+
+
+class Spring(NamedTuple):
+    """All contacts of a whole pair as one spring and a couple, the fields of tables.PAIR [N/m, N, N m, m, -]."""
+
+    kn: float
+    ks: float
+    kn_offset: float
+    kn_offset2: float
+    reach: float
+    slide_loss: float
 
 
 class Gap(NamedTuple):
@@ -63,40 +94,68 @@ class Push(NamedTuple):
 
 
 @inlined
-def relative_motion(pairs, p, bodies, a, b):
-    """Mean axes of a pair (Frame) and how far its bodies have moved apart along them (Gap) [m]; p, a, b: where the
-    first fields of the pair and of its bodies are."""
-    pax, paz, pbx, pbz = pairs[p + at.AX], pairs[p + at.AZ], pairs[p + at.BX], pairs[p + at.BZ]
-    a_cos1, a_sin, b_cos1, b_sin = bodies[a + at.COS1], bodies[a + at.SIN], bodies[b + at.COS1], bodies[b + at.SIN]
+def line_of(pairs, p):
+    """Line of the pair whose first field is at p."""
+    return Line(pairs[p + at.AX], pairs[p + at.AZ], pairs[p + at.BX], pairs[p + at.BZ], pairs[p + at.HEAD])
+
+
+@inlined
+def lines_of(pairs, p):
+    """The same of eight."""
+    return Line(load(pairs, p + at.AX), load(pairs, p + at.AZ), load(pairs, p + at.BX), load(pairs, p + at.BZ),
+                load(pairs, p + at.HEAD))
+
+
+@inlined
+def spring_of(pairs, p):
+    """Spring of the pair whose first field is at p."""
+    return Spring(pairs[p + at.KN], pairs[p + at.KS], pairs[p + at.KN_OFFSET], pairs[p + at.KN_OFFSET2],
+                  pairs[p + at.REACH], pairs[p + at.SLIDE_LOSS])
+
+
+@inlined
+def springs_of(pairs, p):
+    """The same of eight."""
+    return Spring(load(pairs, p + at.KN), load(pairs, p + at.KS), load(pairs, p + at.KN_OFFSET),
+                  load(pairs, p + at.KN_OFFSET2), load(pairs, p + at.REACH), load(pairs, p + at.SLIDE_LOSS))
+
+
+@inlined
+def place_of_body(bodies, a):
+    """Place of the body whose first field is at a."""
+    return Place(bodies[a + at.X], bodies[a + at.Z], bodies[a + at.COS1], bodies[a + at.SIN])
+
+
+@inlined
+def relative_motion(line, a, b):
+    """Mean axes of a pair (Frame) and how far its bodies have moved apart along them (Gap) [m]; a, b: their Place."""
     # How the middle moves with either body, and how far its two places are apart.
-    dax, daz = a_cos1 * pax - a_sin * paz, a_sin * pax + a_cos1 * paz
-    dbx, dbz = b_cos1 * pbx - b_sin * pbz, b_sin * pbx + b_cos1 * pbz
-    dx = (bodies[b + at.X] - bodies[a + at.X]) + (dbx - dax)
-    dz = (bodies[b + at.Z] - bodies[a + at.Z]) + (dbz - daz)
+    dax, daz = a.cos1 * line.ax - a.sin * line.az, a.sin * line.ax + a.cos1 * line.az
+    dbx, dbz = b.cos1 * line.bx - b.sin * line.bz, b.sin * line.bx + b.cos1 * line.bz
+    dx = (b.x - a.x) + (dbx - dax)
+    dz = (b.z - a.z) + (dbz - daz)
     # Normal n and tangent t, turned by the mean rotation.
-    c, s = 1.0 + 0.5 * (a_cos1 + b_cos1), 0.5 * (a_sin + b_sin)
-    head = pairs[p + at.HEAD] > 0.0
-    nx, nz, tx, tz = (c if head else -s), (s if head else c), (-s if head else c), (c if head else s)
-    turn = (b_sin - a_sin) + (b_sin * a_cos1 - a_sin * b_cos1)
-    frame = Frame(nx, nz, tx, tz, c * c + s * s, pax + dax + 0.5 * dx, paz + daz + 0.5 * dz,
-                  pbx + dbx - 0.5 * dx, pbz + dbz - 0.5 * dz)
+    c, s = 1.0 + 0.5 * (a.cos1 + b.cos1), 0.5 * (a.sin + b.sin)
+    head = line.head > 0.0
+    nx, nz, tx, tz = either(head, c, -s), either(head, s, c), either(head, -s, c), either(head, c, s)
+    turn = (b.sin - a.sin) + (b.sin * a.cos1 - a.sin * b.cos1)
+    frame = Frame(nx, nz, tx, tz, c * c + s * s, line.ax + dax + 0.5 * dx, line.az + daz + 0.5 * dz,
+                  line.bx + dbx - 0.5 * dx, line.bz + dbz - 0.5 * dz)
     return frame, Gap(nx * dx + nz * dz, tx * dx + tz * dz, turn)
 
 
 @inlined
-def stays_whole(pairs, p, own, m, gap):
-    """Whether the outermost opening [m] leaves all contacts of a pair within their strengths."""
-    widest = gap.middle + pairs[p + at.REACH] * abs(gap.turn)
-    return joint_law.stays_elastic(widest, gap.shear, own[m + at.OPENING], own[m + at.SLIDE],
-                                   pairs[p + at.SLIDE_LOSS])
+def stays_whole(spring, opening, slide, gap):
+    """Whether the outermost opening [m] leaves all contacts of a pair within their limits of opening and slide [m]."""
+    widest = gap.middle + spring.reach * abs(gap.turn)
+    return joint_law.stays_elastic(widest, gap.shear, opening, slide, spring.slide_loss)
 
 
 @inlined
-def whole_pair(pairs, p, gap):
+def whole_pair(spring, gap):
     """Forces of all springs of a pair together [N, N m]."""
-    kn_offset = pairs[p + at.KN_OFFSET]
-    return Forces(pairs[p + at.KN] * gap.middle + kn_offset * gap.turn, pairs[p + at.KS] * gap.shear,
-                  kn_offset * gap.middle + pairs[p + at.KN_OFFSET2] * gap.turn)
+    return Forces(spring.kn * gap.middle + spring.kn_offset * gap.turn, spring.ks * gap.shear,
+                  spring.kn_offset * gap.middle + spring.kn_offset2 * gap.turn)
 
 
 @inlined
@@ -109,21 +168,45 @@ def push(frame, forces):
 
 
 @inlined
-def change(own, m, forces):
-    """How the forces of a pair [N, N m] have changed since the last step."""
-    return Forces(forces.normal - own[m + at.NORMAL], forces.along - own[m + at.ALONG],
-                  forces.couple - own[m + at.COUPLE])
+def less(forces, last):
+    """How forces of a pair [N, N m] differ from others."""
+    return Forces(forces.normal - last.normal, forces.along - last.along, forces.couple - last.couple)
 
 
 @inlined
-def damp(own, m, rate, gap, forces, steady):
+def damp(rate, gap, last, forces, steady):
     """The forces of a pair [N, N m] with damping proportional to stiffness, and its work [J], which is lost.
 
-    rate: beta over the time step [-]; steady: what is damped, the change of its elastic forces since the last step."""
-    work = (steady.normal * (gap.middle - own[m + at.MIDDLE]) + steady.along * (gap.shear - own[m + at.SHEAR])
-            + steady.couple * (gap.turn - own[m + at.TURNED]))
+    rate: beta over the time step [-]; last: the Gap of the last step; steady: what is damped, the change of its elastic
+    forces since then."""
+    work = (steady.normal * (gap.middle - last.middle) + steady.along * (gap.shear - last.shear)
+            + steady.couple * (gap.turn - last.turn))
     return Forces(forces.normal + rate * steady.normal, forces.along + rate * steady.along,
                   forces.couple + rate * steady.couple), rate * work
+
+
+@inlined
+def last_gap(own, m):
+    """How far the bodies of a pair had moved apart in the last step [m]."""
+    return Gap(own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED])
+
+
+@inlined
+def last_forces(own, m):
+    """The forces of a pair in the last step [N, N m]."""
+    return Forces(own[m + at.NORMAL], own[m + at.ALONG], own[m + at.COUPLE])
+
+
+@inlined
+def last_gaps(own, m):
+    """`last_gap` of eight."""
+    return Gap(load(own, m + at.MIDDLE), load(own, m + at.SHEAR), load(own, m + at.TURNED))
+
+
+@inlined
+def last_forces_of_eight(own, m):
+    """`last_forces` of eight."""
+    return Forces(load(own, m + at.NORMAL), load(own, m + at.ALONG), load(own, m + at.COUPLE))
 
 
 @inlined
@@ -134,75 +217,36 @@ def keep_last(own, m, gap, forces):
 
 
 @inlined
-def keep_last_of(own, m, whole, gap, forces):
-    """`keep_last` where the pair is whole; where not, what was there stays for what is done then."""
-    own[m + at.MIDDLE] = gap.middle if whole else own[m + at.MIDDLE]
-    own[m + at.SHEAR] = gap.shear if whole else own[m + at.SHEAR]
-    own[m + at.TURNED] = gap.turn if whole else own[m + at.TURNED]
-    own[m + at.NORMAL] = forces.normal if whole else own[m + at.NORMAL]
-    own[m + at.ALONG] = forces.along if whole else own[m + at.ALONG]
-    own[m + at.COUPLE] = forces.couple if whole else own[m + at.COUPLE]
+def keep_last_of(own, m, whole, gap, before, forces, last):
+    """The same of those of eight pairs that are whole; where not, what was there stays for what is done then."""
+    store(own, m + at.MIDDLE, either(whole, gap.middle, before.middle))
+    store(own, m + at.SHEAR, either(whole, gap.shear, before.shear))
+    store(own, m + at.TURNED, either(whole, gap.turn, before.turn))
+    store(own, m + at.NORMAL, either(whole, forces.normal, last.normal))
+    store(own, m + at.ALONG, either(whole, forces.along, last.along))
+    store(own, m + at.COUPLE, either(whole, forces.couple, last.couple))
 
 
 @inlined
-def put(bench, i, whole, pushed):
-    """Write the Push of an element on the bench, nothing where it is not whole."""
-    bench[at.PUSH_X + i], bench[at.PUSH_Z + i] = (pushed.x if whole else 0.0), (pushed.z if whole else 0.0)
-    bench[at.MOMENT_A + i] = pushed.moment_a if whole else 0.0
-    bench[at.MOMENT_B + i] = pushed.moment_b if whole else 0.0
+def eight_pairs(line, spring, a, b, own, m):
+    """Frame, Gap and Forces of eight pairs as one spring each, and whether they are whole."""
+    frame, gap = relative_motion(line, a, b)
+    whole = stays_whole(spring, load(own, m + at.OPENING), load(own, m + at.SLIDE), gap)
+    return frame, gap, whole_pair(spring, gap), whole
 
 
-# `while`, here and wherever eight elements are done: of numba's ranges over constants the compiler makes no vectors.
-@block_loop
-def whole_rows(pairs, p, bodies, a, b, own, m, bench, width):
-    """What eight pairs do that are whole, and whether they are, on the bench; p, a, b, m: where the first fields of
-    the first one are."""
-    i = NONE
-    while i < width:
-        frame, gap = relative_motion(pairs, p + i, bodies, a + i, b + i)
-        whole = stays_whole(pairs, p + i, own, m + i, gap)
-        put(bench, i, whole, push(frame, whole_pair(pairs, p + i, gap)))
-        own[m + i + at.WHOLE] = 1.0 if whole else 0.0
-        i += ONE
+@inlined
+def damp_eight(own, m, rate, gap, forces, whole):
+    """Forces of eight pairs with damping, and its work where they are whole; keeps what the next step asks for."""
+    before, last = last_gaps(own, m), last_forces_of_eight(own, m)
+    damped, work = damp(rate, gap, before, forces, less(forces, last))
+    keep_last_of(own, m, whole, gap, before, forces, last)
+    return damped, either(whole, work, 0.0)
 
 
-@block_loop
-def whole_lanes(pairs, p, bodies, a, b, own, m, bench, width):
-    """`whole_rows` of one pair in eight lanes."""
-    i = NONE
-    while i < width:
-        frame, gap = relative_motion(pairs, p, bodies, a + i, b + i)
-        whole = stays_whole(pairs, p, own, m + i, gap)
-        put(bench, i, whole, push(frame, whole_pair(pairs, p, gap)))
-        own[m + i + at.WHOLE] = 1.0 if whole else 0.0
-        i += ONE
-
-
-@block_loop
-def damped_rows(pairs, p, bodies, a, b, own, m, bench, width):
-    """`whole_rows` with damping proportional to stiffness, and its work."""
-    i = NONE
-    while i < width:
-        frame, gap = relative_motion(pairs, p + i, bodies, a + i, b + i)
-        whole, forces = stays_whole(pairs, p + i, own, m + i, gap), whole_pair(pairs, p + i, gap)
-        damped, work = damp(own, m + i, bench[at.RATE + i], gap, forces, change(own, m + i, forces))
-        keep_last_of(own, m + i, whole, gap, forces)
-        put(bench, i, whole, push(frame, damped))
-        bench[at.WORK + i] = work if whole else 0.0
-        own[m + i + at.WHOLE] = 1.0 if whole else 0.0
-        i += ONE
-
-
-@block_loop
-def damped_lanes(pairs, p, bodies, a, b, own, m, bench, width):
-    """`damped_rows` of one pair in eight lanes."""
-    i = NONE
-    while i < width:
-        frame, gap = relative_motion(pairs, p, bodies, a + i, b + i)
-        whole, forces = stays_whole(pairs, p, own, m + i, gap), whole_pair(pairs, p, gap)
-        damped, work = damp(own, m + i, bench[at.RATE + i], gap, forces, change(own, m + i, forces))
-        keep_last_of(own, m + i, whole, gap, forces)
-        put(bench, i, whole, push(frame, damped))
-        bench[at.WORK + i] = work if whole else 0.0
-        own[m + i + at.WHOLE] = 1.0 if whole else 0.0
-        i += ONE
+@inlined
+def push_where(whole, frame, forces):
+    """The Push of eight pairs, nothing of those that are not whole."""
+    pushed = push(frame, forces)
+    return Push(either(whole, pushed.x, 0.0), either(whole, pushed.z, 0.0), either(whole, pushed.moment_a, 0.0),
+                either(whole, pushed.moment_b, 0.0))

@@ -1,0 +1,190 @@
+"""Eight numbers as one value, on which arithmetic is that of each: what vector instructions work on.
+
+    x = load(array, i)                                   # array[i] to array[i + 7]
+    store(array, i, either(x > 0.0, 2.0 * x, 0.0))
+
+numba knows no such value, and makes vectors of loops only where it can show that no array overlaps another.  Compiled,
+it is a vector of LLVM's, on whichever machine; where numba is switched off, an array.  Each operation is rounded by
+itself, as that of a single number is, so that bits are the same.
+"""
+
+import operator
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import lower_builtin, models, register_model, type_callable
+
+WIDTH = 8
+
+
+def load(array, i):
+    """Eight neighbours of an array, from i on."""
+    return array[i:i + WIDTH].copy()
+
+
+def store(array, i, eight):
+    """Write eight numbers, or one eight times, into an array from i on."""
+    array[i:i + WIDTH] = eight
+
+
+def add(array, i, eight):
+    """Add eight numbers to those of an array from i on."""
+    array[i:i + WIDTH] += eight
+
+
+def collect(array, places, i, offset):
+    """Those at eight places of an array, each with this offset; places: an array of them, read from i on."""
+    return array[places[i:i + WIDTH] + offset]
+
+
+def either(condition, x, y):
+    """x where the condition holds, y elsewhere; of eight or of single numbers."""
+    return np.where(condition, x, y) if isinstance(condition, np.ndarray) else (x if condition else y)
+
+
+def bits(flags):
+    """Eight flags as the bits of an integer, the first as the lowest."""
+    return int(np.packbits(flags, bitorder="little")[0])
+
+
+class Eight(types.Type):
+    """numba's name for eight numbers, or for eight flags."""
+
+
+NUMBERS, FLAGS = Eight("eight numbers"), Eight("eight flags")
+_INT, _LONG, _REAL, _FLAG = ir.IntType(32), ir.IntType(64), ir.DoubleType(), ir.IntType(1)
+_VECTORS = {NUMBERS: ir.VectorType(_REAL, WIDTH), FLAGS: ir.VectorType(_FLAG, WIDTH)}
+
+
+@register_model(Eight)
+class _Model(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        super().__init__(manager, kind, _VECTORS[kind])
+
+
+def _spread(builder, kind, value):
+    """A value of this kind as eight numbers: itself, or one number eight times."""
+    if kind == NUMBERS:
+        return value
+    none = ir.Constant(_VECTORS[NUMBERS], ir.Undefined)
+    return builder.shuffle_vector(builder.insert_element(none, value, _INT(0)), none,
+                                  ir.Constant(ir.VectorType(_INT, WIDTH), [0] * WIDTH))
+
+
+def _teach_type(function, typer):
+    """Teach numba's typing a function: the type of its result, or None, from those of its arguments."""
+    type_callable(function)(lambda _context: typer)
+
+
+def _is_number(kind):
+    return kind == NUMBERS or isinstance(kind, types.Float)
+
+
+def _teach_binary(function, result, make):
+    """Teach numba an operation on eight numbers and eight others, or one."""
+    _teach_type(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None)
+
+    def lower(_context, builder, signature, values):
+        return make(builder, *(_spread(builder, kind, value) for kind, value in zip(signature.args, values)))
+
+    for kinds in ((NUMBERS, NUMBERS), (NUMBERS, types.Float), (types.Float, NUMBERS)):
+        lower_builtin(function, *kinds)(lower)
+
+
+def _comparison(sign):
+    return lambda builder, x, y: builder.fcmp_ordered(sign, x, y)
+
+
+for _function, _make in ((operator.add, ir.IRBuilder.fadd), (operator.sub, ir.IRBuilder.fsub),
+                         (operator.mul, ir.IRBuilder.fmul)):
+    _teach_binary(_function, NUMBERS, _make)
+for _function, _sign in ((operator.gt, ">"), (operator.ge, ">="), (operator.lt, "<"), (operator.le, "<=")):
+    _teach_binary(_function, FLAGS, _comparison(_sign))
+for _function in (operator.and_, operator.or_):
+    _teach_type(_function, lambda x, y: FLAGS if x == y == FLAGS else None)
+for _function in (operator.neg, abs):
+    _teach_type(_function, lambda x: NUMBERS if x == NUMBERS else None)
+_teach_type(bits, lambda flags: types.uint8)
+_teach_type(load, lambda array, i: NUMBERS)
+_teach_type(store, lambda array, i, eight: types.none)
+_teach_type(add, lambda array, i, eight: types.none)
+_teach_type(collect, lambda array, places, i, offset: NUMBERS)
+_teach_type(either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x)
+
+
+@lower_builtin(operator.and_, FLAGS, FLAGS)
+def _and(_context, builder, _signature, values):
+    return builder.and_(*values)
+
+
+@lower_builtin(operator.or_, FLAGS, FLAGS)
+def _or(_context, builder, _signature, values):
+    return builder.or_(*values)
+
+
+@lower_builtin(operator.neg, NUMBERS)
+def _neg(_context, builder, _signature, values):
+    return builder.fneg(values[0])
+
+
+@lower_builtin(abs, NUMBERS)
+def _abs(_context, builder, _signature, values):
+    longs = ir.VectorType(_LONG, WIDTH)
+    without_sign = ir.Constant(longs, [2**63 - 1] * WIDTH)
+    return builder.bitcast(builder.and_(builder.bitcast(values[0], longs), without_sign), _VECTORS[NUMBERS])
+
+
+@lower_builtin(bits, FLAGS)
+def _bits(_context, builder, _signature, values):
+    return builder.bitcast(values[0], ir.IntType(8))
+
+
+@lower_builtin(either, FLAGS, types.Any, types.Any)
+@lower_builtin(either, types.Boolean, types.Any, types.Any)
+def _choose(_context, builder, signature, values):
+    condition, x, y = values
+    if signature.return_type == NUMBERS:
+        x, y = (_spread(builder, kind, value) for kind, value in zip(signature.args[1:], (x, y)))
+    return builder.select(condition, x, y)
+
+
+def _pointer(context, builder, kind, array, i):
+    """To the eight numbers of an array from i on."""
+    data = context.make_array(kind)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [i]), _VECTORS[NUMBERS].as_pointer())
+
+
+@lower_builtin(load, types.Array, types.Integer)
+def _load(context, builder, signature, values):
+    return builder.load(_pointer(context, builder, signature.args[0], *values), align=8)
+
+
+@lower_builtin(store, types.Array, types.Integer, NUMBERS)
+@lower_builtin(store, types.Array, types.Integer, types.Float)
+def _store(context, builder, signature, values):
+    array, i, value = values
+    builder.store(_spread(builder, signature.args[2], value),
+                  _pointer(context, builder, signature.args[0], array, i), align=8)
+    return context.get_dummy_value()
+
+
+@lower_builtin(add, types.Array, types.Integer, NUMBERS)
+def _add(context, builder, signature, values):
+    array, i, value = values
+    pointer = _pointer(context, builder, signature.args[0], array, i)
+    builder.store(builder.fadd(builder.load(pointer, align=8), value), pointer, align=8)
+    return context.get_dummy_value()
+
+
+@lower_builtin(collect, types.Array, types.Array, types.Integer, types.Integer)
+def _collect(context, builder, signature, values):
+    array, places, first, offset = values
+    numbers = context.make_array(signature.args[0])(context, builder, array).data
+    wheres = context.make_array(signature.args[1])(context, builder, places).data
+    result = ir.Constant(_VECTORS[NUMBERS], ir.Undefined)
+    for k in range(WIDTH):
+        where = builder.load(builder.gep(wheres, [builder.add(first, first.type(k))]))
+        number = builder.load(builder.gep(numbers, [builder.add(where, offset)]))
+        result = builder.insert_element(result, number, _INT(k))
+    return result
