@@ -32,6 +32,11 @@ AX, AZ, BX, BZ, KN, KS, KN_OFFSET, KN_OFFSET2, REACH, SLIDE_LOSS, HEAD, PAIR = _
 # of what each lane has of its own of them: limits, and how far the bodies had moved apart and the forces were in the
 # last step, with which damping compares them;
 OPENING, SLIDE, MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, OWN = _fields(0, 9)
+# of how far the bodies of a pair have moved apart, Frame and Gap, where it is not whole;
+FRAME_NX, FRAME_NZ, FRAME_TX, FRAME_TZ, LENGTH2, ARM_AX, ARM_AZ, ARM_BX, ARM_BZ = _fields(0, 9)
+GAP_MIDDLE, GAP_SHEAR, GAP_TURN, MOVED = _fields(9, 4)
+# of a contact in eight lanes, where its pair is broken, those of CONTACT;
+KT, TAU0, SHEAR0, IDLE, TENSILE, COHESIVE, FRICTION, CLOSURE, CRUSHING, SIGMA0, MOVES, LOOSE = _fields(0, 12)
 # and of the bench, where one block is worked on.
 PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B = _fields(0, 4)
 BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(4, 7)
@@ -41,7 +46,8 @@ MOMENTUM_X, MOMENTUM_Z, PUSHED, LOST, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
 
 class Blocks(NamedTuple):
     """Arrays of blocks, flat; first, second: (pairs,) where in `bodies` the fields of a pair's bodies a and b begin, of
-    the first lane; broken: a byte a block of pairs, whose bits are those that are not whole."""
+    the first lane; broken: a byte a block of pairs, whose bits are those that are not whole, and moved, their motion;
+    loose: a byte a pair, whose bits are the lanes whose contacts are in `contacts`."""
 
     bodies: np.ndarray
     pairs: np.ndarray
@@ -49,11 +55,14 @@ class Blocks(NamedTuple):
     bench: np.ndarray
     sums: np.ndarray
     broken: np.ndarray
+    moved: np.ndarray
+    loose: np.ndarray
+    contacts: np.ndarray
     first: np.ndarray
     second: np.ndarray
 
 
-def make_blocks(pairs, n_bodies, lanes):
+def make_blocks(pairs, n_bodies, n_contacts, lanes):
     """Blocks of walls that share these pairs (a table of PAIR); their limits and states are still to be packed."""
     def blocks_of(rows, size):
         return -(-rows // 8) * int(size)
@@ -68,6 +77,8 @@ def make_blocks(pairs, n_bodies, lanes):
         bodies=np.zeros(blocks_of(n_bodies * lanes, BODY)), pairs=shared.ravel(),
         own=_own(blocks_of(len(pairs) * lanes, 1)), bench=np.zeros(int(BENCH)), sums=np.zeros(int(SUMS)),
         broken=np.zeros(-(-len(pairs) * lanes // 8), np.uint8),
+        moved=np.zeros(blocks_of(len(pairs) * lanes, MOVED)), loose=np.zeros(len(pairs), np.uint8),
+        contacts=np.zeros(blocks_of(n_contacts * lanes, LOOSE) if lanes > 1 else 0),
         first=_first(a, lanes), second=_first(b, lanes))
 
 

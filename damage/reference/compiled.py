@@ -12,7 +12,8 @@ from numba import njit
 from damage.wall import joint_law
 
 _HERE = Path(__file__).parent
-_SOURCES = [_HERE / f"{name}.py" for name in ("compiled", "tables", "blocks", "eight", "pairs", "contacts", "bodies", "kernel")]
+_SOURCES = [_HERE / f"{name}.py" for name in (
+    "compiled", "tables", "blocks", "eight", "pairs", "contacts", "loose", "bodies", "kernel")]
 
 
 def _forget_what_is_older():

@@ -48,6 +48,16 @@ def bits(flags):
     return int(np.packbits(flags, bitorder="little")[0])
 
 
+def flags_of(whole):
+    """The bits of an integer below 256 as eight flags."""
+    return np.unpackbits(np.uint8([whole]), bitorder="little").astype(bool)
+
+
+def spread(number):
+    """One number eight times."""
+    return np.full(WIDTH, number)
+
+
 class Eight(types.Type):
     """numba's name for eight numbers, or for eight flags."""
 
@@ -99,13 +109,16 @@ def _comparison(sign):
 for _function, _make in ((operator.add, ir.IRBuilder.fadd), (operator.sub, ir.IRBuilder.fsub),
                          (operator.mul, ir.IRBuilder.fmul)):
     _teach_binary(_function, NUMBERS, _make)
-for _function, _sign in ((operator.gt, ">"), (operator.ge, ">="), (operator.lt, "<"), (operator.le, "<=")):
+for _function, _sign in ((operator.gt, ">"), (operator.ge, ">="), (operator.lt, "<"), (operator.le, "<="),
+                         (operator.eq, "==")):
     _teach_binary(_function, FLAGS, _comparison(_sign))
 for _function in (operator.and_, operator.or_):
     _teach_type(_function, lambda x, y: FLAGS if x == y == FLAGS else None)
 for _function in (operator.neg, abs):
     _teach_type(_function, lambda x: NUMBERS if x == NUMBERS else None)
 _teach_type(bits, lambda flags: types.uint8)
+_teach_type(flags_of, lambda whole: FLAGS)
+_teach_type(spread, lambda number: NUMBERS)
 _teach_type(load, lambda array, i: NUMBERS)
 _teach_type(store, lambda array, i, eight: types.none)
 _teach_type(add, lambda array, i, eight: types.none)
@@ -138,6 +151,16 @@ def _abs(_context, builder, _signature, values):
 @lower_builtin(bits, FLAGS)
 def _bits(_context, builder, _signature, values):
     return builder.bitcast(values[0], ir.IntType(8))
+
+
+@lower_builtin(flags_of, types.Integer)
+def _flags_of(_context, builder, _signature, values):
+    return builder.bitcast(builder.trunc(values[0], ir.IntType(8)), _VECTORS[FLAGS])
+
+
+@lower_builtin(spread, types.Float)
+def _spread_one(_context, builder, signature, values):
+    return _spread(builder, signature.args[0], values[0])
 
 
 @lower_builtin(either, FLAGS, types.Any, types.Any)

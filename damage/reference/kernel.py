@@ -20,12 +20,15 @@ from damage.reference.bodies import adapt, clear, integrate, total
 from damage.reference.compiled import block_loop, compiled, inlined
 from damage.reference.contacts import joint_forces, read_joints, remember, springs, sum_of_stresses
 from damage.reference.eight import add, bits, collect, load, store
+from damage.reference.loose import fasten, forces_of_loose, give_pair, loosen, take_pair
 from damage.reference.pairs import (
     Place,
     damp,
     damp_eight,
     eight_pairs,
     keep_last,
+    keep_motion,
+    kept_motion,
     last_forces,
     last_gap,
     less,
@@ -33,6 +36,7 @@ from damage.reference.pairs import (
     lines_of,
     place_of_body,
     push,
+    push_lanes,
     push_where,
     relative_motion,
     spring_of,
@@ -66,7 +70,11 @@ def run_steps(tables, blocks, lanes, law, controls, field, clock):
     if damped:
         remember_all(tables, blocks, lanes)
     n_steps = field.shape[1]
+    if lanes > 1:
+        loosen(tables, blocks, law.material)
     for step in range(n_steps):
+        if lanes > 1 and step == n_steps - 1:
+            fasten(tables, blocks)
         integrate(tables, blocks, lanes, controls, field, step)
         if adaptive:
             adapt(tables, blocks, lanes, controls)
@@ -79,6 +87,7 @@ def find_forces(tables, blocks, lanes, law, clock, step, singly, damped):
     """Forces [N, N m] on every body at the present places; calling it twice changes nothing.  As `all_forces`, with
     step 0 and not damped: constants from within would have each compiled once more."""
     pack(tables, blocks, lanes)
+    blocks.loose[:] = 0
     clear_forces(blocks.bodies)
     all_forces(tables, blocks, lanes, law, clock, step, singly, damped)
     unpack(tables, blocks, lanes)
@@ -127,7 +136,9 @@ def forces_of_one(blocks, damped):
         if damped:
             forces, work = damp_eight(own, m, load(bench, at.RATE), gap, forces, whole)
             add(sums, at.DAMPED, work)
-        blocks.broken[block] = 255 - bits(whole)
+        blocks.broken[block] = broken = 255 - bits(whole)
+        if broken:
+            keep_motion(blocks.moved, block * at.MOVED, frame, gap)
         push_rows(bodies, first, second, row, bench, push_where(whole, frame, forces))
         block += ONE
 
@@ -145,7 +156,9 @@ def forces_of_lanes(blocks, damped):
         if damped:
             forces, work = damp_eight(own, m, load(bench, at.RATE), gap, forces, whole)
             add(sums, at.DAMPED + row % WIDTH * WIDTH, work)
-        blocks.broken[row] = 255 - bits(whole)
+        blocks.broken[row] = broken = 255 - bits(whole)
+        if broken:
+            keep_motion(blocks.moved, row * at.MOVED, frame, gap)
         push_lanes(bodies, a, b, push_where(whole, frame, forces))
         row += ONE
 
@@ -158,6 +171,10 @@ def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
         flags = int(blocks.broken[block])
         if flags == 0:
             continue
+        if lanes > 1 and not singly:
+            held = flags & int(blocks.loose[block])
+            if held:
+                flags += forces_of_loose(tables, blocks, block, held, damped) - held
         for k in range(8):
             p, lane = (8 * block + k, 0) if lanes == 1 else (block, k)
             if flags >> k & 1 and p < tables.pairs.shape[1] and lane < tables.pairs.shape[0]:
@@ -171,8 +188,14 @@ def forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped)
     own, bodies, contacts = blocks.own, blocks.bodies, tables.contacts
     start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop  # of all lanes: fewer to fetch from memory
     a, b = blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane)
-    frame, gap = relative_motion(line_of(blocks.pairs, place_of(INDEX(p), at.PAIR)), place_of_body(bodies, a),
-                                 place_of_body(bodies, b))
+    if singly:
+        frame, gap = relative_motion(line_of(blocks.pairs, place_of(INDEX(p), at.PAIR)), place_of_body(bodies, a),
+                                     place_of_body(bodies, b))
+    else:
+        frame, gap = kept_motion(blocks.moved, place_of(INDEX(p * lanes + lane), at.MOVED))
+    loose = lanes > 1 and not singly
+    if loose and blocks.loose[p] >> lane & 1:
+        give_pair(tables, blocks, lane, p)
     forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
     steady = less(forces, last_forces(own, m))
     if elastic:
@@ -182,6 +205,8 @@ def forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped)
         if failed:
             tables.pairs[lane, p].broken = 1
             own[m + at.OPENING] = -np.inf
+    if loose and tables.pairs[lane, p].broken:
+        take_pair(tables, blocks, law.material, lane, p)
     if singly:
         read_joints(contacts, tables.joints, lane, start, stop, gap)
     if damped:
@@ -239,17 +264,6 @@ def push_one_by_one(bodies, first, second, row, bench):
         bodies[b + at.FZ] -= bench[at.PUSH_Z + i]
         bodies[b + at.MOMENT] -= bench[at.MOMENT_B + i]
         i += ONE
-
-
-@inlined
-def push_lanes(bodies, a, b, pushed):
-    """Add what a pair does to its bodies in eight lanes."""
-    add(bodies, a + at.FX, pushed.x)
-    add(bodies, a + at.FZ, pushed.z)
-    add(bodies, a + at.MOMENT, pushed.moment_a)
-    add(bodies, b + at.FX, -pushed.x)
-    add(bodies, b + at.FZ, -pushed.z)
-    add(bodies, b + at.MOMENT, -pushed.moment_b)
 
 
 @compiled

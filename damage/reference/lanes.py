@@ -54,7 +54,8 @@ class Lanes:
             wall.system, wall.lanes = _lane(self.tables, lane), self
         self._width = 1 if len(self.walls) == 1 else MOST_LANES
         self._law = kernel.Law(self.walls[0].material, THRESHOLD)
-        self._blocks = make_blocks(self.tables.pairs[0], self.tables.place.shape[1], self._width)
+        self._blocks = make_blocks(self.tables.pairs[0], self.tables.place.shape[1], self.tables.contacts.shape[1],
+                                   self._width)
 
     def are_of(self, walls):
         """Whether these are the walls, in this order, and still bound to these tables."""

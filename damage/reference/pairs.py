@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from damage.reference import blocks as at
 from damage.reference.compiled import inlined
-from damage.reference.eight import either, load, store
+from damage.reference.eight import add, either, load, store
 from damage.wall import joint_law
 
 
@@ -145,6 +145,40 @@ def relative_motion(line, a, b):
 
 
 @inlined
+def keep_motion(moved, k, frame, gap):
+    """Write Frame and Gap of eight pairs where theirs begin, at k."""
+    store(moved, k + at.FRAME_NX, frame.nx)
+    store(moved, k + at.FRAME_NZ, frame.nz)
+    store(moved, k + at.FRAME_TX, frame.tx)
+    store(moved, k + at.FRAME_TZ, frame.tz)
+    store(moved, k + at.LENGTH2, frame.length2)
+    store(moved, k + at.ARM_AX, frame.arm_ax)
+    store(moved, k + at.ARM_AZ, frame.arm_az)
+    store(moved, k + at.ARM_BX, frame.arm_bx)
+    store(moved, k + at.ARM_BZ, frame.arm_bz)
+    store(moved, k + at.GAP_MIDDLE, gap.middle)
+    store(moved, k + at.GAP_SHEAR, gap.shear)
+    store(moved, k + at.GAP_TURN, gap.turn)
+
+
+@inlined
+def kept_motion(moved, k):
+    """Frame and Gap of the pair whose first field is at k."""
+    return Frame(moved[k + at.FRAME_NX], moved[k + at.FRAME_NZ], moved[k + at.FRAME_TX], moved[k + at.FRAME_TZ],
+                 moved[k + at.LENGTH2], moved[k + at.ARM_AX], moved[k + at.ARM_AZ], moved[k + at.ARM_BX],
+                 moved[k + at.ARM_BZ]), Gap(moved[k + at.GAP_MIDDLE], moved[k + at.GAP_SHEAR], moved[k + at.GAP_TURN])
+
+
+@inlined
+def kept_motions(moved, k):
+    """The same of eight."""
+    return Frame(load(moved, k + at.FRAME_NX), load(moved, k + at.FRAME_NZ), load(moved, k + at.FRAME_TX),
+                 load(moved, k + at.FRAME_TZ), load(moved, k + at.LENGTH2), load(moved, k + at.ARM_AX),
+                 load(moved, k + at.ARM_AZ), load(moved, k + at.ARM_BX), load(moved, k + at.ARM_BZ)), Gap(
+                     load(moved, k + at.GAP_MIDDLE), load(moved, k + at.GAP_SHEAR), load(moved, k + at.GAP_TURN))
+
+
+@inlined
 def stays_whole(spring, opening, slide, gap):
     """Whether the outermost opening [m] leaves all contacts of a pair within their limits of opening and slide [m]."""
     widest = gap.middle + spring.reach * abs(gap.turn)
@@ -250,3 +284,14 @@ def push_where(whole, frame, forces):
     pushed = push(frame, forces)
     return Push(either(whole, pushed.x, 0.0), either(whole, pushed.z, 0.0), either(whole, pushed.moment_a, 0.0),
                 either(whole, pushed.moment_b, 0.0))
+
+
+@inlined
+def push_lanes(bodies, a, b, pushed):
+    """Add what a pair does to its bodies in eight lanes."""
+    add(bodies, a + at.FX, pushed.x)
+    add(bodies, a + at.FZ, pushed.z)
+    add(bodies, a + at.MOMENT, pushed.moment_a)
+    add(bodies, b + at.FX, -pushed.x)
+    add(bodies, b + at.FZ, -pushed.z)
+    add(bodies, b + at.MOMENT, -pushed.moment_b)

@@ -1,0 +1,112 @@
+"""Broken pairs in eight lanes: their contacts as springs, those of all lanes at once.
+
+The same as contacts.py does one by one, to the same bits.  What the law has left of a contact is copied into a block
+when its pair breaks, changes there while it stays a spring, and goes back where the law is asked and where a run ends.
+"""
+
+import numpy as np
+
+from damage.reference import blocks as at
+from damage.reference.blocks import INDEX
+from damage.reference.compiled import block_loop, compiled
+from damage.reference.eight import add, bits, either, flags_of, load, spread, store
+from damage.reference.pairs import Forces, damp_eight, kept_motions, push_lanes, push_where
+from damage.wall import joint_law
+
+
+@compiled
+def loosen(tables, blocks, material):
+    """Copy the contacts of all broken pairs into their blocks."""
+    blocks.loose[:] = 0
+    for lane in range(tables.pairs.shape[0]):
+        for p in range(tables.pairs.shape[1]):
+            if tables.pairs[lane, p].broken:
+                take_pair(tables, blocks, material, lane, p)
+
+
+@compiled
+def fasten(tables, blocks):
+    """Copy them back."""
+    for p in range(tables.pairs.shape[1]):
+        for lane in range(tables.pairs.shape[0]):
+            if blocks.loose[p] >> lane & 1:
+                give_pair(tables, blocks, lane, p)
+    blocks.loose[:] = 0
+
+
+@compiled
+def take_pair(tables, blocks, material, lane, p):
+    """Copy the contacts of a pair in this lane into their blocks."""
+    for i in range(tables.pairs[0, p].start, tables.pairs[0, p].stop):
+        contact, k, loose = tables.contacts[lane, i], INDEX(i) * at.LOOSE + INDEX(lane), blocks.contacts
+        loose[k + at.KT], loose[k + at.TAU0], loose[k + at.SHEAR0] = contact.kt, contact.tau0, contact.shear0
+        loose[k + at.TENSILE], loose[k + at.COHESIVE] = contact.tensile_force, contact.cohesive_force
+        loose[k + at.IDLE] = contact.idle
+        loose[k + at.FRICTION] = joint_law.friction_left(contact.idle >= 0.0, material)
+        loose[k + at.CLOSURE], loose[k + at.CRUSHING] = contact.closure, contact.crushing_force
+        loose[k + at.SIGMA0] = contact.sigma0
+        loose[k + at.MOVES] = 1.0 if contact.idle >= 0.0 or contact.soft else 0.0
+    blocks.loose[p] |= 1 << lane
+
+
+@compiled
+def give_pair(tables, blocks, lane, p):
+    """Copy what has changed of them back."""
+    for i in range(tables.pairs[0, p].start, tables.pairs[0, p].stop):
+        contact, k = tables.contacts[lane, i], INDEX(i) * at.LOOSE + INDEX(lane)
+        contact.tau0, contact.shear0 = blocks.contacts[k + at.TAU0], blocks.contacts[k + at.SHEAR0]
+        contact.sigma0 = blocks.contacts[k + at.SIGMA0]
+
+
+@block_loop
+def forces_of_loose(tables, blocks, p, held, damped):
+    """What a pair does in those of its lanes that are held (bits), where its contacts stay springs; returns the lanes
+    where one does not."""
+    own, m = blocks.own, INDEX(p) * at.OWN
+    frame, gap = kept_motions(blocks.moved, INDEX(p) * at.MOVED)
+    start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop
+    forces, elastic = loose_springs(tables.contacts, blocks.contacts, start, stop, gap, flags_of(held))
+    remember_loose(tables.contacts, blocks.contacts, start, stop, gap, elastic)
+    if damped:
+        forces, work = damp_eight(own, m, load(blocks.bench, at.RATE), gap, forces, elastic)
+        add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), work)
+    push_lanes(blocks.bodies, blocks.first[p], blocks.second[p], push_where(elastic, frame, forces))
+    return held & ~int(bits(elastic))
+
+
+@block_loop
+def loose_springs(contacts, loose, start, stop, gap, elastic):
+    """`contacts.springs` in eight lanes, of which it leaves those elastic whose contacts all are."""
+    held = elastic
+    normal, along, couple = spread(0.0), spread(0.0), spread(0.0)
+    for i in range(start, stop):
+        contact, k = contacts[0, i], INDEX(i) * at.LOOSE
+        opening = gap.middle + contact.offset * gap.turn + load(loose, k + at.CLOSURE)
+        sigma = either(opening > 0.0, load(loose, k + at.KT), contact.kn) * opening
+        tau0, shear0 = load(loose, k + at.TAU0), load(loose, k + at.SHEAR0)
+        tau = tau0 + contact.ks * (gap.shear - shear0)
+        is_open = (opening > 0.0) & (opening <= load(loose, k + at.IDLE)) & (tau0 == 0.0)
+        store(loose, k + at.SHEAR0, either(held & is_open, gap.shear, shear0))
+        within = joint_law.stays_elastic(sigma, tau, load(loose, k + at.TENSILE), load(loose, k + at.COHESIVE),
+                                         load(loose, k + at.FRICTION))
+        within = within & joint_law.withstands(sigma, load(loose, k + at.CRUSHING))
+        elastic = elastic & (within | is_open)
+        normal = normal + either(is_open, 0.0, sigma)
+        along = along + either(is_open, 0.0, tau)
+        couple = couple + either(is_open, 0.0, sigma * contact.offset)
+    return Forces(normal, along, couple), elastic
+
+
+@block_loop
+def remember_loose(contacts, loose, start, stop, gap, elastic):
+    """`contacts.remember` in the lanes that are elastic."""
+    for i in range(start, stop):
+        contact, k = contacts[0, i], INDEX(i) * at.LOOSE
+        crushing, sigma0 = load(loose, k + at.CRUSHING), load(loose, k + at.SIGMA0)
+        opening = gap.middle + contact.offset * gap.turn + load(loose, k + at.CLOSURE)
+        sigma = either(opening > 0.0, load(loose, k + at.KT), contact.kn) * opening
+        store(loose, k + at.SIGMA0, either(elastic & (crushing < np.inf), sigma, sigma0))
+        tau0, shear0 = load(loose, k + at.TAU0), load(loose, k + at.SHEAR0)
+        moves = elastic & (load(loose, k + at.MOVES) > 0.0)
+        store(loose, k + at.TAU0, either(moves, tau0 + contact.ks * (gap.shear - shear0), tau0))
+        store(loose, k + at.SHEAR0, either(moves, gap.shear, shear0))
