@@ -2,7 +2,7 @@
 
 A slot is a row of a table in one lane.  One wall alone has its rows as slots; several have eight lanes, slot = 8 row +
 lane.  Either way eight slots are a block, whose fields lie one after the other, eight numbers each: what is done to
-all elements alike is a loop of eight, which becomes vector instructions, over lanes or over rows.
+all elements alike is done to eight numbers as one value (eight.py), of eight lanes or of eight rows.
 """
 
 from typing import NamedTuple
@@ -12,8 +12,8 @@ import numpy as np
 
 from damage.reference.compiled import compiled
 
-# Unsigned, as a signed index might count from an array's end: to look would keep loops from becoming vectors.  Where
-# numba is switched off, plain integers and unsigned ones would add to floats.
+# Unsigned, as a signed index might count from an array's end: to look costs time.  Where numba is switched off, plain
+# integers and unsigned ones would add to floats.
 INDEX = np.int64 if numba.config.DISABLE_JIT else np.uint64
 
 
@@ -39,7 +39,8 @@ GAP_MIDDLE, GAP_SHEAR, GAP_TURN, MOVED = _fields(9, 4)
 KT, TAU0, SHEAR0, IDLE, TENSILE, COHESIVE, FRICTION, CLOSURE, CRUSHING, SIGMA0, MOVES, LOOSE = _fields(0, 12)
 # and of the bench, where one block is worked on.
 PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B = _fields(0, 4)
-BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(4, 7)
+BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE = _fields(4, 6)
+OPENED, SHEARED, SIGMA, TAU, BENCH = _fields(10, 5)
 # Sums are taken in eight parts, the first of rows 0, 8, 16 and so on: those of one wall are the elements of a block.
 MOMENTUM_X, MOMENTUM_Z, PUSHED, LOST, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from damage.reference import blocks as at
 from damage.reference.blocks import INDEX, NONE, ONE, WIDTH
-from damage.reference.compiled import block_loop, compiled, inlined
+from damage.reference.compiled import compiled, inlined
 from damage.reference.eight import add, bits, either, load, store
 from damage.reference.tables import DAMPING, INPUT
 
@@ -140,7 +140,7 @@ def resistance(velocity, rate, alpha, local):
     return alpha * velocity + local * abs(rate) * sign
 
 
-@block_loop
+@inlined
 def turn_far(bodies, k):
     """cos(angle) - 1 and sin(angle) of those of eight bodies that have turned by more than is small."""
     for _ in range(8):

@@ -13,7 +13,7 @@ from damage.wall import joint_law
 
 _HERE = Path(__file__).parent
 _SOURCES = [_HERE / f"{name}.py" for name in (
-    "compiled", "tables", "blocks", "eight", "pairs", "contacts", "loose", "bodies", "kernel")]
+    "compiled", "tables", "blocks", "eight", "pairs", "contacts", "contacts_in_lanes", "bodies", "kernel")]
 
 
 def _forget_what_is_older():
@@ -31,9 +31,5 @@ _forget_what_is_older()
 # They make no arrays: without numba's counting of references to those that they are given, which would cost more than
 # a contact does.
 compiled = njit(cache=True, error_model="numpy", nogil=True, _nrt=False)
-# Put into its callers by numba itself, before anything is made of them: so that a loop over eight elements is seen
-# whole where vectors are made.  For what does no more than arithmetic: nested deeply it takes minutes.
-inlined = njit(inline="always", error_model="numpy", nogil=True, _nrt=False)
-# The loops of eight themselves: vectors are made of them before they are put into their callers, which saves handing on
-# some forty words.
-block_loop = njit(forceinline=True, cache=True, error_model="numpy", nogil=True, _nrt=False)
+# Put into their callers: a call would hand on some forty words.
+inlined = njit(forceinline=True, cache=True, error_model="numpy", nogil=True, _nrt=False)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
-from damage.reference.compiled import block_loop, compiled
+from damage.reference.compiled import compiled, inlined
 from damage.reference.pairs import Forces
 from damage.reference.tables import FRACTURE, FRICTION, OPENED, SLIPPED
 from damage.wall import joint_law
@@ -26,7 +26,7 @@ class Trial(NamedTuple):
     tau: float
 
 
-@block_loop
+@inlined
 def spring(contact, gap):
     """A contact as a spring from where the law has left it (Trial) [m, N, N]."""
     opening = gap.middle + contact.offset * gap.turn + contact.closure
@@ -34,7 +34,7 @@ def spring(contact, gap):
     return Trial(opening, stiffness * opening, contact.tau0 + contact.ks * (gap.shear - contact.shear0))
 
 
-@block_loop
+@inlined
 def stresses(contact, gap):
     """A contact as what the law has left of it, a spring or nothing (Trial) [m, N, N]."""
     trial = spring(contact, gap)
@@ -43,7 +43,7 @@ def stresses(contact, gap):
     return trial
 
 
-@block_loop
+@inlined
 def stays_open(contact, opening):
     """Whether a broken contact with this opening [m] is open, has no force, and needs no law."""
     return 0.0 < opening <= contact.idle and contact.tau0 == 0.0
@@ -85,7 +85,7 @@ def sum_of_stresses(contacts, lane, start, stop, gap):
     return Forces(normal, along, couple)
 
 
-@block_loop
+@inlined
 def springs(contacts, lane, start, stop, gap, material):
     """Forces of a pair's contacts as springs one by one [N, N m], and whether none is beyond its strength."""
     normal, along, couple, elastic = 0.0, 0.0, 0.0, True
@@ -104,7 +104,7 @@ def springs(contacts, lane, start, stop, gap, material):
     return Forces(normal, along, couple), elastic
 
 
-@block_loop
+@inlined
 def remember(contacts, lane, start, stop, gap):
     """Keep the shear force [N] of contacts that have slid and stick: sliding works against the last one; and the
     normal force of those that can crush, for the same reason."""
@@ -127,7 +127,7 @@ def read_joints(contacts, joints, lane, start, stop, gap):
         joint.sigma, joint.tau = trial.sigma / joint.area, trial.tau / joint.area
 
 
-@block_loop
+@inlined
 def joint_forces(tables, law, lane, p, step, gap, before, damped):
     """Forces of a pair's contacts by the joint law [N, N m]; if damped, how those of the contacts that neither broke
     nor softened in this step have changed since the last one; and whether a bond is not whole any more.
@@ -155,7 +155,7 @@ def joint_forces(tables, law, lane, p, step, gap, before, damped):
     return Forces(normal, along, couple), Forces(d_normal, d_along, d_couple), failed
 
 
-@block_loop
+@inlined
 def judge(contact, joint, opening, shear, material):
     """Show a contact at this opening and shear displacement [m] to the joint law, and keep what it leaves of it.
 
@@ -177,7 +177,7 @@ def judge(contact, joint, opening, shear, material):
     return new, event
 
 
-@block_loop
+@inlined
 def log_joint(tables, threshold, lane, i, step, trial, new, event):
     """Keep the flags and the slip [m] of a contact without a whole bond; log its work [J], its break and first
     passings of the threshold [m]."""

@@ -107,7 +107,7 @@ def _comparison(sign):
 
 
 for _function, _make in ((operator.add, ir.IRBuilder.fadd), (operator.sub, ir.IRBuilder.fsub),
-                         (operator.mul, ir.IRBuilder.fmul)):
+                         (operator.mul, ir.IRBuilder.fmul), (operator.truediv, ir.IRBuilder.fdiv)):
     _teach_binary(_function, NUMBERS, _make)
 for _function, _sign in ((operator.gt, ">"), (operator.ge, ">="), (operator.lt, "<"), (operator.le, "<="),
                          (operator.eq, "==")):

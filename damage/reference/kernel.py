@@ -5,9 +5,9 @@ of the base; the last body is the ground and never moves.
 
 A step is: `integrate` (bodies.py); `all_forces`, which asks for the relative motion of all pairs and what they do as
 one spring each (pairs.py), eight at a time (blocks.py), and then does those that are not whole, contact by contact
-(contacts.py), whose stresses are read after the last step.  It is one wall's, or that of up to eight walls side by
-side, its lanes, which share the bricks and the stiffnesses of the joints; a wall's bits are the same either way, as
-each of its numbers is made by the same operations in the same order.
+(contacts.py, contacts_in_lanes.py), whose stresses are read after the last step.  It is one wall's, or that of up to
+eight walls side by side, its lanes, which share the bricks and the stiffnesses of the joints; a wall's bits are the same
+either way, as each of its numbers is made by the same operations in the same order.
 """
 
 from typing import NamedTuple
@@ -17,10 +17,18 @@ import numpy as np
 from damage.reference import blocks as at
 from damage.reference.blocks import INDEX, NONE, ONE, WIDTH, pack, place_of, unpack
 from damage.reference.bodies import adapt, clear, integrate, total
-from damage.reference.compiled import block_loop, compiled, inlined
+from damage.reference.compiled import compiled, inlined
 from damage.reference.contacts import joint_forces, read_joints, remember, springs, sum_of_stresses
+from damage.reference.contacts_in_lanes import (
+    fasten,
+    forces_of_loose,
+    give_pair,
+    loosen,
+    read_whole_joints,
+    take_pair,
+    whole_springs,
+)
 from damage.reference.eight import add, bits, collect, load, store
-from damage.reference.loose import fasten, forces_of_loose, give_pair, loosen, take_pair
 from damage.reference.pairs import (
     Place,
     damp,
@@ -41,6 +49,7 @@ from damage.reference.pairs import (
     relative_motion,
     spring_of,
     springs_of,
+    stays_whole,
 )
 from damage.reference.tables import DAMPING
 from damage.wall.joint_law import Material
@@ -101,13 +110,12 @@ def all_forces(tables, blocks, lanes, law, clock, step, singly, damped):
     are written then, too.
     """
     clear(blocks.sums, at.DAMPED, at.KINETIC)
-    if singly:
-        blocks.broken[:] = 255
-    elif lanes == 1:
-        forces_of_one(blocks, damped)
-    else:
-        forces_of_lanes(blocks, damped)
-    forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped)
+    if not singly:
+        if lanes == 1:
+            forces_of_one(blocks, damped)
+        else:
+            forces_of_lanes(blocks, damped)
+    forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped)
     if damped:
         for lane in range(tables.energy.shape[0]):
             tables.energy[lane, DAMPING] += total(blocks.sums, at.DAMPED, lane, lanes)
@@ -164,33 +172,58 @@ def forces_of_lanes(blocks, damped):
 
 
 @compiled
-def forces_of_broken(tables, blocks, lanes, law, clock, step, singly, damped):
-    """Forces of the pairs that are not whole, or of all, contact by contact: after the others, in the same order
-    whether a wall is alone or among others."""
+def forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped):
+    """Forces of the pairs that are not whole, contact by contact: after the others, in the same order whether a wall is
+    alone or among others.  If `singly`, of all pairs, none of which are done yet."""
     for block in range(len(blocks.broken)):
-        flags = int(blocks.broken[block])
+        flags = 255 if singly else int(blocks.broken[block])
         if flags == 0:
             continue
-        if lanes > 1 and not singly:
-            held = flags & int(blocks.loose[block])
-            if held:
-                flags += forces_of_loose(tables, blocks, block, held, damped) - held
+        if lanes > 1:
+            flags = singly_or_loose(tables, blocks, block, flags, singly, damped)
         for k in range(8):
             p, lane = (8 * block + k, 0) if lanes == 1 else (block, k)
             if flags >> k & 1 and p < tables.pairs.shape[1] and lane < tables.pairs.shape[0]:
-                forces_of_pair(tables, blocks, lanes, law, clock[lane] + step, lane, p,
-                               place_of(INDEX(p * lanes + lane), at.OWN), singly, damped)
+                forces_of_pair(tables, blocks, lanes, law, clock[lane] + step, lane, p, singly, damped)
 
 
-@block_loop
-def forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped):
-    """The same of one pair, whose own fields begin at m; `singly` writes what its contacts do, too."""
-    own, bodies, contacts = blocks.own, blocks.bodies, tables.contacts
-    start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop  # of all lanes: fewer to fetch from memory
-    a, b = blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane)
+@compiled
+def singly_or_loose(tables, blocks, p, flags, singly, damped):
+    """Forces of a pair in those of its lanes (bits) that go together; returns which do not."""
     if singly:
-        frame, gap = relative_motion(line_of(blocks.pairs, place_of(INDEX(p), at.PAIR)), place_of_body(bodies, a),
-                                     place_of_body(bodies, b))
+        return flags & ~whole_singly(tables, blocks, p, damped)
+    held = flags & int(blocks.loose[p])
+    return flags + forces_of_loose(tables, blocks, p, held, damped) - held if held else flags
+
+
+@inlined
+def whole_singly(tables, blocks, p, damped):
+    """Forces of a pair contact by contact in the lanes where it is whole, which are returned (bits), and what its
+    contacts do."""
+    a, b, k, m = blocks.first[p], blocks.second[p], place_of(INDEX(p), at.PAIR), INDEX(p) * at.OWN
+    start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop
+    frame, gap, _, whole = eight_pairs(line_of(blocks.pairs, k), spring_of(blocks.pairs, k),
+                                       places_in_lanes(blocks.bodies, a), places_in_lanes(blocks.bodies, b),
+                                       blocks.own, m)
+    forces = whole_springs(tables.contacts, start, stop, gap)
+    read_whole_joints(tables, blocks.bench, start, stop, gap, int(bits(whole)))
+    if damped:
+        forces, work = damp_eight(blocks.own, m, load(blocks.bench, at.RATE), gap, forces, whole)
+        add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), work)
+    push_lanes(blocks.bodies, a, b, push_where(whole, frame, forces))
+    return int(bits(whole))
+
+
+@inlined
+def forces_of_pair(tables, blocks, lanes, law, step, lane, p, singly, damped):
+    """Forces of one pair contact by contact; `singly` writes what they do, too."""
+    own, bodies, contacts, m = blocks.own, blocks.bodies, tables.contacts, place_of(INDEX(p * lanes + lane), at.OWN)
+    start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop  # of all lanes: fewer to fetch from memory
+    a, b, k = blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane), place_of(INDEX(p), at.PAIR)
+    whole = False
+    if singly:
+        frame, gap = relative_motion(line_of(blocks.pairs, k), place_of_body(bodies, a), place_of_body(bodies, b))
+        whole = stays_whole(spring_of(blocks.pairs, k), own[m + at.OPENING], own[m + at.SLIDE], gap)
     else:
         frame, gap = kept_motion(blocks.moved, place_of(INDEX(p * lanes + lane), at.MOVED))
     loose = lanes > 1 and not singly
@@ -198,7 +231,7 @@ def forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped)
         give_pair(tables, blocks, lane, p)
     forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
     steady = less(forces, last_forces(own, m))
-    if elastic:
+    if elastic or whole:
         remember(contacts, lane, start, stop, gap)
     else:
         forces, steady, failed = joint_forces(tables, law, lane, p, step, gap, last_gap(own, m), damped)
@@ -217,7 +250,7 @@ def forces_of_pair(tables, blocks, lanes, law, step, lane, p, m, singly, damped)
     push_pair(bodies, a, b, push(frame, forces))
 
 
-@block_loop
+@inlined
 def push_pair(bodies, a, b, pushed):
     """Add what one pair does to its bodies."""
     bodies[a + at.FX] += pushed.x
@@ -251,7 +284,7 @@ def push_rows(bodies, first, second, row, bench, pushed):
     push_one_by_one(bodies, first, second, row, bench)
 
 
-@block_loop
+@inlined
 def push_one_by_one(bodies, first, second, row, bench):
     """Add what is on the bench to the bodies of eight pairs."""
     i = NONE

@@ -98,7 +98,9 @@ def are_alike(wall, other):
     """Whether two walls have the same bricks, stiffnesses and friction, so that they can be lanes of one block."""
     one, two = wall.system, other.system
     return wall.material == other.material and len(one.contacts) == len(two.contacts) and all(
-        np.array_equal(one.pairs[name], two.pairs[name], equal_nan=True) for name in tables.SHARED)
+        np.array_equal(getattr(one, table)[name], getattr(two, table)[name], equal_nan=True)
+        for table, names in (("pairs", tables.SHARED), ("contacts", ("offset", "kn", "ks")), ("joints", ("area",)))
+        for name in names)
 
 
 def _check(walls):

@@ -1,14 +1,15 @@
-"""Broken pairs in eight lanes: their contacts as springs, those of all lanes at once.
+"""Contacts of a pair in eight lanes at once, to the same bits as contacts.py one by one.
 
-The same as contacts.py does one by one, to the same bits.  What the law has left of a contact is copied into a block
-when its pair breaks, changes there while it stays a spring, and goes back where the law is asked and where a run ends.
+Of a whole pair they are springs that nothing has happened to, where their stresses are read.  Of a broken pair they are
+springs from where the law has left them: that is copied into a block when the pair breaks, changes there while none of
+them is beyond its strength, and goes back where the law is asked and where a run ends.
 """
 
 import numpy as np
 
 from damage.reference import blocks as at
 from damage.reference.blocks import INDEX
-from damage.reference.compiled import block_loop, compiled
+from damage.reference.compiled import compiled, inlined
 from damage.reference.eight import add, bits, either, flags_of, load, spread, store
 from damage.reference.pairs import Forces, damp_eight, kept_motions, push_lanes, push_where
 from damage.wall import joint_law
@@ -58,7 +59,38 @@ def give_pair(tables, blocks, lane, p):
         contact.sigma0 = blocks.contacts[k + at.SIGMA0]
 
 
-@block_loop
+@inlined
+def whole_springs(contacts, start, stop, gap):
+    """Forces of a whole pair's contacts one by one [N, N m]."""
+    normal, along, couple = spread(0.0), spread(0.0), spread(0.0)
+    for i in range(start, stop):
+        contact = contacts[0, i]
+        sigma = contact.kn * (gap.middle + contact.offset * gap.turn)
+        normal = normal + sigma
+        along = along + contact.ks * gap.shear
+        couple = couple + sigma * contact.offset
+    return Forces(normal, along, couple)
+
+
+@inlined
+def read_whole_joints(tables, bench, start, stop, gap, whole):
+    """`contacts.read_joints` of a pair in those of its lanes that are whole (bits), by way of the bench."""
+    for i in range(start, stop):
+        contact, area = tables.contacts[0, i], tables.joints[0, i].area
+        # Zero is added as a closure and a force of before would be: it takes the sign from what is zero.
+        opening = gap.middle + contact.offset * gap.turn + 0.0
+        store(bench, at.OPENED, opening)
+        store(bench, at.SHEARED, gap.shear)
+        store(bench, at.SIGMA, contact.kn * opening / area)
+        store(bench, at.TAU, (contact.ks * gap.shear + 0.0) / area)
+        for lane in range(tables.joints.shape[0]):
+            if whole >> lane & 1:
+                joint, k = tables.joints[lane, i], INDEX(lane)
+                joint.opening, joint.shear = bench[at.OPENED + k], bench[at.SHEARED + k]
+                joint.sigma, joint.tau = bench[at.SIGMA + k], bench[at.TAU + k]
+
+
+@inlined
 def forces_of_loose(tables, blocks, p, held, damped):
     """What a pair does in those of its lanes that are held (bits), where its contacts stay springs; returns the lanes
     where one does not."""
@@ -74,7 +106,7 @@ def forces_of_loose(tables, blocks, p, held, damped):
     return held & ~int(bits(elastic))
 
 
-@block_loop
+@inlined
 def loose_springs(contacts, loose, start, stop, gap, elastic):
     """`contacts.springs` in eight lanes, of which it leaves those elastic whose contacts all are."""
     held = elastic
@@ -97,7 +129,7 @@ def loose_springs(contacts, loose, start, stop, gap, elastic):
     return Forces(normal, along, couple), elastic
 
 
-@block_loop
+@inlined
 def remember_loose(contacts, loose, start, stop, gap, elastic):
     """`contacts.remember` in the lanes that are elastic."""
     for i in range(start, stop):
