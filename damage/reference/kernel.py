@@ -6,8 +6,8 @@ of the base; the last body is the ground and never moves.
 A step is: `integrate` (bodies.py); `all_forces`, which asks for the relative motion of all pairs and what they do as
 one spring each (pairs.py), eight at a time (blocks.py), and then does those that are not whole, contact by contact
 (contacts.py, contacts_in_lanes.py), whose stresses are read after the last step.  It is one wall's, or that of up to
-eight walls side by side, its lanes, which share the bricks and the stiffnesses of the joints; a wall's bits are the same
-either way, as each of its numbers is made by the same operations in the same order.
+eight walls side by side, its lanes, which share the bricks and the stiffnesses of the joints; a wall's bits are the
+same either way, as each of its numbers is made by the same operations in the same order.
 """
 
 from typing import NamedTuple
