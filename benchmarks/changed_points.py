@@ -8,6 +8,7 @@ displacement is what is now called accumulated.
 """
 
 import io
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -32,7 +33,7 @@ def main():
         sys.exit(__doc__)
     old, new, studies = sys.argv[1], Path(sys.argv[2]), sys.argv[3:] or STUDIES
     print("| study | quantity | points | moved by, median | most | there from, to "
-          "| old median in the new range | ranges wide, old, new |\n" + "| --- " * 8 + "|")
+          "| old median in the new range | widest range, old, new |\n" + "| --- " * 8 + "|")
     for study in studies:
         for line in rows_of(study, read_old(old, study), read_new(new / f"{study}_points.csv")):
             print(line, flush=True)
@@ -49,6 +50,12 @@ def rows_of(study, old, new):
         for line in filter(None, (row_of(*both, *measure) for measure in MEASURES)):
             yield f"| {label} | {line}"
             label = ""
+
+
+def short(point):
+    """A point's name without what all of its study share."""
+    point = re.sub(r"record-([A-Z0-9]+)_\S*?_scale-([0-9.]+)(_window-[0-9.-]+)?", r"\1 x \2", point)
+    return re.sub(r"_rest-[0-9.]+", "", point).replace("_", " ")
 
 
 def read_old(old, study):
@@ -83,13 +90,13 @@ def row_of(old, new, old_name, new_name, label, factor, digits):
     off = (both["new"] - both["old"]).abs()
     most, several = off.idxmax(), both[both["members"] > 1]
     inside = several["old"].between(several["new_min"], several["new_max"]).sum()
-    widths = [(several[f"{which}_max"] - several[f"{which}_min"]).median() * factor for which in ("old", "new")]
+    widths = [(several[f"{which}_max"] - several[f"{which}_min"]).max() * factor for which in ("old", "new")]
     ranges = f"{inside} of {len(several)} | {widths[0]:.{digits}f}, {widths[1]:.{digits}f}" if len(several) else "- | -"
 
     def told(value):
         return f"{factor * value:.{digits}f}"
 
-    return (f"{label} | {len(both)} | {told(off.median())} | {told(off.max())} ({most[0]}) | "
+    return (f"{label} | {len(both)} | {told(off.median())} | {told(off.max())} ({short(most[0])}) | "
             f"{told(both.loc[most, 'old'])}, {told(both.loc[most, 'new'])} | {ranges} |")
 
 
