@@ -32,11 +32,14 @@ def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     old, new, studies = sys.argv[1], Path(sys.argv[2]), sys.argv[3:] or STUDIES
+    lines = [line for study in studies for line in rows_of(study, read_old(old, study),
+                                                           read_new(new / f"{study}_points.csv"))]
+    if not lines:
+        sys.exit(f"error: {old} and {new} have no study in common; expected STUDY_points.csv in two folders, or in the "
+                 "docs/tables of a commit")
     print("| study | quantity | points | moved by, median | most | there from, to "
           "| old median in the new range | widest range, old, new |\n" + "| --- " * 8 + "|")
-    for study in studies:
-        for line in rows_of(study, read_old(old, study), read_new(new / f"{study}_points.csv")):
-            print(line, flush=True)
+    print(*lines, sep="\n")
 
 
 def rows_of(study, old, new):
