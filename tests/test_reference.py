@@ -126,10 +126,11 @@ def test_forces_twice_at_the_same_places_change_nothing():
     solver.start(np.tile([8.0, 0.0], (20_000, 1)))
     solver.run(3000)
     assert solver.system.joints["broken"].sum() > 0
-    before = [solver.system.joints.copy(), solver.system.contacts.copy(), solver.system.place.copy()]
+    tables = solver.system.joints, solver.system.readings, solver.system.contacts, solver.system.place
+    before = [table.copy() for table in tables]
     energy = solver.energy.copy()
     solver.refresh()
-    for old, new in zip(before, [solver.system.joints, solver.system.contacts, solver.system.place]):
+    for old, new in zip(before, tables):
         assert np.array_equal(old, new)
     assert np.array_equal(energy, solver.energy)
 
@@ -144,9 +145,9 @@ def test_what_is_read_of_the_joints_balances_the_forces_on_the_ground():
         solver.beta = beta
         solver.run(10)
         assert (solver.system.joints["broken"].sum() > 0) == (joint is WEAK)
-        contacts, joints = solver.layout.contacts, solver.system.joints
-        force = np.array([joints["tau"] @ (contacts.area * (contacts.first == GROUND)),
-                          joints["sigma"] @ (contacts.area * (contacts.first == GROUND))])
+        contacts, (sigma, tau) = solver.layout.contacts, solver.stresses
+        force = np.array([tau @ (contacts.area * (contacts.first == GROUND)),
+                          sigma @ (contacts.area * (contacts.first == GROUND))])
         ground = solver.force[-1, :2]
         # Axes turn with the lowest bricks; damping adds what the readings do not have.
         assert_allclose(force, ground, rtol=0, atol=(1e-2 if beta == 0.0 else 0.2) * np.abs(ground).max())

@@ -158,14 +158,14 @@ def stone_tension(wall):
 def _on_left_half(wall, stone):
     """Forces along x and z [N] and moment about the stone's centre [N m] of contacts and weight on its left half."""
     layout = wall.layout
-    bodies, contacts, cells, joints = layout.bodies, layout.contacts, layout.cells, wall.system.joints
+    bodies, contacts, cells, stresses = layout.bodies, layout.contacts, layout.cells, wall.stresses
     half = GRAVITY * bodies.mass[stone] / 2
     total = np.array([0.0, -half, half * bodies.length[stone] / 4])
     for side, sign in (("first", 1.0), ("second", -1.0)):
         mine = np.flatnonzero(getattr(contacts, side) == stone)
         cell = getattr(contacts, f"{side}_cell")[mine]
         mine = mine[(cells.left[cell] + cells.right[cell]) / 2 < bodies.x[stone]]
-        normal, shear = (sign * joints[name][mine] * contacts.area[mine] for name in ("sigma", "tau"))
+        normal, shear = (sign * stress[mine] * contacts.area[mine] for stress in stresses)
         head = contacts.kind[mine] == HEAD
         fx, fz = np.where(head, normal, shear), np.where(head, shear, normal)
         moment = (contacts.x[mine] - bodies.x[stone]) * fz - (contacts.z[mine] - bodies.z[stone]) * fx

@@ -171,10 +171,10 @@ def rock(share, contacts="corners", joint=DRY):
 
 def energy_of(wall):
     """Kinetic energy, height and strain of the joint [J] above those of the block that stands without load."""
-    bodies, joints, contacts = wall.layout.bodies, wall.system.joints, wall.layout.contacts
+    bodies, contacts, (sigma, tau) = wall.layout.bodies, wall.layout.contacts, wall.stresses
     velocity = wall.velocity[0]
     moved = 0.5 * bodies.mass[0] * (velocity[0]**2 + velocity[1]**2) + 0.5 * bodies.inertia[0] * velocity[2]**2
-    strain = joints["sigma"]**2 / contacts.normal_stiffness + joints["tau"]**2 / contacts.shear_stiffness
+    strain = sigma**2 / contacts.normal_stiffness + tau**2 / contacts.shear_stiffness
     return moved + bodies.mass[0] * GRAVITY * wall.displacement[0, 1] + 0.5 * float(np.sum(contacts.area * strain))
 
 

@@ -29,14 +29,12 @@ X, Z, COS1, SIN, FX, FZ, MOMENT, TURN, VX, VZ, SPIN, MASS, INERTIA, INVERSE_X, I
     _fields(0, 17)
 # of pairs, those of PAIR that all lanes share;
 AX, AZ, BX, BZ, KN, KS, KN_OFFSET, KN_OFFSET2, REACH, SLIDE_LOSS, HEAD, PAIR = _fields(0, 12)
-# of what each lane has of its own of them: limits, and how far the bodies had moved apart and the forces were in the
-# last step, with which damping compares them;
-OPENING, SLIDE, MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, OWN = _fields(0, 9)
-# of how far the bodies of a pair have moved apart, Frame and Gap, where it is not whole;
-FRAME_NX, FRAME_NZ, FRAME_TX, FRAME_TZ, LENGTH2, ARM_AX, ARM_AZ, ARM_BX, ARM_BZ = _fields(0, 9)
-GAP_MIDDLE, GAP_SHEAR, GAP_TURN, MOVED = _fields(9, 4)
-# of a contact in eight lanes, where its pair is broken, those of CONTACT;
-KT, TAU0, SHEAR0, IDLE, TENSILE, COHESIVE, FRICTION, CLOSURE, CRUSHING, SIGMA0, MOVES, LOOSE = _fields(0, 12)
+# of what leaves them whole, which each lane has of its own;
+OPENING, SLIDE, LIMITS = _fields(0, 3)
+# of how far their bodies had moved apart and the forces were in the last step, with which damping compares them;
+MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, LAST = _fields(0, 7)
+# of a contact in eight lanes, where its pair is broken, those of CONTACT, of which any wall needs the first;
+TAU0, SHEAR0, IDLE, TENSILE, COHESIVE, KT, CLOSURE, CRUSHING, SIGMA0, MOVES, LOOSE = _fields(0, 11)
 # and of the bench, where one block is worked on.
 PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B = _fields(0, 4)
 BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE = _fields(4, 6)
@@ -47,16 +45,16 @@ MOMENTUM_X, MOMENTUM_Z, PUSHED, LOST, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
 
 class Blocks(NamedTuple):
     """Arrays of blocks, flat; first, second: (pairs,) where in `bodies` the fields of a pair's bodies a and b begin, of
-    the first lane; broken: a byte a block of pairs, whose bits are those that are not whole, and moved, their motion;
-    loose: a byte a pair, whose bits are the lanes whose contacts are in `contacts`."""
+    the first lane; broken: a byte a block of pairs, whose bits are those that are not whole; loose: a byte a pair, whose
+    bits are the lanes whose contacts are in `contacts`."""
 
     bodies: np.ndarray
     pairs: np.ndarray
-    own: np.ndarray
+    limits: np.ndarray
+    last: np.ndarray
     bench: np.ndarray
     sums: np.ndarray
     broken: np.ndarray
-    moved: np.ndarray
     loose: np.ndarray
     contacts: np.ndarray
     first: np.ndarray
@@ -76,18 +74,12 @@ def make_blocks(pairs, n_bodies, n_contacts, lanes):
         shared[:, number].flat[:len(pairs)] = pairs[name]
     return Blocks(
         bodies=np.zeros(blocks_of(n_bodies * lanes, BODY)), pairs=shared.ravel(),
-        own=_own(blocks_of(len(pairs) * lanes, 1)), bench=np.zeros(int(BENCH)), sums=np.zeros(int(SUMS)),
+        limits=np.full(blocks_of(len(pairs) * lanes, LIMITS), np.inf), last=np.zeros(blocks_of(len(pairs) * lanes, LAST)),
+        bench=np.zeros(int(BENCH)), sums=np.zeros(int(SUMS)),
         broken=np.zeros(-(-len(pairs) * lanes // 8), np.uint8),
-        moved=np.zeros(blocks_of(len(pairs) * lanes, MOVED)), loose=np.zeros(len(pairs), np.uint8),
+        loose=np.zeros(len(pairs), np.uint8),
         contacts=np.zeros(blocks_of(n_contacts * lanes, LOOSE) if lanes > 1 else 0),
         first=_first(a, lanes), second=_first(b, lanes))
-
-
-def _own(n):
-    """Blocks of pairs that no opening and no slide takes out of their limits."""
-    own = np.zeros((n, int(OWN) // 8, 8))
-    own[:, :2] = np.inf
-    return own.ravel()
 
 
 def _first(row, lanes):
@@ -105,8 +97,8 @@ def place_of(slot, size):
 def pack(tables, blocks, lanes):
     """Copy places and motions of the bodies, and what leaves pairs whole, from the tables into their blocks."""
     place, motion, bodies = tables.place, tables.motion, blocks.bodies
-    for lane in range(place.shape[0]):
-        for row in range(place.shape[1]):
+    for row in range(place.shape[1]):
+        for lane in range(place.shape[0]):  # within: eight lanes share what is fetched
             k = place_of(INDEX(row * lanes + lane), BODY)
             for field in range(8):
                 bodies[k + X + INDEX(8 * field)] = place[lane, row, field]
@@ -118,8 +110,8 @@ def pack(tables, blocks, lanes):
 def unpack(tables, blocks, lanes):
     """Copy places and motions of the bodies from their blocks into the tables."""
     place, motion, bodies = tables.place, tables.motion, blocks.bodies
-    for lane in range(place.shape[0]):
-        for row in range(place.shape[1]):
+    for row in range(place.shape[1]):
+        for lane in range(place.shape[0]):  # within: eight lanes share what is fetched
             k = place_of(INDEX(row * lanes + lane), BODY)
             for field in range(8):
                 place[lane, row, field] = bodies[k + X + INDEX(8 * field)]
@@ -131,6 +123,6 @@ def pack_limits(tables, blocks, lanes):
     """Copy what leaves pairs whole into their blocks: nothing where a contact is broken."""
     for lane in range(tables.pairs.shape[0]):
         for p in range(tables.pairs.shape[1]):
-            pair, at = tables.pairs[lane, p], place_of(INDEX(p * lanes + lane), OWN)
-            blocks.own[at + OPENING] = -np.inf if pair.broken else pair.largest_opening
-            blocks.own[at + SLIDE] = pair.largest_slide
+            pair, at = tables.pairs[lane, p], place_of(INDEX(p * lanes + lane), LIMITS)
+            blocks.limits[at + OPENING] = -np.inf if pair.broken else pair.largest_opening
+            blocks.limits[at + SLIDE] = pair.largest_slide

@@ -12,7 +12,16 @@ import numpy as np
 from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
 from damage.reference.compiled import compiled, inlined
 from damage.reference.pairs import Forces
-from damage.reference.tables import FRACTURE, FRICTION, OPENED, SLIPPED
+from damage.reference.tables import (
+    FRACTURE,
+    FRICTION,
+    OPENED,
+    READ_OPENING,
+    READ_SHEAR,
+    READ_SIGMA,
+    READ_TAU,
+    SLIPPED,
+)
 from damage.wall import joint_law
 from damage.wall.joint_law import INTACT, ContactState, LawParameters, elastic_energy
 
@@ -50,7 +59,7 @@ def stays_open(contact, opening):
 
 
 @compiled
-def observe(joints, contacts, kn, ks, opening, offset, state, stored):
+def observe(joints, contacts, readings, kn, ks, opening, offset, state, stored):
     """Write what is told of every contact of one wall: what has opened and been offset inelastically [m], whether it
     broke, was at its limit or has been crushed (bits), and its elastic energy [J]; kn, ks: stiffnesses [Pa/m].
 
@@ -58,18 +67,18 @@ def observe(joints, contacts, kn, ks, opening, offset, state, stored):
     elastic part, of what has broken or softened, zero elsewhere.
     """
     for c in range(len(joints)):
-        joint, contact = joints[c], contacts[c]
-        softened = joint.kappa > 0.0
-        force = joint.sigma * joint.area
-        gap = joint.opening if joint.broken else joint.opening - force / contact.kn
-        opens = joint.broken or (softened and joint.opening > 0.0)
+        joint, contact, wide, sigma = joints[c], contacts[c], readings[READ_OPENING, c], readings[READ_SIGMA, c]
+        tau, softened = readings[READ_TAU, c], joint.kappa > 0.0
+        force = sigma * joint.area
+        gap = wide if joint.broken else wide - force / contact.kn
+        opens = joint.broken or (softened and wide > 0.0)
         opening[c] = 0.0 if not opens or gap <= 0.0 else gap  # and what is not finite stays so
-        offset[c] = joint.shear - joint.tau / ks[c] if joint.broken or softened else 0.0
+        offset[c] = readings[READ_SHEAR, c] - tau / ks[c] if joint.broken or softened else 0.0
         state[c] = (BROKEN if joint.broken else 0) | (AT_LIMIT if joint.at_limit else 0) | (
             CRUSHED if contact.closure > 0.0 else 0)
-        stored[c] = joint.area * elastic_energy(joint.sigma, joint.tau, kn[c], ks[c])
-        if contact.kt != contact.kn and joint.opening > 0.0:
-            stored[c] += force * (joint.opening - force / contact.kn) / 2
+        stored[c] = joint.area * elastic_energy(sigma, tau, kn[c], ks[c])
+        if contact.kt != contact.kn and wide > 0.0:
+            stored[c] += force * (wide - force / contact.kn) / 2
 
 
 @compiled
@@ -118,13 +127,13 @@ def remember(contacts, lane, start, stop, gap):
 
 
 @compiled
-def read_joints(contacts, joints, lane, start, stop, gap):
+def read_joints(contacts, joints, readings, lane, start, stop, gap):
     """Write opening, shear displacement [m] and stresses [Pa] of a pair's contacts.  After its forces are found every
     contact is a spring from where the law has left it, so that no law is needed."""
     for i in range(start, stop):
-        trial, joint = stresses(contacts[lane, i], gap), joints[lane, i]
-        joint.opening, joint.shear = trial.opening, gap.shear
-        joint.sigma, joint.tau = trial.sigma / joint.area, trial.tau / joint.area
+        trial, area = stresses(contacts[lane, i], gap), joints[0, i].area  # of all lanes
+        readings[lane, READ_OPENING, i], readings[lane, READ_SHEAR, i] = trial.opening, gap.shear
+        readings[lane, READ_SIGMA, i], readings[lane, READ_TAU, i] = trial.sigma / area, trial.tau / area
 
 
 @inlined

@@ -8,21 +8,30 @@ them is beyond its strength, and goes back where the law is asked and where a ru
 import numpy as np
 
 from damage.reference import blocks as at
-from damage.reference.blocks import INDEX
+from damage.reference.blocks import INDEX, place_of
 from damage.reference.compiled import compiled, inlined
 from damage.reference.eight import add, bits, either, flags_of, load, spread, store
-from damage.reference.pairs import Forces, damp_eight, kept_motions, push_lanes, push_where
+from damage.reference.pairs import (
+    Forces,
+    damp_eight,
+    line_of,
+    places_in_lanes,
+    push_lanes,
+    push_where,
+    relative_motion,
+)
+from damage.reference.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
 from damage.wall import joint_law
 
 
 @compiled
-def loosen(tables, blocks, material):
+def loosen(tables, blocks):
     """Copy the contacts of all broken pairs into their blocks."""
     blocks.loose[:] = 0
     for lane in range(tables.pairs.shape[0]):
         for p in range(tables.pairs.shape[1]):
             if tables.pairs[lane, p].broken:
-                take_pair(tables, blocks, material, lane, p)
+                take_pair(tables, blocks, lane, p)
 
 
 @compiled
@@ -36,14 +45,13 @@ def fasten(tables, blocks):
 
 
 @compiled
-def take_pair(tables, blocks, material, lane, p):
+def take_pair(tables, blocks, lane, p):
     """Copy the contacts of a pair in this lane into their blocks."""
     for i in range(tables.pairs[0, p].start, tables.pairs[0, p].stop):
         contact, k, loose = tables.contacts[lane, i], INDEX(i) * at.LOOSE + INDEX(lane), blocks.contacts
         loose[k + at.KT], loose[k + at.TAU0], loose[k + at.SHEAR0] = contact.kt, contact.tau0, contact.shear0
         loose[k + at.TENSILE], loose[k + at.COHESIVE] = contact.tensile_force, contact.cohesive_force
         loose[k + at.IDLE] = contact.idle
-        loose[k + at.FRICTION] = joint_law.friction_left(contact.idle >= 0.0, material)
         loose[k + at.CLOSURE], loose[k + at.CRUSHING] = contact.closure, contact.crushing_force
         loose[k + at.SIGMA0] = contact.sigma0
         loose[k + at.MOVES] = 1.0 if contact.idle >= 0.0 or contact.soft else 0.0
@@ -75,6 +83,7 @@ def whole_springs(contacts, start, stop, gap):
 @inlined
 def read_whole_joints(tables, bench, start, stop, gap, whole):
     """`contacts.read_joints` of a pair in those of its lanes that are whole (bits), by way of the bench."""
+    readings = tables.readings
     for i in range(start, stop):
         contact, area = tables.contacts[0, i], tables.joints[0, i].area
         # Zero is added as a closure and a force of before would be: it takes the sign from what is zero.
@@ -85,43 +94,57 @@ def read_whole_joints(tables, bench, start, stop, gap, whole):
         store(bench, at.TAU, (contact.ks * gap.shear + 0.0) / area)
         for lane in range(tables.joints.shape[0]):
             if whole >> lane & 1:
-                joint, k = tables.joints[lane, i], INDEX(lane)
-                joint.opening, joint.shear = bench[at.OPENED + k], bench[at.SHEARED + k]
-                joint.sigma, joint.tau = bench[at.SIGMA + k], bench[at.TAU + k]
+                k = INDEX(lane)
+                readings[lane, READ_OPENING, i] = bench[at.OPENED + k]
+                readings[lane, READ_SHEAR, i] = bench[at.SHEARED + k]
+                readings[lane, READ_SIGMA, i] = bench[at.SIGMA + k]
+                readings[lane, READ_TAU, i] = bench[at.TAU + k]
 
 
 @inlined
-def forces_of_loose(tables, blocks, p, held, damped):
+def forces_of_loose(tables, blocks, law, p, held, damped):
     """What a pair does in those of its lanes that are held (bits), where its contacts stay springs; returns the lanes
     where one does not."""
-    own, m = blocks.own, INDEX(p) * at.OWN
-    frame, gap = kept_motions(blocks.moved, INDEX(p) * at.MOVED)
+    a, b, k = blocks.first[p], blocks.second[p], place_of(INDEX(p), at.PAIR)
+    frame, gap = relative_motion(line_of(blocks.pairs, k), places_in_lanes(blocks.bodies, a),
+                                 places_in_lanes(blocks.bodies, b))
     start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop
-    forces, elastic = loose_springs(tables.contacts, blocks.contacts, start, stop, gap, flags_of(held))
-    remember_loose(tables.contacts, blocks.contacts, start, stop, gap, elastic)
+    forces, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, gap, flags_of(held))
+    remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, gap, elastic)
     if damped:
-        forces, work = damp_eight(own, m, load(blocks.bench, at.RATE), gap, forces, elastic)
+        forces, work = damp_eight(blocks.last, INDEX(p) * at.LAST, load(blocks.bench, at.RATE), gap, forces, elastic)
         add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), work)
-    push_lanes(blocks.bodies, blocks.first[p], blocks.second[p], push_where(elastic, frame, forces))
+    push_lanes(blocks.bodies, a, b, push_where(elastic, frame, forces))
     return held & ~int(bits(elastic))
 
 
 @inlined
-def loose_springs(contacts, loose, start, stop, gap, elastic):
+def loose_spring(contact, loose, k, gap, plain):
+    """`contacts.spring` in eight lanes: opening [m] and normal force [N]; plain: where nothing softens or crushes."""
+    opening = gap.middle + contact.offset * gap.turn
+    if plain:
+        opening = opening + 0.0  # as a closure of zero would be
+        return opening, contact.kn * opening
+    opening = opening + load(loose, k + at.CLOSURE)
+    return opening, either(opening > 0.0, load(loose, k + at.KT), contact.kn) * opening
+
+
+@inlined
+def loose_springs(contacts, loose, law, start, stop, gap, elastic):
     """`contacts.springs` in eight lanes, of which it leaves those elastic whose contacts all are."""
     held = elastic
     normal, along, couple = spread(0.0), spread(0.0), spread(0.0)
     for i in range(start, stop):
         contact, k = contacts[0, i], INDEX(i) * at.LOOSE
-        opening = gap.middle + contact.offset * gap.turn + load(loose, k + at.CLOSURE)
-        sigma = either(opening > 0.0, load(loose, k + at.KT), contact.kn) * opening
-        tau0, shear0 = load(loose, k + at.TAU0), load(loose, k + at.SHEAR0)
+        opening, sigma = loose_spring(contact, loose, k, gap, law.plain)
+        tau0, shear0, idle = load(loose, k + at.TAU0), load(loose, k + at.SHEAR0), load(loose, k + at.IDLE)
         tau = tau0 + contact.ks * (gap.shear - shear0)
-        is_open = (opening > 0.0) & (opening <= load(loose, k + at.IDLE)) & (tau0 == 0.0)
+        is_open = (opening > 0.0) & (opening <= idle) & (tau0 == 0.0)
         store(loose, k + at.SHEAR0, either(held & is_open, gap.shear, shear0))
         within = joint_law.stays_elastic(sigma, tau, load(loose, k + at.TENSILE), load(loose, k + at.COHESIVE),
-                                         load(loose, k + at.FRICTION))
-        within = within & joint_law.withstands(sigma, load(loose, k + at.CRUSHING))
+                                         joint_law.friction_left(idle >= 0.0, law.material))
+        if not law.plain:
+            within = within & joint_law.withstands(sigma, load(loose, k + at.CRUSHING))
         elastic = elastic & (within | is_open)
         normal = normal + either(is_open, 0.0, sigma)
         along = along + either(is_open, 0.0, tau)
@@ -130,15 +153,17 @@ def loose_springs(contacts, loose, start, stop, gap, elastic):
 
 
 @inlined
-def remember_loose(contacts, loose, start, stop, gap, elastic):
+def remember_loose(contacts, loose, plain, start, stop, gap, elastic):
     """`contacts.remember` in the lanes that are elastic."""
     for i in range(start, stop):
         contact, k = contacts[0, i], INDEX(i) * at.LOOSE
-        crushing, sigma0 = load(loose, k + at.CRUSHING), load(loose, k + at.SIGMA0)
-        opening = gap.middle + contact.offset * gap.turn + load(loose, k + at.CLOSURE)
-        sigma = either(opening > 0.0, load(loose, k + at.KT), contact.kn) * opening
-        store(loose, k + at.SIGMA0, either(elastic & (crushing < np.inf), sigma, sigma0))
+        if plain:
+            moves = elastic & (load(loose, k + at.IDLE) >= 0.0)
+        else:
+            crushing, sigma0 = load(loose, k + at.CRUSHING), load(loose, k + at.SIGMA0)
+            _, sigma = loose_spring(contact, loose, k, gap, plain)
+            store(loose, k + at.SIGMA0, either(elastic & (crushing < np.inf), sigma, sigma0))
+            moves = elastic & (load(loose, k + at.MOVES) > 0.0)
         tau0, shear0 = load(loose, k + at.TAU0), load(loose, k + at.SHEAR0)
-        moves = elastic & (load(loose, k + at.MOVES) > 0.0)
         store(loose, k + at.TAU0, either(moves, tau0 + contact.ks * (gap.shear - shear0), tau0))
         store(loose, k + at.SHEAR0, either(moves, gap.shear, shear0))

@@ -35,14 +35,13 @@ from damage.reference.pairs import (
     damp_eight,
     eight_pairs,
     keep_last,
-    keep_motion,
-    kept_motion,
     last_forces,
     last_gap,
     less,
     line_of,
     lines_of,
     place_of_body,
+    places_in_lanes,
     push,
     push_lanes,
     push_where,
@@ -56,10 +55,11 @@ from damage.wall.joint_law import Material
 
 
 class Law(NamedTuple):
-    """material: of the joint law; threshold [m] of first passings."""
+    """material: of the joint law; threshold [m] of first passings; plain: whether no contact softens or crushes."""
 
     material: Material
     threshold: float
+    plain: bool
 
 
 @compiled
@@ -80,7 +80,7 @@ def run_steps(tables, blocks, lanes, law, controls, field, clock):
         remember_all(tables, blocks, lanes)
     n_steps = field.shape[1]
     if lanes > 1:
-        loosen(tables, blocks, law.material)
+        loosen(tables, blocks)
     for step in range(n_steps):
         if lanes > 1 and step == n_steps - 1:
             fasten(tables, blocks)
@@ -134,19 +134,18 @@ def clear_forces(bodies):
 @compiled
 def forces_of_one(blocks, damped):
     """Forces of the pairs of one wall that are whole: eight pairs are a block."""
-    pairs, bodies, bench, own = blocks.pairs, blocks.bodies, blocks.bench, blocks.own
+    pairs, bodies, bench, limits, last = blocks.pairs, blocks.bodies, blocks.bench, blocks.limits, blocks.last
     first, second, sums = blocks.first, blocks.second, blocks.sums
     block = NONE
     while block < INDEX(len(blocks.broken)):
-        row, p, m = block * WIDTH, block * at.PAIR, block * at.OWN
+        row, p = block * WIDTH, block * at.PAIR
         a, b = places_of(bodies, first, row), places_of(bodies, second, row)
-        frame, gap, forces, whole = eight_pairs(lines_of(pairs, p), springs_of(pairs, p), a, b, own, m)
+        frame, gap, forces, whole = eight_pairs(lines_of(pairs, p), springs_of(pairs, p), a, b, limits,
+                                                block * at.LIMITS)
         if damped:
-            forces, work = damp_eight(own, m, load(bench, at.RATE), gap, forces, whole)
+            forces, work = damp_eight(last, block * at.LAST, load(bench, at.RATE), gap, forces, whole)
             add(sums, at.DAMPED, work)
-        blocks.broken[block] = broken = 255 - bits(whole)
-        if broken:
-            keep_motion(blocks.moved, block * at.MOVED, frame, gap)
+        blocks.broken[block] = 255 - bits(whole)
         push_rows(bodies, first, second, row, bench, push_where(whole, frame, forces))
         block += ONE
 
@@ -154,19 +153,17 @@ def forces_of_one(blocks, damped):
 @compiled
 def forces_of_lanes(blocks, damped):
     """Forces of the pairs of several walls that are whole: a pair in eight lanes is a block."""
-    pairs, bodies, bench, own = blocks.pairs, blocks.bodies, blocks.bench, blocks.own
+    pairs, bodies, bench, limits, last = blocks.pairs, blocks.bodies, blocks.bench, blocks.limits, blocks.last
     first, second, sums = blocks.first, blocks.second, blocks.sums
     row = NONE
     while row < INDEX(len(blocks.broken)):
-        a, b, p, m = first[row], second[row], place_of(row, at.PAIR), row * at.OWN
+        a, b, p = first[row], second[row], place_of(row, at.PAIR)
         frame, gap, forces, whole = eight_pairs(line_of(pairs, p), spring_of(pairs, p), places_in_lanes(bodies, a),
-                                                places_in_lanes(bodies, b), own, m)
+                                                places_in_lanes(bodies, b), limits, row * at.LIMITS)
         if damped:
-            forces, work = damp_eight(own, m, load(bench, at.RATE), gap, forces, whole)
+            forces, work = damp_eight(last, row * at.LAST, load(bench, at.RATE), gap, forces, whole)
             add(sums, at.DAMPED + row % WIDTH * WIDTH, work)
-        blocks.broken[row] = broken = 255 - bits(whole)
-        if broken:
-            keep_motion(blocks.moved, row * at.MOVED, frame, gap)
+        blocks.broken[row] = 255 - bits(whole)
         push_lanes(bodies, a, b, push_where(whole, frame, forces))
         row += ONE
 
@@ -180,7 +177,7 @@ def forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped):
         if flags == 0:
             continue
         if lanes > 1:
-            flags = singly_or_loose(tables, blocks, block, flags, singly, damped)
+            flags = singly_or_loose(tables, blocks, law, block, flags, singly, damped)
         for k in range(8):
             p, lane = (8 * block + k, 0) if lanes == 1 else (block, k)
             if flags >> k & 1 and p < tables.pairs.shape[1] and lane < tables.pairs.shape[0]:
@@ -188,27 +185,27 @@ def forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped):
 
 
 @compiled
-def singly_or_loose(tables, blocks, p, flags, singly, damped):
+def singly_or_loose(tables, blocks, law, p, flags, singly, damped):
     """Forces of a pair in those of its lanes (bits) that go together; returns which do not."""
     if singly:
         return flags & ~whole_singly(tables, blocks, p, damped)
     held = flags & int(blocks.loose[p])
-    return flags + forces_of_loose(tables, blocks, p, held, damped) - held if held else flags
+    return flags + forces_of_loose(tables, blocks, law, p, held, damped) - held if held else flags
 
 
 @inlined
 def whole_singly(tables, blocks, p, damped):
     """Forces of a pair contact by contact in the lanes where it is whole, which are returned (bits), and what its
     contacts do."""
-    a, b, k, m = blocks.first[p], blocks.second[p], place_of(INDEX(p), at.PAIR), INDEX(p) * at.OWN
+    a, b, k = blocks.first[p], blocks.second[p], place_of(INDEX(p), at.PAIR)
     start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop
     frame, gap, _, whole = eight_pairs(line_of(blocks.pairs, k), spring_of(blocks.pairs, k),
                                        places_in_lanes(blocks.bodies, a), places_in_lanes(blocks.bodies, b),
-                                       blocks.own, m)
+                                       blocks.limits, INDEX(p) * at.LIMITS)
     forces = whole_springs(tables.contacts, start, stop, gap)
     read_whole_joints(tables, blocks.bench, start, stop, gap, int(bits(whole)))
     if damped:
-        forces, work = damp_eight(blocks.own, m, load(blocks.bench, at.RATE), gap, forces, whole)
+        forces, work = damp_eight(blocks.last, INDEX(p) * at.LAST, load(blocks.bench, at.RATE), gap, forces, whole)
         add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), work)
     push_lanes(blocks.bodies, a, b, push_where(whole, frame, forces))
     return int(bits(whole))
@@ -217,34 +214,33 @@ def whole_singly(tables, blocks, p, damped):
 @inlined
 def forces_of_pair(tables, blocks, lanes, law, step, lane, p, singly, damped):
     """Forces of one pair contact by contact; `singly` writes what they do, too."""
-    own, bodies, contacts, m = blocks.own, blocks.bodies, tables.contacts, place_of(INDEX(p * lanes + lane), at.OWN)
+    bodies, contacts, slot = blocks.bodies, tables.contacts, INDEX(p * lanes + lane)
+    last, limits, m = blocks.last, blocks.limits, place_of(slot, at.LAST)
     start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop  # of all lanes: fewer to fetch from memory
     a, b, k = blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane), place_of(INDEX(p), at.PAIR)
-    whole = False
+    frame, gap = relative_motion(line_of(blocks.pairs, k), place_of_body(bodies, a), place_of_body(bodies, b))
+    held, whole = place_of(slot, at.LIMITS), False
     if singly:
-        frame, gap = relative_motion(line_of(blocks.pairs, k), place_of_body(bodies, a), place_of_body(bodies, b))
-        whole = stays_whole(spring_of(blocks.pairs, k), own[m + at.OPENING], own[m + at.SLIDE], gap)
-    else:
-        frame, gap = kept_motion(blocks.moved, place_of(INDEX(p * lanes + lane), at.MOVED))
+        whole = stays_whole(spring_of(blocks.pairs, k), limits[held + at.OPENING], limits[held + at.SLIDE], gap)
     loose = lanes > 1 and not singly
     if loose and blocks.loose[p] >> lane & 1:
         give_pair(tables, blocks, lane, p)
     forces, elastic = springs(contacts, lane, start, stop, gap, law.material)
-    steady = less(forces, last_forces(own, m))
+    steady = less(forces, last_forces(last, m))
     if elastic or whole:
         remember(contacts, lane, start, stop, gap)
     else:
-        forces, steady, failed = joint_forces(tables, law, lane, p, step, gap, last_gap(own, m), damped)
+        forces, steady, failed = joint_forces(tables, law, lane, p, step, gap, last_gap(last, m), damped)
         if failed:
             tables.pairs[lane, p].broken = 1
-            own[m + at.OPENING] = -np.inf
+            limits[held + at.OPENING] = -np.inf
     if loose and tables.pairs[lane, p].broken:
-        take_pair(tables, blocks, law.material, lane, p)
+        take_pair(tables, blocks, lane, p)
     if singly:
-        read_joints(contacts, tables.joints, lane, start, stop, gap)
+        read_joints(contacts, tables.joints, tables.readings, lane, start, stop, gap)
     if damped:
-        with_damping, work = damp(blocks.bench[at.RATE + INDEX(lane)], gap, last_gap(own, m), forces, steady)
-        keep_last(own, m, gap, forces)
+        with_damping, work = damp(blocks.bench[at.RATE + INDEX(lane)], gap, last_gap(last, m), forces, steady)
+        keep_last(last, m, gap, forces)
         blocks.sums[at.DAMPED + INDEX(p % 8 * lanes + lane)] += work
         forces = with_damping
     push_pair(bodies, a, b, push(frame, forces))
@@ -266,12 +262,6 @@ def places_of(bodies, first, row):
     """Place of the bodies of eight pairs, of the rows from this one on."""
     return Place(collect(bodies, first, row, at.X), collect(bodies, first, row, at.Z),
                  collect(bodies, first, row, at.COS1), collect(bodies, first, row, at.SIN))
-
-
-@inlined
-def places_in_lanes(bodies, a):
-    """Place of a body in eight lanes."""
-    return Place(load(bodies, a + at.X), load(bodies, a + at.Z), load(bodies, a + at.COS1), load(bodies, a + at.SIN))
 
 
 @inlined
@@ -308,5 +298,5 @@ def remember_all(tables, blocks, lanes):
             _, gap = relative_motion(line_of(blocks.pairs, place_of(INDEX(p), at.PAIR)),
                                      place_of_body(blocks.bodies, blocks.first[p] + here),
                                      place_of_body(blocks.bodies, blocks.second[p] + here))
-            keep_last(blocks.own, place_of(INDEX(p * lanes + lane), at.OWN), gap,
+            keep_last(blocks.last, place_of(INDEX(p * lanes + lane), at.LAST), gap,
                       sum_of_stresses(tables.contacts, lane, pair.start, pair.stop, gap))

@@ -53,7 +53,7 @@ class Lanes:
         for lane, wall in enumerate(self.walls):
             wall.system, wall.lanes = _lane(self.tables, lane), self
         self._width = 1 if len(self.walls) == 1 else MOST_LANES
-        self._law = kernel.Law(self.walls[0].material, THRESHOLD)
+        self._law = kernel.Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
         self._blocks = make_blocks(self.tables.pairs[0], self.tables.place.shape[1], self.tables.contacts.shape[1],
                                    self._width)
 
@@ -101,6 +101,13 @@ def are_alike(wall, other):
         np.array_equal(getattr(one, table)[name], getattr(two, table)[name], equal_nan=True)
         for table, names in (("pairs", tables.SHARED), ("contacts", ("offset", "kn", "ks")), ("joints", ("area",)))
         for name in names)
+
+
+def _is_plain(system):
+    """Whether no contact softens or crushes."""
+    joints = system.joints
+    return bool(np.all(system.contacts["crushing_force"] == np.inf) and not joints["mode_i"].any()
+                and not joints["mode_ii"].any())
 
 
 def _check(walls):

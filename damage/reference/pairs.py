@@ -127,6 +127,12 @@ def place_of_body(bodies, a):
 
 
 @inlined
+def places_in_lanes(bodies, a):
+    """Place of a body in eight lanes."""
+    return Place(load(bodies, a + at.X), load(bodies, a + at.Z), load(bodies, a + at.COS1), load(bodies, a + at.SIN))
+
+
+@inlined
 def relative_motion(line, a, b):
     """Mean axes of a pair (Frame) and how far its bodies have moved apart along them (Gap) [m]; a, b: their Place."""
     # How the middle moves with either body, and how far its two places are apart.
@@ -142,40 +148,6 @@ def relative_motion(line, a, b):
     frame = Frame(nx, nz, tx, tz, c * c + s * s, line.ax + dax + 0.5 * dx, line.az + daz + 0.5 * dz,
                   line.bx + dbx - 0.5 * dx, line.bz + dbz - 0.5 * dz)
     return frame, Gap(nx * dx + nz * dz, tx * dx + tz * dz, turn)
-
-
-@inlined
-def keep_motion(moved, k, frame, gap):
-    """Write Frame and Gap of eight pairs where theirs begin, at k."""
-    store(moved, k + at.FRAME_NX, frame.nx)
-    store(moved, k + at.FRAME_NZ, frame.nz)
-    store(moved, k + at.FRAME_TX, frame.tx)
-    store(moved, k + at.FRAME_TZ, frame.tz)
-    store(moved, k + at.LENGTH2, frame.length2)
-    store(moved, k + at.ARM_AX, frame.arm_ax)
-    store(moved, k + at.ARM_AZ, frame.arm_az)
-    store(moved, k + at.ARM_BX, frame.arm_bx)
-    store(moved, k + at.ARM_BZ, frame.arm_bz)
-    store(moved, k + at.GAP_MIDDLE, gap.middle)
-    store(moved, k + at.GAP_SHEAR, gap.shear)
-    store(moved, k + at.GAP_TURN, gap.turn)
-
-
-@inlined
-def kept_motion(moved, k):
-    """Frame and Gap of the pair whose first field is at k."""
-    return Frame(moved[k + at.FRAME_NX], moved[k + at.FRAME_NZ], moved[k + at.FRAME_TX], moved[k + at.FRAME_TZ],
-                 moved[k + at.LENGTH2], moved[k + at.ARM_AX], moved[k + at.ARM_AZ], moved[k + at.ARM_BX],
-                 moved[k + at.ARM_BZ]), Gap(moved[k + at.GAP_MIDDLE], moved[k + at.GAP_SHEAR], moved[k + at.GAP_TURN])
-
-
-@inlined
-def kept_motions(moved, k):
-    """The same of eight."""
-    return Frame(load(moved, k + at.FRAME_NX), load(moved, k + at.FRAME_NZ), load(moved, k + at.FRAME_TX),
-                 load(moved, k + at.FRAME_TZ), load(moved, k + at.LENGTH2), load(moved, k + at.ARM_AX),
-                 load(moved, k + at.ARM_AZ), load(moved, k + at.ARM_BX), load(moved, k + at.ARM_BZ)), Gap(
-                     load(moved, k + at.GAP_MIDDLE), load(moved, k + at.GAP_SHEAR), load(moved, k + at.GAP_TURN))
 
 
 @inlined
@@ -220,61 +192,61 @@ def damp(rate, gap, last, forces, steady):
 
 
 @inlined
-def last_gap(own, m):
+def last_gap(last, m):
     """How far the bodies of a pair had moved apart in the last step [m]."""
-    return Gap(own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED])
+    return Gap(last[m + at.MIDDLE], last[m + at.SHEAR], last[m + at.TURNED])
 
 
 @inlined
-def last_forces(own, m):
+def last_forces(last, m):
     """The forces of a pair in the last step [N, N m]."""
-    return Forces(own[m + at.NORMAL], own[m + at.ALONG], own[m + at.COUPLE])
+    return Forces(last[m + at.NORMAL], last[m + at.ALONG], last[m + at.COUPLE])
 
 
 @inlined
-def last_gaps(own, m):
+def last_gaps(last, m):
     """`last_gap` of eight."""
-    return Gap(load(own, m + at.MIDDLE), load(own, m + at.SHEAR), load(own, m + at.TURNED))
+    return Gap(load(last, m + at.MIDDLE), load(last, m + at.SHEAR), load(last, m + at.TURNED))
 
 
 @inlined
-def last_forces_of_eight(own, m):
+def last_forces_of_eight(last, m):
     """`last_forces` of eight."""
-    return Forces(load(own, m + at.NORMAL), load(own, m + at.ALONG), load(own, m + at.COUPLE))
+    return Forces(load(last, m + at.NORMAL), load(last, m + at.ALONG), load(last, m + at.COUPLE))
 
 
 @inlined
-def keep_last(own, m, gap, forces):
+def keep_last(last, m, gap, forces):
     """Write how far the bodies of a pair have moved apart [m] and its forces [N, N m] for the next step."""
-    own[m + at.MIDDLE], own[m + at.SHEAR], own[m + at.TURNED] = gap.middle, gap.shear, gap.turn
-    own[m + at.NORMAL], own[m + at.ALONG], own[m + at.COUPLE] = forces.normal, forces.along, forces.couple
+    last[m + at.MIDDLE], last[m + at.SHEAR], last[m + at.TURNED] = gap.middle, gap.shear, gap.turn
+    last[m + at.NORMAL], last[m + at.ALONG], last[m + at.COUPLE] = forces.normal, forces.along, forces.couple
 
 
 @inlined
-def keep_last_of(own, m, whole, gap, before, forces, last):
+def keep_last_of(last, m, whole, gap, before, forces, old):
     """The same of those of eight pairs that are whole; where not, what was there stays for what is done then."""
-    store(own, m + at.MIDDLE, either(whole, gap.middle, before.middle))
-    store(own, m + at.SHEAR, either(whole, gap.shear, before.shear))
-    store(own, m + at.TURNED, either(whole, gap.turn, before.turn))
-    store(own, m + at.NORMAL, either(whole, forces.normal, last.normal))
-    store(own, m + at.ALONG, either(whole, forces.along, last.along))
-    store(own, m + at.COUPLE, either(whole, forces.couple, last.couple))
+    store(last, m + at.MIDDLE, either(whole, gap.middle, before.middle))
+    store(last, m + at.SHEAR, either(whole, gap.shear, before.shear))
+    store(last, m + at.TURNED, either(whole, gap.turn, before.turn))
+    store(last, m + at.NORMAL, either(whole, forces.normal, old.normal))
+    store(last, m + at.ALONG, either(whole, forces.along, old.along))
+    store(last, m + at.COUPLE, either(whole, forces.couple, old.couple))
 
 
 @inlined
-def eight_pairs(line, spring, a, b, own, m):
+def eight_pairs(line, spring, a, b, limits, m):
     """Frame, Gap and Forces of eight pairs as one spring each, and whether they are whole."""
     frame, gap = relative_motion(line, a, b)
-    whole = stays_whole(spring, load(own, m + at.OPENING), load(own, m + at.SLIDE), gap)
+    whole = stays_whole(spring, load(limits, m + at.OPENING), load(limits, m + at.SLIDE), gap)
     return frame, gap, whole_pair(spring, gap), whole
 
 
 @inlined
-def damp_eight(own, m, rate, gap, forces, whole):
+def damp_eight(last, m, rate, gap, forces, whole):
     """Forces of eight pairs with damping, and its work where they are whole; keeps what the next step asks for."""
-    before, last = last_gaps(own, m), last_forces_of_eight(own, m)
-    damped, work = damp(rate, gap, before, forces, less(forces, last))
-    keep_last_of(own, m, whole, gap, before, forces, last)
+    before, old = last_gaps(last, m), last_forces_of_eight(last, m)
+    damped, work = damp(rate, gap, before, forces, less(forces, old))
+    keep_last_of(last, m, whole, gap, before, forces, old)
     return damped, either(whole, work, 0.0)
 
 

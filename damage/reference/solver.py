@@ -52,8 +52,7 @@ class ReferenceSolver(ReferenceWall, Solver):
                        damping_j)
 
     def forces(self):
-        joints = self.system.joints
-        return self.force[:-1], np.hypot(joints["sigma"], joints["tau"]) * joints["area"]
+        return self.force[:-1], np.hypot(*self.stresses) * self.system.joints["area"]
 
     def base_reaction(self):
         return self.base_force()[1]

@@ -52,11 +52,10 @@ CONTACT = _row(
     ("closure", REAL, "m", "by how much it is crushed"),
     ("sigma0", REAL, "N", "normal force of the last step where it can crush"),
 )
-JOINT = _row(  # beside its contact; the first four are those of a run's last step (`read_joints`)
-    ("opening", REAL, "m", "normal displacement from where its closure has left its faces, also negative"),
-    ("shear", REAL, "m", "shear displacement"),
-    ("sigma", REAL, "Pa", "normal stress, tension positive"),
-    ("tau", REAL, "Pa", "shear stress"),
+READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU = range(4)
+"""Rows of `readings`: normal displacement from where its closure has left its faces, also negative [m], and shear
+displacement [m] of a contact, normal stress, tension positive, and shear stress [Pa]."""
+JOINT = _row(  # beside its contact
     ("slip", REAL, "m", "plastic slip while closed, signed"),
     ("area", REAL, "m2", ""),
     ("broken", FLAG, "-", "the bond is gone"),
@@ -95,6 +94,8 @@ class System(NamedTuple):
     """Tables of one wall, a row each: pairs (PAIR), contacts (CONTACT) in the order of their pairs,
     joints (JOINT) beside contacts, place (PLACE) and motion (MOTION) of the bodies and the ground.
 
+    readings: (4, contacts) what a run's last step has left (`read_joints`), an array a quantity: apart from the rows,
+    as all of them are written at every sample, and hardly any row;
     energy: (4,); events: (capacity, 3) step, joint, kind; values: (capacity, 4) normal and shear
     stress [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the mass-proportional damping that
     adapts itself [1/s], and the kinetic energy of the last step [J].
@@ -106,6 +107,7 @@ class System(NamedTuple):
     pairs: np.ndarray
     contacts: np.ndarray
     joints: np.ndarray
+    readings: np.ndarray
     place: np.ndarray
     motion: np.ndarray
     energy: np.ndarray

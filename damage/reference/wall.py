@@ -89,11 +89,16 @@ class ReferenceWall:
         """Input, friction, fracture and damping energy [J] since `reset_energy`."""
         return self.system.energy
 
+    @property
+    def stresses(self):
+        """Normal stress, tension positive, and shear stress of the kernel's contacts (2, contacts) [Pa]."""
+        return self.system.readings[[tables.READ_SIGMA, tables.READ_TAU]]
+
     def _observed(self):
         """What is told of the kernel's contacts now (Observed)."""
         n = len(self.system.joints)
         told = Observed(np.empty(n), np.empty(n), np.empty(n, "u1"), np.empty(n))
-        contacts.observe(self.system.joints, self.system.contacts, *self._stiffnesses, *told)
+        contacts.observe(self.system.joints, self.system.contacts, self.system.readings, *self._stiffnesses, *told)
         return told
 
     def _state_of_joints(self, state):
@@ -149,11 +154,11 @@ class ReferenceWall:
 
     def _events_of_fibres(self, events, values):
         """A contact breaks with the last of its fibres; what it opens and slips is known now, at the sample."""
-        fibres, joints = self.layout.fibres, self.system.joints
+        fibres = self.layout.fibres
         told = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
         events, values = events[told], values[told]
         events[:, 1] = fibres.contact[events[:, 1]]
-        stresses = [self._of_joints(joints[name]) for name in ("sigma", "tau")]
+        stresses = map(self._of_joints, self.stresses)
         now = np.column_stack([*stresses, self.opening, self.slip])
         for kind, size in ((tables.OPENED, now[:, 2]), (tables.SLIPPED, np.abs(now[:, 3]))):
             new = np.flatnonzero((size > THRESHOLD) & ~self._passed[kind])
@@ -243,6 +248,7 @@ def _make_system(layout):
         contacts=_table(tables.CONTACT, n, offset=offset, kn=kn, ks=ks, idle=np.full(n, -1.0),
                         crushing_force=contacts.compressive_strength[row] * area, **limits),
         joints=_table(tables.JOINT, n, area=area, mode_i=mode_i * area, mode_ii=mode_ii * area, **limits),
+        readings=np.zeros((4, n)),
         place=np.zeros(m + 1, tables.PLACE),
         motion=_table(tables.MOTION, m + 1, mass=bodies.mass, inertia=bodies.inertia, inverse_mass_x=1 / bodies.mass,
                       inverse_mass_z=1 / bodies.mass, inverse_inertia=1 / bodies.inertia),
