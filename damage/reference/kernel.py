@@ -178,10 +178,12 @@ def forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped):
             continue
         if lanes > 1:
             flags = singly_or_loose(tables, blocks, law, block, flags, singly, damped)
-        for k in range(8):
+        k = 0
+        while flags:  # hardly ever of a pair in lanes
             p, lane = (8 * block + k, 0) if lanes == 1 else (block, k)
-            if flags >> k & 1 and p < tables.pairs.shape[1] and lane < tables.pairs.shape[0]:
+            if flags & 1 and p < tables.pairs.shape[1] and lane < tables.pairs.shape[0]:
                 forces_of_pair(tables, blocks, lanes, law, clock[lane] + step, lane, p, singly, damped)
+            flags, k = flags >> 1, k + 1
 
 
 @compiled
