@@ -36,19 +36,21 @@ MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, LAST = _fields(0, 7)
 # of a contact in eight lanes, where its pair is broken, those of CONTACT, of which any wall needs the first;
 TAU0, SHEAR0, IDLE, TENSILE, COHESIVE, KT, CLOSURE, CRUSHING, SIGMA0, MOVES, LOOSE = _fields(0, 11)
 # and of the bench, where one block is worked on.
-PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B = _fields(0, 4)
-BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE = _fields(4, 6)
-OPENED, SHEARED, SIGMA, TAU, BENCH = _fields(10, 5)
+BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE = _fields(0, 6)
+OPENED, SHEARED, SIGMA, TAU, BENCH = _fields(6, 5)
 # Sums are taken in eight parts, the first of rows 0, 8, 16 and so on: those of one wall are the elements of a block.
 MOMENTUM_X, MOMENTUM_Z, PUSHED, LOST, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
 
 
 class Blocks(NamedTuple):
-    """Arrays of blocks, flat; first, second: (pairs,) where in `bodies` the fields of a pair's bodies a and b begin, of
-    the first lane; broken: a byte a block of pairs, whose bits are those that are not whole; loose: a byte a pair, whose
+    """Arrays of blocks, flat; rows: of one wall alone, where places and forces of a body lie side by side, eight numbers
+    in the order of PLACE, and starts: (bodies,) where its rows begin; first, second: (pairs,) where the fields of a
+    pair's bodies a and b begin, in `bodies` of the first lane, of one wall in `rows`; broken: a byte a block of pairs, whose bits are those that are not whole; loose: a byte a pair, whose
     bits are the lanes whose contacts are in `contacts`."""
 
     bodies: np.ndarray
+    rows: np.ndarray
+    starts: np.ndarray
     pairs: np.ndarray
     limits: np.ndarray
     last: np.ndarray
@@ -75,7 +77,8 @@ def make_blocks(pairs, n_bodies, n_contacts, lanes):
     limits = _zeros(blocks_of(len(pairs) * lanes, LIMITS))
     limits[:] = np.inf
     return Blocks(
-        bodies=_zeros(blocks_of(n_bodies * lanes, BODY)), pairs=shared.ravel(), limits=limits,
+        bodies=_zeros(blocks_of(n_bodies * lanes, BODY)), rows=_zeros(blocks_of(n_bodies, 64) if lanes == 1 else 0),
+        starts=np.arange(0, 8 * blocks_of(n_bodies, 8), 8).astype(INDEX), pairs=shared.ravel(), limits=limits,
         last=_zeros(blocks_of(len(pairs) * lanes, LAST)), bench=_zeros(int(BENCH)), sums=_zeros(int(SUMS)),
         broken=np.zeros(-(-len(pairs) * lanes // 8), np.uint8), loose=np.zeros(len(pairs), np.uint8),
         contacts=_zeros(blocks_of(n_contacts * lanes, LOOSE) if lanes > 1 else 0),
@@ -91,6 +94,8 @@ def _zeros(n):
 
 
 def _first(row, lanes):
+    if lanes == 1:
+        return (8 * row).astype(INDEX)
     slot = row * lanes
     return (slot // 8 * int(BODY) + slot % 8).astype(INDEX)
 

@@ -33,11 +33,6 @@ def add(array, i, eight):
     array[i:i + WIDTH] += eight
 
 
-def collect(array, places, i, offset):
-    """Those at eight places of an array, each with this offset; places: an array of them, read from i on."""
-    return array[places[i:i + WIDTH] + offset]
-
-
 def either(condition, x, y):
     """x where the condition holds, y elsewhere; of eight or of single numbers."""
     return np.where(condition, x, y) if isinstance(condition, np.ndarray) else (x if condition else y)
@@ -82,7 +77,7 @@ def _spread(builder, kind, value):
                                   ir.Constant(ir.VectorType(_INT, WIDTH), [0] * WIDTH))
 
 
-def _teach_type(function, typer):
+def teach_type(function, typer):
     """Teach numba's typing a function: the type of its result, or None, from those of its arguments."""
     type_callable(function)(lambda _context: typer)
 
@@ -93,7 +88,7 @@ def _is_number(kind):
 
 def _teach_binary(function, result, make):
     """Teach numba an operation on eight numbers and eight others, or one."""
-    _teach_type(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None)
+    teach_type(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None)
 
     def lower(_context, builder, signature, values):
         return make(builder, *(_spread(builder, kind, value) for kind, value in zip(signature.args, values)))
@@ -113,17 +108,16 @@ for _function, _sign in ((operator.gt, ">"), (operator.ge, ">="), (operator.lt, 
                          (operator.eq, "==")):
     _teach_binary(_function, FLAGS, _comparison(_sign))
 for _function in (operator.and_, operator.or_):
-    _teach_type(_function, lambda x, y: FLAGS if x == y == FLAGS else None)
+    teach_type(_function, lambda x, y: FLAGS if x == y == FLAGS else None)
 for _function in (operator.neg, abs):
-    _teach_type(_function, lambda x: NUMBERS if x == NUMBERS else None)
-_teach_type(bits, lambda flags: types.uint8)
-_teach_type(flags_of, lambda whole: FLAGS)
-_teach_type(spread, lambda number: NUMBERS)
-_teach_type(load, lambda array, i: NUMBERS)
-_teach_type(store, lambda array, i, eight: types.none)
-_teach_type(add, lambda array, i, eight: types.none)
-_teach_type(collect, lambda array, places, i, offset: NUMBERS)
-_teach_type(either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x)
+    teach_type(_function, lambda x: NUMBERS if x == NUMBERS else None)
+teach_type(bits, lambda flags: types.uint8)
+teach_type(flags_of, lambda whole: FLAGS)
+teach_type(spread, lambda number: NUMBERS)
+teach_type(load, lambda array, i: NUMBERS)
+teach_type(store, lambda array, i, eight: types.none)
+teach_type(add, lambda array, i, eight: types.none)
+teach_type(either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x)
 
 
 @lower_builtin(operator.and_, FLAGS, FLAGS)
@@ -198,16 +192,3 @@ def _add(context, builder, signature, values):
     pointer = _pointer(context, builder, signature.args[0], array, i)
     builder.store(builder.fadd(builder.load(pointer, align=8), value), pointer, align=8)
     return context.get_dummy_value()
-
-
-@lower_builtin(collect, types.Array, types.Array, types.Integer, types.Integer)
-def _collect(context, builder, signature, values):
-    array, places, first, offset = values
-    numbers = context.make_array(signature.args[0])(context, builder, array).data
-    wheres = context.make_array(signature.args[1])(context, builder, places).data
-    result = ir.Constant(_VECTORS[NUMBERS], ir.Undefined)
-    for k in range(WIDTH):
-        where = builder.load(builder.gep(wheres, [builder.add(first, first.type(k))]))
-        number = builder.load(builder.gep(numbers, [builder.add(where, offset)]))
-        result = builder.insert_element(result, number, _INT(k))
-    return result

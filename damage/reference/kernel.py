@@ -28,7 +28,7 @@ from damage.reference.contacts_in_lanes import (
     take_pair,
     whole_springs,
 )
-from damage.reference.eight import add, bits, collect, load, store
+from damage.reference.eight import add, bits, load, spread, store
 from damage.reference.pairs import (
     Place,
     damp,
@@ -50,8 +50,13 @@ from damage.reference.pairs import (
     springs_of,
     stays_whole,
 )
+from damage.reference.rows import add_rows, rows_of, set_rows
 from damage.reference.tables import DAMPING
 from damage.wall.joint_law import Material
+
+
+FORCES = INDEX(4)
+"""Where the forces of a body begin in its row, after its place."""
 
 
 class Law(NamedTuple):
@@ -110,12 +115,16 @@ def all_forces(tables, blocks, lanes, law, clock, step, singly, damped):
     are written then, too.
     """
     clear(blocks.sums, at.DAMPED, at.KINETIC)
+    if lanes == 1:
+        places_to_rows(blocks)
     if not singly:
         if lanes == 1:
             forces_of_one(blocks, damped)
         else:
             forces_of_lanes(blocks, damped)
     forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped)
+    if lanes == 1:
+        forces_from_rows(blocks)
     if damped:
         for lane in range(tables.energy.shape[0]):
             tables.energy[lane, DAMPING] += total(blocks.sums, at.DAMPED, lane, lanes)
@@ -134,19 +143,21 @@ def clear_forces(bodies):
 @compiled
 def forces_of_one(blocks, damped):
     """Forces of the pairs of one wall that are whole: eight pairs are a block."""
-    pairs, bodies, bench, limits, last = blocks.pairs, blocks.bodies, blocks.bench, blocks.limits, blocks.last
+    pairs, rows, bench, limits, last = blocks.pairs, blocks.rows, blocks.bench, blocks.limits, blocks.last
     first, second, sums = blocks.first, blocks.second, blocks.sums
     block = NONE
     while block < INDEX(len(blocks.broken)):
         row, p = block * WIDTH, block * at.PAIR
-        a, b = places_of(bodies, first, row), places_of(bodies, second, row)
+        a, b = Place(*rows_of(rows, first, row, NONE)), Place(*rows_of(rows, second, row, NONE))
         frame, gap, forces, whole = eight_pairs(lines_of(pairs, p), springs_of(pairs, p), a, b, limits,
                                                 block * at.LIMITS)
         if damped:
             forces, work = damp_eight(last, block * at.LAST, load(bench, at.RATE), gap, forces, whole)
             add(sums, at.DAMPED, work)
         blocks.broken[block] = 255 - bits(whole)
-        push_rows(bodies, first, second, row, bench, push_where(whole, frame, forces))
+        pushed = push_where(whole, frame, forces)
+        add_rows(rows, first, second, row, FORCES, (pushed.x, pushed.z, pushed.moment_a),
+                 (-pushed.x, -pushed.z, -pushed.moment_b))
         block += ONE
 
 
@@ -216,11 +227,12 @@ def whole_singly(tables, blocks, p, damped):
 @inlined
 def forces_of_pair(tables, blocks, lanes, law, step, lane, p, singly, damped):
     """Forces of one pair contact by contact; `singly` writes what they do, too."""
-    bodies, contacts, slot = blocks.bodies, tables.contacts, INDEX(p * lanes + lane)
+    (bodies, apart), contacts, slot = bodies_of(blocks, lanes), tables.contacts, INDEX(p * lanes + lane)
     last, limits, m = blocks.last, blocks.limits, place_of(slot, at.LAST)
     start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop  # of all lanes: fewer to fetch from memory
     a, b, k = blocks.first[p] + INDEX(lane), blocks.second[p] + INDEX(lane), place_of(INDEX(p), at.PAIR)
-    frame, gap = relative_motion(line_of(blocks.pairs, k), place_of_body(bodies, a), place_of_body(bodies, b))
+    frame, gap = relative_motion(line_of(blocks.pairs, k), place_of_body(bodies, a, apart),
+                                 place_of_body(bodies, b, apart))
     held, whole = place_of(slot, at.LIMITS), False
     if singly:
         whole = stays_whole(spring_of(blocks.pairs, k), limits[held + at.OPENING], limits[held + at.SLIDE], gap)
@@ -245,60 +257,67 @@ def forces_of_pair(tables, blocks, lanes, law, step, lane, p, singly, damped):
         keep_last(last, m, gap, forces)
         blocks.sums[at.DAMPED + INDEX(p % 8 * lanes + lane)] += work
         forces = with_damping
-    push_pair(bodies, a, b, push(frame, forces))
+    push_pair(bodies, a, b, apart, push(frame, forces))
 
 
 @inlined
-def push_pair(bodies, a, b, pushed):
-    """Add what one pair does to its bodies."""
-    bodies[a + at.FX] += pushed.x
-    bodies[a + at.FZ] += pushed.z
-    bodies[a + at.MOMENT] += pushed.moment_a
-    bodies[b + at.FX] -= pushed.x
-    bodies[b + at.FZ] -= pushed.z
-    bodies[b + at.MOMENT] -= pushed.moment_b
+def bodies_of(blocks, lanes):
+    """Where single pairs find the fields of their bodies, and how far these are apart."""
+    if lanes == 1:
+        return blocks.rows, ONE
+    return blocks.bodies, WIDTH
 
 
 @inlined
-def places_of(bodies, first, row):
-    """Place of the bodies of eight pairs, of the rows from this one on."""
-    return Place(collect(bodies, first, row, at.X), collect(bodies, first, row, at.Z),
-                 collect(bodies, first, row, at.COS1), collect(bodies, first, row, at.SIN))
+def push_pair(bodies, a, b, apart, pushed):
+    """Add what one pair does to its bodies, whose fields are so far apart."""
+    half = apart + apart
+    half += half  # forces come after the four of a Place
+    a += half
+    b += half
+    bodies[a] += pushed.x
+    bodies[a + apart] += pushed.z
+    bodies[a + apart + apart] += pushed.moment_a
+    bodies[b] -= pushed.x
+    bodies[b + apart] -= pushed.z
+    bodies[b + apart + apart] -= pushed.moment_b
 
 
-@inlined
-def push_rows(bodies, first, second, row, bench, pushed):
-    """Add what eight pairs do to their bodies, by way of the bench: they may share one."""
-    store(bench, at.PUSH_X, pushed.x)
-    store(bench, at.PUSH_Z, pushed.z)
-    store(bench, at.MOMENT_A, pushed.moment_a)
-    store(bench, at.MOMENT_B, pushed.moment_b)
-    push_one_by_one(bodies, first, second, row, bench)
+@compiled
+def places_to_rows(blocks):
+    """Copy the places of one wall's bodies into its rows, and set their forces to zero."""
+    bodies, rows, starts, block = blocks.bodies, blocks.rows, blocks.starts, NONE
+    while block * WIDTH < INDEX(len(starts)):
+        place, zero = places_in_lanes(bodies, block * at.BODY), spread(0.0)
+        set_rows(rows, starts, block * WIDTH, NONE, place.x, place.z, place.cos1, place.sin)
+        set_rows(rows, starts, block * WIDTH, FORCES, zero, zero, zero, zero)
+        block += ONE
 
 
-@inlined
-def push_one_by_one(bodies, first, second, row, bench):
-    """Add what is on the bench to the bodies of eight pairs."""
-    i = NONE
-    while i < WIDTH:
-        a, b = first[row + i], second[row + i]
-        bodies[a + at.FX] += bench[at.PUSH_X + i]
-        bodies[a + at.FZ] += bench[at.PUSH_Z + i]
-        bodies[a + at.MOMENT] += bench[at.MOMENT_A + i]
-        bodies[b + at.FX] -= bench[at.PUSH_X + i]
-        bodies[b + at.FZ] -= bench[at.PUSH_Z + i]
-        bodies[b + at.MOMENT] -= bench[at.MOMENT_B + i]
-        i += ONE
+@compiled
+def forces_from_rows(blocks):
+    """Copy the forces on one wall's bodies from its rows."""
+    bodies, block = blocks.bodies, NONE
+    while block * WIDTH < INDEX(len(blocks.starts)):
+        k = block * at.BODY
+        fx, fz, moment, _ = rows_of(blocks.rows, blocks.starts, block * WIDTH, FORCES)
+        store(bodies, k + at.FX, fx)
+        store(bodies, k + at.FZ, fz)
+        store(bodies, k + at.MOMENT, moment)
+        block += ONE
 
 
 @compiled
 def remember_all(tables, blocks, lanes):
     """What damping proportional to stiffness compares the next step with, of the present places."""
+    if lanes == 1:
+        places_to_rows(blocks)
+    bodies, apart = bodies_of(blocks, lanes)
     for lane in range(tables.pairs.shape[0]):
         for p in range(tables.pairs.shape[1]):
             pair, here = tables.pairs[lane, p], INDEX(lane)
             _, gap = relative_motion(line_of(blocks.pairs, place_of(INDEX(p), at.PAIR)),
-                                     place_of_body(blocks.bodies, blocks.first[p] + here),
-                                     place_of_body(blocks.bodies, blocks.second[p] + here))
+                                     place_of_body(bodies, blocks.first[p] + here, apart),
+                                     place_of_body(bodies, blocks.second[p] + here, apart))
             keep_last(blocks.last, place_of(INDEX(p * lanes + lane), at.LAST), gap,
                       sum_of_stresses(tables.contacts, lane, pair.start, pair.stop, gap))

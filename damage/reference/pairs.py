@@ -121,9 +121,11 @@ def springs_of(pairs, p):
 
 
 @inlined
-def place_of_body(bodies, a):
-    """Place of the body whose first field is at a."""
-    return Place(bodies[a + at.X], bodies[a + at.Z], bodies[a + at.COS1], bodies[a + at.SIN])
+def place_of_body(bodies, a, apart):
+    """Place of the body whose first field is at a, and the next ones so far apart."""
+    z = a + apart
+    cos1 = z + apart
+    return Place(bodies[a], bodies[z], bodies[cos1], bodies[cos1 + apart])
 
 
 @inlined

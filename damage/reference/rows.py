@@ -1,0 +1,102 @@
+"""Rows of four numbers, here and there in an array, as four values of eight numbers and back: turned in the
+processor's registers, where to fetch each number by itself would cost more than what is done with it.
+
+    x, z, cos1, sin = rows_of(bodies, places, i, 0)      # of the eight rows at places[i] to places[i + 7]
+    set_rows(bodies, places, i, 4, x, z, cos1, sin)      # and back, four numbers further on
+    add_rows(bodies, first, second, i, 4, (x, z, turn), (x, z, other_turn))
+"""
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import lower_builtin
+
+from damage.reference.eight import NUMBERS, WIDTH, teach_type
+
+_FIRST, _LAST = (list(range(start, start + 4)) for start in (0, 4))
+# Of two values in turns, within each pair of numbers: the first ones, and the second ones.
+_EVEN, _ODD = [0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]
+# Of two values of pairs: the first pair of each half, and the second one.
+_FRONT, _BACK = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+_INT, _LONG = ir.IntType(32), ir.IntType(64)
+_ROW, _EIGHT = ir.VectorType(ir.DoubleType(), 4), ir.VectorType(ir.DoubleType(), WIDTH)
+
+
+def rows_of(array, places, i, offset):
+    """Four values: the numbers from `offset` on of rows that begin at places[i] to places[i + 7]."""
+    return tuple(array[places[i:i + WIDTH] + offset + k] for k in range(4))
+
+
+def set_rows(array, places, i, offset, a, b, c, d):
+    """Write four values into rows, where `rows_of` reads them."""
+    for k, eight in enumerate((a, b, c, d)):
+        array[places[i:i + WIDTH] + offset + k] = eight
+
+
+def add_rows(array, first, second, i, offset, to_first, to_second):
+    """Add three values each to rows at two places, one pair of places after the other: they may share rows."""
+    for k in range(WIDTH):
+        for places, eights in ((first, to_first), (second, to_second)):
+            for n, eight in enumerate(eights):
+                array[places[i + k] + offset + n] += eight[k]
+
+
+_THREE = types.UniTuple(NUMBERS, 3)
+teach_type(rows_of, lambda array, places, i, offset: types.UniTuple(NUMBERS, 4))
+teach_type(set_rows, lambda array, places, i, offset, a, b, c, d: types.none)
+teach_type(add_rows, lambda array, first, second, i, offset, to_first, to_second: types.none)
+
+
+def _mixed(builder, x, y, order):
+    return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_INT, len(order)), order))
+
+
+def _as_rows(builder, a, b, c, d):
+    """Eight rows of four, of four values."""
+    low = [_mixed(builder, a, b, order) for order in (_EVEN, _ODD)]
+    high = [_mixed(builder, c, d, order) for order in (_EVEN, _ODD)]
+    both = [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]
+    return [_mixed(builder, pair, pair, half) for half in (_FIRST, _LAST) for pair in both]
+
+
+def _as_columns(builder, rows):
+    """Four values, of eight rows of four."""
+    both = [_mixed(builder, rows[k], rows[k + 4], _FIRST + _LAST) for k in range(4)]
+    low = [_mixed(builder, both[0], both[1], order) for order in (_EVEN, _ODD)]
+    high = [_mixed(builder, both[2], both[3], order) for order in (_EVEN, _ODD)]
+    return [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]
+
+
+def _pointers(context, builder, signature, array, places, i, offset):
+    """To the eight rows; arguments: values, their types the first of the signature's."""
+    kinds = signature.args
+    numbers = context.make_array(kinds[0])(context, builder, array).data
+    wheres = context.make_array(kinds[1])(context, builder, places).data
+    for k in range(WIDTH):
+        where = builder.load(builder.gep(wheres, [builder.add(i, i.type(k))]))
+        yield builder.bitcast(builder.gep(numbers, [builder.add(where, offset)]), _ROW.as_pointer())
+
+
+@lower_builtin(rows_of, types.Array, types.Array, types.Integer, types.Integer)
+def _rows_of(context, builder, signature, values):
+    rows = [builder.load(pointer, align=8) for pointer in _pointers(context, builder, signature, *values)]
+    return context.make_tuple(builder, signature.return_type, _as_columns(builder, rows))
+
+
+@lower_builtin(set_rows, types.Array, types.Array, types.Integer, types.Integer, *[NUMBERS] * 4)
+def _set_rows(context, builder, signature, values):
+    for row, pointer in zip(_as_rows(builder, *values[4:]), _pointers(context, builder, signature, *values[:4])):
+        builder.store(row, pointer, align=8)
+    return context.get_dummy_value()
+
+
+@lower_builtin(add_rows, types.Array, types.Array, types.Array, types.Integer, types.Integer, _THREE, _THREE)
+def _add_rows(context, builder, signature, values):
+    array, first, second, i, offset, *added = values
+    none = ir.Constant(_EIGHT, [0.0] * WIDTH)
+    rows = [_as_rows(builder, *(builder.extract_value(three, k) for k in range(3)), none) for three in added]
+    pointers = [_pointers(context, builder, signature, array, places, i, offset) for places in (first, second)]
+    for row, other, *pair in zip(*rows, *pointers):
+        for one, pointer in zip((row, other), pair):
+            builder.store(builder.fadd(builder.load(pointer, align=8), one), pointer, align=8)
+    return context.get_dummy_value()
