@@ -9,9 +9,10 @@ from conftest import REPOSITORY
 from numba import njit
 
 from damage.reference.blocks import INDEX
-from damage.reference.eight import add, bits, collect, either, flags_of, load, spread, store
+from damage.reference.eight import add, bits, either, flags_of, load, spread, store
+from damage.reference.rows import add_rows, rows_of, set_rows
 
-ZERO, ONE, EIGHT, NINE = INDEX(0), INDEX(1), INDEX(8), INDEX(9)
+ZERO, FOUR, EIGHT, NINE, WIDER, WIDEST = (INDEX(number) for number in (0, 4, 8, 9, 16, 24))
 AS_ARRAYS = """
 import numpy as np
 import test_eight as t
@@ -19,10 +20,17 @@ import test_eight as t
 numbers, out = np.arange(20.0) - 9.5, np.zeros(16)
 flags, expected = t.arithmetic(numbers, out), t.one_by_one(numbers)
 assert out.tobytes() == expected[0].tobytes() and flags == expected[1]
-t.gathering(np.arange(20.0), t.PLACES, 0b10010110, out)
-assert list(out) == [4, 1, 13, 6, 6, 2, 10, 3, 0, 1.5, 1.5, 0, 1.5, 0, 0, 1.5]
+t.flagged(0b10010110, out)
+assert list(out) == t.FLAGGED
+rows, out = t.ROWS.copy(), np.zeros(32)
+t.turned(rows, t.FIRST, t.SECOND, out)
+expected = t.turned_one_by_one()
+assert out.tobytes() == expected[0].tobytes() and rows.tobytes() == expected[1].tobytes()
 """
-PLACES = np.array([3, 0, 12, 5, 5, 1, 9, 2], INDEX)
+FLAGGED = 8 * [0] + [0, 1.5, 1.5, 0, 1.5, 0, 0, 1.5]
+# Where rows of eight begin: some are asked for twice, and by both.
+FIRST, SECOND = (np.array(rows, INDEX) * EIGHT for rows in ([3, 0, 12, 5, 5, 1, 9, 2], [16, 3, 2, 14, 15, 5, 7, 5]))
+ROWS = np.random.default_rng(2).normal(0, 1, 17 * 8) * np.geomspace(1e-8, 1e8, 17 * 8)
 
 
 def arithmetic(numbers, out):
@@ -33,9 +41,32 @@ def arithmetic(numbers, out):
     return bits((x > y) & (y <= 0.5))
 
 
-def gathering(numbers, places, flags, out):
-    store(out, ZERO, collect(numbers, places, ZERO, ONE))
+def flagged(flags, out):
+    store(out, ZERO, 0.0)
     store(out, EIGHT, either(flags_of(flags), 1.5, 0.0))
+
+
+def turned(rows, first, second, out):
+    a, b, c, d = rows_of(rows, first, ZERO, ZERO)
+    store(out, ZERO, a)
+    store(out, EIGHT, b)
+    store(out, WIDER, c)
+    store(out, WIDEST, d)
+    set_rows(rows, second, ZERO, FOUR, d, c, b, a)
+    add_rows(rows, first, second, ZERO, FOUR, (a, b, c), (-b, -c, -d))
+
+
+def turned_one_by_one():
+    """What `turned` makes of nothing and of ROWS, number by number."""
+    rows = ROWS.copy().reshape(-1, 8)
+    first, second = FIRST.astype(int) // 8, SECOND.astype(int) // 8
+    read = rows[first, :4]
+    for row, numbers in zip(second, read):
+        rows[row, 4:] = numbers[::-1]
+    for row, other, (a, b, c, d) in zip(first, second, read):
+        rows[row, 4:7] += (a, b, c)
+        rows[other, 4:7] -= (b, c, d)
+    return read.T.ravel(), rows.ravel()
 
 
 def one_by_one(numbers):
@@ -55,11 +86,18 @@ def test_arithmetic_is_that_of_each_number():
     assert flags == expected[1]
 
 
-def test_numbers_come_from_where_they_are_wanted():
-    numbers, out = np.arange(20.0), np.zeros(16)
-    njit(error_model="numpy")(gathering)(numbers, PLACES, 0b10010110, out)
-    assert list(out[:8]) == [4, 1, 13, 6, 6, 2, 10, 3]
-    assert list(out[8:] > 0) == [False, True, True, False, True, False, False, True]
+def test_flags_come_from_an_integer():
+    out = np.zeros(16)
+    njit(error_model="numpy")(flagged)(0b10010110, out)
+    assert list(out) == FLAGGED
+
+
+def test_rows_are_turned_into_values_and_back():
+    rows, out = ROWS.copy(), np.zeros(32)
+    njit(error_model="numpy")(turned)(rows, FIRST, SECOND, out)
+    read, expected = turned_one_by_one()
+    assert out.tobytes() == read.tobytes()
+    assert rows.tobytes() == expected.tobytes()
 
 
 def test_without_the_compiler_it_is_an_array():

@@ -36,7 +36,8 @@ def everything(wall):
     instant = wall.instant((0.0, 0.0))
     rows = (system.place, system.motion, system.joints, system.contacts)
     parts = [np.ascontiguousarray(table[name]) for table in rows for name in table.dtype.names]
-    return [part.tobytes() for part in (*parts, system.readings, system.energy, np.array(events, dtype=object).astype(str))], \
+    told = system.readings, system.energy, np.array(events, dtype=object).astype(str)
+    return [part.tobytes() for part in (*parts, *told)], \
         [np.asarray(value).tobytes() for value in instant if value is not None]
 
 

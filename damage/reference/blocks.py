@@ -43,10 +43,13 @@ MOMENTUM_X, MOMENTUM_Z, PUSHED, LOST, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
 
 
 class Blocks(NamedTuple):
-    """Arrays of blocks, flat; rows: of one wall alone, where places and forces of a body lie side by side, eight numbers
-    in the order of PLACE, and starts: (bodies,) where its rows begin; first, second: (pairs,) where the fields of a
-    pair's bodies a and b begin, in `bodies` of the first lane, of one wall in `rows`; broken: a byte a block of pairs, whose bits are those that are not whole; loose: a byte a pair, whose
-    bits are the lanes whose contacts are in `contacts`."""
+    """Arrays of blocks, flat; first, second: (pairs,) where the fields of a pair's bodies a and b begin, in `bodies` of
+    the first lane, of one wall in `rows`.
+
+    rows: of one wall alone, where places and forces of a body lie side by side, eight numbers in the order of PLACE;
+    starts: (bodies,) where they begin; broken: a byte a block of pairs, whose bits are those that are not whole; loose:
+    a byte a pair, whose bits are the lanes whose contacts are in `contacts`.
+    """
 
     bodies: np.ndarray
     rows: np.ndarray

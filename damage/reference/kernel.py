@@ -54,7 +54,6 @@ from damage.reference.rows import add_rows, rows_of, set_rows
 from damage.reference.tables import DAMPING
 from damage.wall.joint_law import Material
 
-
 FORCES = INDEX(4)
 """Where the forces of a body begin in its row, after its place."""
 

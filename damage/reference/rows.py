@@ -6,7 +6,6 @@ processor's registers, where to fetch each number by itself would cost more than
     add_rows(bodies, first, second, i, 4, (x, z, turn), (x, z, other_turn))
 """
 
-import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import lower_builtin
