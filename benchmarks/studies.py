@@ -20,7 +20,6 @@ import multiprocessing
 import statistics
 import sys
 import tempfile
-import threading
 import time
 from collections import Counter
 from pathlib import Path
@@ -125,7 +124,7 @@ def in_lanes_for_a_summary(folder, asked):
 
 
 def timed(way, *arguments):
-    """Seconds of the processor, of all threads."""
+    """Seconds of the processor."""
     start = time.process_time()
     with contextlib.redirect_stdout(io.StringIO()):
         way(*arguments)
@@ -159,9 +158,10 @@ PARTS = {
     "history in memory": (HistoryInMemory, [
         "__init__", "append", "event", "snapshot", "static_stage", "flush", "finish", "history"]),
     "steps": (lanes.kernel, ["run_steps", "find_forces"]),
-    "between stretches": (lanes.Lanes, ["run", "__init__"]), "waiting for others": (together.Meeting, ["step"]),
+    "between stretches": (lanes.Lanes, ["run", "__init__"]),
     "instants, events": (ReferenceSolver, ["instant", "drain_events", "forces", "base_reaction"]),
-    "samples": (Run, ["sample"]), "stages": (Run, ["settle_under_gravity", "start", "run_all", "__init__"]),
+    "samples": (Run, ["sample"]),
+    "stages": (session, ["take_turns"]), "stages and turns": (together, ["take_turns"]),
     "summary": (session, ["report"]), "reading": (sys.modules[__name__], ["read_history"]),
     "tables": (sys.modules[__name__], ["write_run_tables", "summary_row", "record_of"]),
 }
@@ -169,7 +169,7 @@ PARTS = {
 
 def tell_account(name, way, folder, members):
     """Print the processor's seconds a run by parts, each without those within it."""
-    spent, within, undo = Counter(), threading.local(), []
+    spent, within, undo = Counter(), [], []
     for part, (owner, names) in PARTS.items():
         for one in names:
             undo.append((owner, one, getattr(owner, one)))
@@ -186,18 +186,18 @@ def tell_account(name, way, folder, members):
 
 
 def counted(function, part, spent, within):
-    """A function whose thread's time, without that of others in it, is added to `spent`."""
+    """A function whose time, without that of others in it, is added to `spent`; within: times of what is in those that
+    are under way [s]."""
     def run(*arguments, **named):
-        stack = within.__dict__.setdefault("stack", [])
         start = time.thread_time()
-        stack.append(0.0)
+        within.append(0.0)
         try:
             return function(*arguments, **named)
         finally:
             took = time.thread_time() - start
-            spent[part] += took - stack.pop()
-            if stack:
-                stack[-1] += took
+            spent[part] += took - within.pop()
+            if within:
+                within[-1] += took
     return run
 
 

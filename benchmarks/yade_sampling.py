@@ -18,6 +18,7 @@ from damage.history.writer import HistoryWriter
 from damage.run.options import parse_run
 from damage.run.run import Run
 from damage.run.schedule import STEP_FACTOR
+from damage.run.turns import take_turns
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
@@ -35,7 +36,7 @@ def prepare(folder):
     solver = YadeSolver(layout, STEP_FACTOR * modes.critical_time_step_s)
     writer = HistoryWriter(folder / "samples.h5", layout, solver="yade", parameters={}, versions={})
     run = Run(layout, settings, solver, writer, lambda *_: True)
-    run.settle_under_gravity()
+    take_turns([run.settle_under_gravity()])
     run.start(modes.shape[0])
     solver.damp()
     return run

@@ -16,6 +16,7 @@ from damage.run.schedule import sample_steps
 from damage.run.session import Backend, run_session
 from damage.run.settings import HOLD_AT_MOST_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import Instant
+from damage.run.turns import take_turns
 from damage.units import GRAVITY
 
 DT = 1e-3  # [s]; a sample then lasts ten steps
@@ -60,6 +61,7 @@ class Clockwork:
             if on_sample is not None and self.clock == self.raises_at_step:
                 raise FloatingPointError("forces are no longer finite")
             goes_on = on_sample is None or self.clock % sample_steps > 0 or on_sample()
+        return ()
 
     def instant(self, base_acceleration):
         displacement, n = np.zeros((len(self.layout.bodies), 3)), self.layout.n_joints
@@ -94,10 +96,10 @@ def tell(tmp_path):
             "loading": settings.loading.as_dict(), "wall": layout.wall.as_dict(), "model": {}},
             versions={}, overwrite=True)
         told = Run(layout, settings, fake, writer, keep_going)
-        finished = told.settle_under_gravity()
+        (finished,) = take_turns([told.settle_under_gravity()])
         if finished:
             told.start(np.ones((len(layout.bodies), 3)))
-            finished = told.run_all()
+            (finished,) = take_turns([told.run_all()])
         writer.finish("complete" if finished else "interrupted", told.collapsed_at_s)
         return finished, told, fake, read_history(path)
 
@@ -192,6 +194,46 @@ def test_offsets_are_drawn_with_the_seed(tell):
         offsets.append(fake.log[0])
     assert np.array_equal(offsets[0], offsets[1]) and not np.array_equal(offsets[0], offsets[2])
     assert_allclose(np.std(offsets[0]), 1e-9, rtol=0.3)
+
+
+# --- turns ------------------------------------------------------------------------------------------
+
+class Counter:
+    """Counts its steps, and can take so many."""
+
+    def __init__(self, most=100):
+        self.step, self.most = 0, most
+
+    def run(self, n_steps):
+        self.step += n_steps
+        if self.step > self.most:
+            raise MemoryError
+
+    def turns(self, *numbers):
+        """A run that asks for so many steps, one number after the other; returns steps taken, and what went wrong."""
+        try:
+            for n_steps in numbers:
+                yield self, n_steps
+        except MemoryError as error:
+            return self.step, error
+        return self.step, None
+
+
+def test_runs_go_on_until_each_has_ended_and_an_error_of_steps_is_its_own_runs_alone():
+    first, second, third = take_turns([Counter().turns(1, 2, 3), Counter(2).turns(1, 2, 3), Counter().turns()])
+    assert first == (6, None) and third == (0, None)
+    assert second[0] == 3 and isinstance(second[1], MemoryError)
+
+
+def test_all_steps_of_a_turn_are_taken_at_once():
+    moved = []
+
+    def move(asked):
+        moved.append([n_steps for _, n_steps in asked])
+        return [None] * len(asked)
+
+    take_turns([Counter().turns(1, 2, 3), Counter().turns(4)], move)
+    assert moved == [[1, 4], [2], [3], []]
 
 
 # --- runs that are not to be believed ---------------------------------------------------------------

@@ -5,7 +5,6 @@ import resource
 import signal
 import subprocess
 import sys
-import threading
 import time
 from dataclasses import replace
 
@@ -71,18 +70,15 @@ def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, monke
 
 def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, monkeypatch, capsys):
     def simulate(prepared, *more):
-        too_large = 20 if prepared.writer.path.stem == "m7" else 1
-        return simulate_as_before(replace(prepared, time_step=too_large * prepared.time_step), *more)
+        changed = {"m7": {"time_step": 20 * prepared.time_step},
+                   "m8": {"backend": replace(prepared.backend, make=make_none)}}
+        return simulate_as_before(replace(prepared, **changed.get(prepared.writer.path.stem, {})), *more)
 
-    class Thread(threading.Thread):
-        def start(self):
-            if self.name == "m8":
-                raise RuntimeError("can't start new thread")
-            super().start()
+    def make_none(layout, time_step):
+        raise MemoryError
 
     simulate_as_before = together.simulate
     monkeypatch.setattr(together, "simulate", simulate)
-    monkeypatch.setattr(together.threading, "Thread", Thread)
     monkeypatch.setattr(together, "LEAST_LANES", 2)
     asked = lines(tiny, tmp_path / "together")
     asked["m2"] += ["--dt", "0.1"]
@@ -94,6 +90,25 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
     assert {read_history(tmp_path / "together" / f"{name}.h5").status for name in ("m7", "m8")} == {"failed"}
     for name in alone.keys() - {"m2", "m7", "m8"}:
         assert contents(tmp_path / "together" / f"{name}.h5") == alone[name]
+
+
+@pytest.mark.parametrize("fewest, failed", [(6, {"m1", "m2", "m3", "m4", "m5", "m7", "m8"}), (9, {"m2"})])
+def test_an_error_of_steps_ends_those_that_took_them_together(fewest, failed, tiny, alone, tmp_path, monkeypatch,
+                                                              capsys):
+    def run_together(walls, n_steps):
+        if any(wall.layout.options.strength_seed == 2 and wall.step > 3000 for wall in walls):
+            raise MemoryError
+        return lanes.run_together(walls, n_steps)
+
+    monkeypatch.setattr(together, "run_together", run_together)
+    monkeypatch.setattr(together, "LEAST_LANES", fewest)
+    (ended,) = run_references(lines(tiny, tmp_path / "together"))
+    assert ended == {name: int(name in failed) for name in ended}
+    told = without_progress(capsys.readouterr().err).splitlines()
+    assert sorted(line[:24] for line in told) == [f"error: {name}: out of memory" for name in sorted(failed)]
+    for name in ended:
+        history = tmp_path / "together" / f"{name}.h5"
+        assert read_history(history).status == "failed" if name in failed else contents(history) == alone[name]
 
 
 def start(wall, folder, **options):

@@ -91,6 +91,7 @@ class YadeSolver(Solver):
         O.run(n_steps, True)
         if self._raised:
             raise self._raised
+        return ()
 
     # --- one step -------------------------------------------------------------------------------
 

@@ -36,11 +36,11 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def advance(self, n_steps, sample_steps=None, on_sample=None):
         if on_sample is None:
-            self.run(n_steps)
+            yield self, n_steps
             return
         end, goes_on = self.clock + n_steps, self.clock > 0 or on_sample()
         while goes_on and self.clock < end:
-            self.run(min(sample_steps - self.clock % sample_steps, end - self.clock))
+            yield self, min(sample_steps - self.clock % sample_steps, end - self.clock)
             goes_on = self.clock % sample_steps > 0 or on_sample()
 
     def instant(self, base_acceleration):

@@ -1,20 +1,17 @@
-"""Runs that step together, up to eight at a time: each in a thread of its own, to the same bits as alone.
+"""Runs that step together, up to eight at a time, to the same bits as alone.
 
-A run asks its solver to advance from one sample to the next, and so does every other; `Meeting` has them wait for each
-other there, and moves those that are to go equally far as lanes of one block.  Nothing of a run knows of the others.
+A run goes on from one sample to the next and hands out the steps between, and so does every other; when all have done
+so, those that are to go equally far are moved as lanes of one block.  Nothing of a run knows of the others.
 """
-
-import threading
-from collections import deque
 
 from damage.history.in_memory import HistoryInMemory
 from damage.history.writer import HistoryWriter
 from damage.memory import hold_buffers
 from damage.reference.lanes import MOST_LANES, are_alike, run_together
 from damage.reference.session import BACKEND, PROG
-from damage.reference.solver import ReferenceSolver
 from damage.run.options import parse_run
-from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, told
+from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, tell, told
+from damage.run.turns import take_turns
 from damage.wall.file import load_wall
 
 LEAST_LANES = 6
@@ -65,107 +62,45 @@ def _run_group(lines, unwritten):
     with attended(f"{next(iter(lines))}{others}") as keep_going:
         for name, (wall, *words) in lines.items():
             statuses[name] = told(lambda name=name, wall=wall, words=words: begin(name, wall, words), f"{name}: ")
-        meeting = Meeting(len(prepared))
-
-        def run(name, simulate):
-            try:
-                statuses[name] = told(lambda: simulate(prepared[name], keep_going, meeting.solver), f"{name}: ")
-            finally:
-                meeting.leave()
-
-        threads = []
-        for name in prepared:
-            thread = threading.Thread(target=run, args=(name, simulate), name=name)
-            try:
-                thread.start()
-                threads.append(thread)
-            except RuntimeError:  # the others would wait for it
-                run(name, _give_up)
-        for thread in threads:
-            thread.join()
+        runs = [_told(name, simulate(prepared[name], keep_going)) for name in prepared]
+        statuses |= zip(prepared, take_turns(runs, Companies().move))
     return statuses
 
 
-def _give_up(prepared, *_):
-    """In place of `simulate`, where there is no thread to be had."""
-    prepared.writer.finish("failed")
-    raise MemoryError("for one more thread")
+def _told(name, run):
+    """A run whose errors are told with its name and end no other."""
+    try:
+        return (yield from run)
+    except Exception as error:
+        return tell(error, f"{name}: ")
 
 
-class Meeting:
-    """Where walls wait until all that have not left are there; then each goes as far as it asked for.
+class Companies:
+    """Moves walls: those of the same bricks that are to go equally far as lanes of one block."""
 
-    members: how many will come, each from a thread of its own, and `leave`.  When all have been moved one after the
-    other has its turn until it is back: eight threads awake at once would hinder each other, as Python runs but one.
-    """
+    def __init__(self):
+        self._kinds = {}  # {wall: the first of those that have the same bricks}
 
-    def __init__(self, members):
-        self._members, self._lock = members, threading.Lock()
-        self._kinds = []  # a wall of each
-        self._waiting = {}  # {wall: steps}, in an order that stays
-        self._moved = deque()  # walls that wait for their turn
-
-    def solver(self, layout, time_step):
-        """A ReferenceSolver that steps with the others."""
-        wall = _Member(layout, time_step)
-        with self._lock:
-            kind = next((k for k, other in enumerate(self._kinds) if are_alike(other, wall)), len(self._kinds))
-            self._kinds += [wall] * (kind == len(self._kinds))
-            wall.meet(self, kind)
-        return wall
-
-    def step(self, wall, n_steps):
-        """Advance a wall as soon as all others are to advance, too."""
-        with self._lock:
-            self._waiting[wall] = n_steps
-            self._go_on()
-        wall.turn.acquire()
-        if wall.failure is not None:
-            raise wall.failure
-
-    def leave(self):
-        """Come no more."""
-        with self._lock:
-            self._members -= 1
-            self._go_on()
-
-    def _go_on(self):
-        """Give the turn to the next wall; where all wait advance them before."""
-        if not self._moved and len(self._waiting) >= max(1, self._members):
-            self._move_all()
-        if self._moved:
-            self._moved.popleft().turn.release()
-
-    def _move_all(self):
-        """Advance all walls."""
+    def move(self, asked):
+        """As `damage.run.turns.run_each`, of ReferenceSolvers."""
         companies = {}  # {(kind, steps): walls}
-        for wall, n_steps in self._waiting.items():
-            companies.setdefault((wall.kind, n_steps), []).append(wall)
+        for wall, n_steps in asked:
+            companies.setdefault((self._kind(wall), n_steps), []).append(wall)
+        failures = {}
         for (_, n_steps), walls in companies.items():
-            for wall, failure in zip(walls, _advance(walls, n_steps)):
-                wall.failure = failure
-        self._moved += self._waiting
-        self._waiting.clear()
+            for group in [walls] if len(walls) >= LEAST_LANES else [[wall] for wall in walls]:
+                failures |= zip(group, _advance(group, n_steps))
+        return [failures[wall] for wall, _ in asked]
+
+    def _kind(self, wall):
+        if wall not in self._kinds:
+            self._kinds[wall] = next((kind for kind in self._kinds.values() if are_alike(kind, wall)), wall)
+        return self._kinds[wall]
 
 
 def _advance(walls, n_steps):
-    """Advance walls of a kind, in lanes where that is faster; returns what `run_together` does."""
+    """As `run_together`, with an error that ends all of them as that of each."""
     try:
-        if len(walls) >= LEAST_LANES:
-            return run_together(walls, n_steps)
-        return [failure for wall in walls for failure in run_together([wall], n_steps)]
-    except Exception as error:  # it is theirs, not of the thread that came last
+        return run_together(walls, n_steps)
+    except Exception as error:
         return [error] * len(walls)
-
-
-class _Member(ReferenceSolver):
-    """A ReferenceSolver that advances when the others do; kind: which of them have the same bricks; turn: released when
-    it may go on; failure: of its last steps, or None."""
-
-    def meet(self, meeting, kind):
-        self._meeting, self.kind, self.failure = meeting, kind, None
-        self.turn = threading.Lock()
-        self.turn.acquire()
-
-    def run(self, n_steps):
-        self._meeting.step(self, n_steps)

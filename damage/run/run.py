@@ -21,6 +21,9 @@ LOOK_STEPS = 500
 class Run:
     """The stages of a run, in order: `settle_under_gravity`, `start`, `run_all`.
 
+    The first and the last are generators of the steps that the solver hands out, for `damage.run.turns.take_turns`:
+    a run does not know whether it is alone.
+
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
     writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt).
     stage, index, time, collapsed_at_s: where the run is.
@@ -66,13 +69,13 @@ class Run:
     # --- the stages -----------------------------------------------------------------------------
 
     def settle_under_gravity(self):
-        """The static stage; True when the wall came to rest, False when interrupted."""
+        """The static stage; returns True when the wall came to rest, False when interrupted."""
         solver, dt = self.solver, self.solver.time_step
         n = round(RAMP_S / dt)
         solver.damp(**self._relaxation(LOCAL_DAMPING))
         solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n))
         while self.keep_going(self, self.time):
-            self._advance(LOOK_STEPS)
+            yield from self._advance(LOOK_STEPS)
             held = self.time - RAMP_S
             if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
                 break
@@ -103,23 +106,23 @@ class Run:
         self.stage = self.stages[0].name
 
     def run_all(self):
-        """All stages; True unless interrupted (a collapse is an end, too)."""
-        finished = self._run_stages()
+        """All stages; returns True unless interrupted (a collapse is an end, too)."""
+        finished = yield from self._run_stages()
         self._write_events(self.solver.drain_events())
         self.writer.snapshot(self._last_s, self._motion(self._last))
         if self.collapsed_at_s is not None and self.settings.past_collapse_s > 0:
-            return self._follow_the_fall()
+            return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
 
     def _follow_the_fall(self):
         """What becomes of the bricks after the first one fell: snapshots alone, since joints no longer say what a wall
-        is; True unless interrupted."""
+        is; returns True unless interrupted."""
         solver, end = self.solver, self.collapsed_at_s + self.settings.past_collapse_s
         solver.damp(**self._damping("motion"))
         while self.time < end:
             if not self.keep_going(self, self.time):
                 return False
-            solver.advance(SNAPSHOT_SAMPLES * self.sample_steps)
+            yield from solver.advance(SNAPSHOT_SAMPLES * self.sample_steps)
             self.writer.snapshot(self.time, self._motion(solver.instant(self._base_now())))
         return True
 
@@ -131,14 +134,14 @@ class Run:
             while solver.clock < stage.end_step:
                 if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
                     return False
-                self._advance(min(stage.end_step - solver.clock, LOOK_STEPS), self.sample_steps, self.sample)
+                yield from self._advance(min(stage.end_step - solver.clock, LOOK_STEPS), self.sample_steps,
+                                         self.sample)
         return True
 
     def _advance(self, *how):
         """Let the solver advance; a run that blows up ends at once."""
         try:
-            with np.errstate(over="ignore", invalid="ignore"):
-                self.solver.advance(*how)
+            yield from self.solver.advance(*how)
         except ArithmeticError as error:
             raise self._failure(error) from error
 

@@ -23,6 +23,7 @@ from damage.run.report import report
 from damage.run.run import Run
 from damage.run.schedule import check_size, choose_time_step, softening_warnings
 from damage.run.settings import RunSettings, Softening
+from damage.run.turns import take_turns
 from damage.start import is_of_output
 from damage.wall.caps import describe_top
 from damage.wall.layout import Layout, lay_out
@@ -61,21 +62,21 @@ def told(work, of=""):
     software, with the words `of` before it.  A WriteError ends this process."""
     try:
         return work()
-    except WriteError as error:
-        print(f"error: {error}", file=sys.stderr, flush=True)
-        sys.stdout.flush()
-        os._exit(EXIT_FAILED)  # HDF5 would crash on the way out
     except SystemExit as exit_:  # --help
         return exit_.code or EXIT_OK
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except Exception as error:
-        return _tell(error, of)
+        return tell(error, of)
 
 
-def _tell(error, of):
-    """Say what went wrong, in one line where it is no fault of this software; the exit status."""
+def tell(error, of):
+    """Say what went wrong, as `told` does; the exit status."""
+    if isinstance(error, WriteError):
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        sys.stdout.flush()
+        os._exit(EXIT_FAILED)  # HDF5 would crash on the way out
     if isinstance(error, MemoryError):
         error = RunError(f"out of memory ({str(error) or 'no more to be had'}): expected room for the run; give it "
                          "more, as by ulimit -v, or a shorter one, fewer --cells")
@@ -101,7 +102,7 @@ def _run(backend, wall_file, make_wall, arguments, prog):
 def _run_to_its_pictures(prepared, show):
     settings, out = prepared.settings, prepared.writer.path
     with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
-        status = simulate(prepared, keep_going)
+        (status,) = take_turns([simulate(prepared, keep_going)])
     try:
         report(read_history(out), pictures=settings.pictures and status == EXIT_OK)
     except MemoryError:
@@ -183,19 +184,17 @@ def attended(label, show=None, quiet=False):
         interrupts.end_at_once()
 
 
-def simulate(prepared, keep_going, make=None):
-    """Run all stages of a Prepared run; the history is closed and marked however this ends.  Returns the exit status.
-
-    make: makes the solver in place of the backend's own.
-    """
+def simulate(prepared, keep_going):
+    """Run all stages of a Prepared run; the history is closed and marked however this ends.  A generator for
+    `take_turns`, which returns the exit status."""
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
-        solver = (make or prepared.backend.make)(layout, prepared.time_step)
+        solver = prepared.backend.make(layout, prepared.time_step)
         run = Run(layout, prepared.settings, solver, writer, keep_going)
-        finished = run.settle_under_gravity()
+        finished = yield from run.settle_under_gravity()
         if finished:
             run.start(prepared.modes.shape[0])
-            finished = run.run_all()
+            finished = yield from run.run_all()
         collapsed = run.collapsed_at_s
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
             raise RunError(f"energy error {100 * run.energy_error:.3g} % of the input, expected up to "

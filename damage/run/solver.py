@@ -58,8 +58,15 @@ class Solver(Protocol):
         """Prescribe the horizontal velocity of the held bodies [m/s]."""
 
     def advance(self, n_steps, sample_steps=None, on_sample=None):
-        """Take steps.  `on_sample()` is called at time zero and after every `sample_steps` steps, where instants and
-        forces can be read, until it returns False."""
+        """Take steps, or hand them out: returns an iterable of (self, number of steps), each to be taken by `run`
+        before the next is asked for.  A solver that moves by itself takes all at once and returns ().
+
+        `on_sample()` is called at time zero and after every `sample_steps` steps, where instants and forces can be
+        read, until it returns False.
+        """
+
+    def run(self, n_steps):
+        """Take steps that were handed out; a solver that moves by itself has none."""
 
     def instant(self, base_acceleration):
         """The Instant now; base_acceleration: (2,) of this step [m/s2]."""
