@@ -12,9 +12,14 @@ import pytest
 from conftest import REPOSITORY, contents, without_progress
 
 from damage.history.reader import read_history
-from damage.reference import lanes, together
+from damage.reference import lanes, settled, together
 from damage.reference.session import run_reference
+from damage.reference.settled import SettledWalls, State
 from damage.reference.together import run_references
+from damage.reference.wall import ReferenceWall
+from damage.run.run import LOOK_STEPS
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Wall
 
 TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
@@ -24,7 +29,12 @@ OTHERS = {3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
           6: (*SHAKEN, "--cells", "3")}  # cannot be a lane among the others
 PROGRAM = '''
 import sys
+from damage.reference.settled import SettledWalls, State
 from damage.reference.together import run_references
+from damage.reference.wall import ReferenceWall
+from damage.run.run import LOOK_STEPS
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Wall
 names = sys.argv[2:]
 words = [sys.argv[1], "--harmonic", "0.1", "0.5", "--rest", "100", "--strength-cov", "0.3", "--no-pictures"]
 for statuses in run_references({name: [*words, "--strength-seed", str(k), "--out", name]
@@ -66,6 +76,43 @@ def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, monke
     assert all(contents(history.path) == alone[name] for name, history in histories.items())
     assert histories["m3"].collapsed_at_s is not None and histories["m1"].broken.any()
     assert len({history.series["time_s"].iloc[-1] for history in histories.values()}) >= 3
+
+
+def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, monkeypatch):
+    """As of the next point of a study: the same joints, another motion."""
+    walls, steps = SettledWalls(), []
+    monkeypatch.setattr(together, "run_together", lambda walls, n_steps: steps.append(n_steps) or lanes.run_together(
+        walls, n_steps))
+
+    def run(folder, numbers, *words):
+        (tmp_path / folder).mkdir()
+        asked = {f"m{k}": [str(tiny), *SHAKEN, *words, "--strength-seed", str(k), "--out",
+                           str(tmp_path / folder / f"m{k}.h5"), "--no-pictures"] for k in numbers}
+        steps.clear()
+        assert list(run_references(asked, None, walls)) == [dict.fromkeys(asked, 0)]
+        return {name: contents(tmp_path / folder / f"{name}.h5") for name in asked}, steps.count(LOOK_STEPS)
+
+    first, resting = run("first", range(1, 8))
+    assert resting > 10
+    again, resting = run("again", range(1, 8), "--harmonic", "0.05", "0.7")
+    assert resting == 0 and again != first
+    some, resting = run("some", range(2, 9), "--harmonic", "0.05", "0.7")  # the last one's wall is not there: none is
+    assert resting > 10
+    for name in list(some)[:-1]:
+        assert some[name] == again[name]
+    assert run("others", range(1, 8), "--perturb", "1e-8")[1] > 10
+
+
+def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):
+    walls = [ReferenceWall(lay_out(Wall(name="tiny", length=0.45, height=0.6)), 1e-5) for _ in range(3)]
+    monkeypatch.setattr(settled, "MOST_BYTES", 2 * State(walls[0]).nbytes)
+    kept = SettledWalls()
+    for name, wall in zip("abc", walls):
+        kept.put(name, State(wall))
+    assert list(kept._kept) == ["b", "c"]
+    kept.take("b")
+    kept.put("d", State(walls[0]))
+    assert list(kept._kept) == ["b", "d"]
 
 
 def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, monkeypatch, capsys):

@@ -33,6 +33,7 @@ from damage.files import write_text
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
 from damage.reference.lanes import MOST_LANES
+from damage.reference.settled import SettledWalls
 from damage.reference.solver import ReferenceSolver
 from damage.reference.together import LEAST_LANES, run_references
 from damage.run.options import parse_run
@@ -42,6 +43,8 @@ from damage.studies.members import most_members, runs_needed
 from damage.studies.records import add_record, read_records, record_of
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+
+_SETTLED = SettledWalls()  # of this process
 
 
 def main():
@@ -231,7 +234,7 @@ def do_group(tasks):
     statuses = dict.fromkeys((task.name for task in tasks), EXIT_OK)
     print("---", *lines, flush=True)
     unwritten = {task.name: None for task in tasks if not task.kept}
-    for ended in run_references(lines, unwritten):
+    for ended in run_references(lines, unwritten, _SETTLED):
         statuses |= ended
     return [(task, *(conclude(task, unwritten.get(task.name)) if statuses[task.name] == EXIT_OK
                      else (statuses[task.name], None))) for task in tasks]

@@ -9,6 +9,7 @@ from damage.history.writer import HistoryWriter
 from damage.memory import hold_buffers
 from damage.reference.lanes import MOST_LANES, are_alike, run_together
 from damage.reference.session import BACKEND, PROG
+from damage.reference.settled import SettledWalls
 from damage.run.options import parse_run
 from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, tell, told
 from damage.run.turns import take_turns
@@ -18,17 +19,17 @@ LEAST_LANES = 6
 """Fewer walls are faster one by one: a block is of eight, however many of its lanes are used."""
 
 
-def run_references(lines, unwritten=None):
+def run_references(lines, unwritten=None, settled=None):
     """Run command lines as `run_reference` does, the wall file first, in groups of up to eight; what each ended with is
     in its history, of which no summary and no picture is made.
 
     lines: {name: words}, each with an --out of its own; unwritten: a dictionary whose names are those of runs that
-    leave no file unless they fail, each of which gets its HistoryInMemory.  Yields {name: exit status} of each group as
-    it ends, and no group after one that was interrupted.
+    leave no file unless they fail, each of which gets its HistoryInMemory; settled: SettledWalls of runs before, for
+    more to come.  Yields {name: exit status} of each group as it ends, and no group after one that was interrupted.
     """
     names = list(lines)
     for group in groups(len(names)):
-        statuses = _run_group({names[k]: lines[names[k]] for k in group}, unwritten or {})
+        statuses = _run_group({names[k]: lines[names[k]] for k in group}, unwritten or {}, settled or SettledWalls())
         yield statuses
         if EXIT_INTERRUPTED in statuses.values():
             return
@@ -45,7 +46,7 @@ def groups(count):
         range(one, one + 1) for one in range(full, count)]
 
 
-def _run_group(lines, unwritten):
+def _run_group(lines, unwritten, settled):
     """{name: exit status} of runs that step together."""
     prepared, statuses = {}, {}
 
@@ -62,7 +63,8 @@ def _run_group(lines, unwritten):
     with attended(f"{next(iter(lines))}{others}") as keep_going:
         for name, (wall, *words) in lines.items():
             statuses[name] = told(lambda name=name, wall=wall, words=words: begin(name, wall, words), f"{name}: ")
-        runs = [_told(name, simulate(prepared[name], keep_going)) for name in prepared]
+        runs = [_told(name, simulate(one, keep_going, wall))
+                for (name, one), wall in zip(prepared.items(), settled.of_group(prepared.values()))]
         statuses |= zip(prepared, take_turns(runs, Companies().move))
     return statuses
 

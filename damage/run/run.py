@@ -25,13 +25,14 @@ class Run:
     a run does not know whether it is alone.
 
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
-    writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt).
+    writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt); settled:
+    where the wall at rest is found, or kept, as damage.reference.settled.Settled.
     stage, index, time, collapsed_at_s: where the run is.
     """
 
-    def __init__(self, layout, settings, solver, writer, keep_going):
+    def __init__(self, layout, settings, solver, writer, keep_going, settled=None):
         self.layout, self.settings, self.solver = layout, settings, solver
-        self.writer, self.keep_going = writer, keep_going
+        self.writer, self.keep_going, self._settled = writer, keep_going, settled
         self.stage, self.collapsed_at_s, self._samples = "static", None, 0
         self.sample_steps = schedule.sample_steps(solver.time_step)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
@@ -74,13 +75,12 @@ class Run:
         n = round(RAMP_S / dt)
         solver.damp(**self._relaxation(LOCAL_DAMPING))
         solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n))
-        while self.keep_going(self, self.time):
-            yield from self._advance(LOOK_STEPS)
-            held = self.time - RAMP_S
-            if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
-                break
-        else:
-            return False
+        if self._settled is None or not self._settled.recall(solver):
+            finished = yield from self._come_to_rest()
+            if not finished:
+                return False
+            if self._settled is not None:
+                self._settled.keep(solver)
         events, now = solver.drain_events(), solver.instant(np.zeros(2))
         self.writer.static_stage(
             base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
@@ -88,6 +88,15 @@ class Run:
             duration_s=self.time)
         self._write_events(events, first_step=-solver.clock)
         return True
+
+    def _come_to_rest(self):
+        """Advance until the wall is at rest; returns False when interrupted."""
+        while self.keep_going(self, self.time):
+            yield from self._advance(LOOK_STEPS)
+            held = self.time - RAMP_S
+            if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
+                return True
+        return False
 
     def start(self, first_mode):
         """Time zero: the base motion starts, the top is taken hold of, or the wall is kicked into its first mode.

@@ -184,13 +184,13 @@ def attended(label, show=None, quiet=False):
         interrupts.end_at_once()
 
 
-def simulate(prepared, keep_going):
+def simulate(prepared, keep_going, settled=None):
     """Run all stages of a Prepared run; the history is closed and marked however this ends.  A generator for
-    `take_turns`, which returns the exit status."""
+    `take_turns`, which returns the exit status; settled: as of Run."""
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step)
-        run = Run(layout, prepared.settings, solver, writer, keep_going)
+        run = Run(layout, prepared.settings, solver, writer, keep_going, settled)
         finished = yield from run.settle_under_gravity()
         if finished:
             run.start(prepared.modes.shape[0])
