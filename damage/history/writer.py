@@ -45,10 +45,11 @@ class HistoryWriter(Buffer):
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         super().__init__(layout)
         self.path = Path(path)
+        self.attributes = run_attributes(layout, solver, parameters, versions)
         with self._writing():
             self._file = _create_file(self.path, overwrite)
             write_head(self.path, Head(**head_of(solver, versions)))
-            _write_run(self._file, run_attributes(layout, solver, parameters, versions))
+            _write_run(self._file, self.attributes)
             _write_tables(self._file, layout)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
             self._growing = _create_growing(self._file, layout)
@@ -60,6 +61,11 @@ class HistoryWriter(Buffer):
     def where(self):
         """Where the history is, in words."""
         return str(self.path)
+
+    @property
+    def is_torn(self):
+        """Whether the file could not be written: nothing more is."""
+        return self in _LEFT_OPEN
 
     def static_stage(self, **values):
         """Store what the static stage ended with; keys are those of STATIC."""
@@ -83,7 +89,7 @@ class HistoryWriter(Buffer):
 
     def finish(self, status, collapsed_at_s=None):
         """Mark how the run ended and close the file, unless it could not be written; status: one of STATUS."""
-        if self in _LEFT_OPEN:
+        if self.is_torn:
             return
         self.flush()
         with self._writing():
