@@ -27,7 +27,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.history.in_memory import HistoryInMemory
+from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
@@ -107,12 +107,13 @@ def one_after_another(folder, asked):
         summary_row(history)
 
 
-def in_lanes(folder, asked, unwritten=None):
-    """As a process of `workflow/run_shard.py` runs a group; unwritten: as `run_references` takes it."""
-    for _ in together.run_references(asked, unwritten):
+def in_lanes(folder, asked, in_memory=()):
+    """As a process of `workflow/run_shard.py` runs a group; in_memory: names of those whose histories are not kept."""
+    histories = {name: HistoryInMemory if name in in_memory else HistoryKept for name in asked}
+    for _ in together.run_references(asked, histories):
         pass
     for number, name in enumerate(asked):
-        history = unwritten[name].history() if name in (unwritten or {}) else read_history(folder / f"{name}.h5")
+        history = histories.pop(name).history()
         if number == 0:
             write_run_tables(history, folder / name)
         record_of(history, name, "p")
@@ -120,7 +121,7 @@ def in_lanes(folder, asked, unwritten=None):
 
 def in_lanes_for_a_summary(folder, asked):
     """The same with --keep summary."""
-    in_lanes(folder, asked, dict.fromkeys(list(asked)[1:]))
+    in_lanes(folder, asked, list(asked)[1:])
 
 
 def timed(way, *arguments):
@@ -155,8 +156,7 @@ PARTS = {
     "history: begin": (HistoryWriter, ["__init__"]),
     "history: write": (HistoryWriter, ["append", "event", "snapshot", "static_stage", "flush"]),
     "history: seal": (HistoryWriter, ["finish"]),
-    "history in memory": (HistoryInMemory, [
-        "__init__", "append", "event", "snapshot", "static_stage", "flush", "finish", "history"]),
+    "history in memory": (HistoryInMemory, ["__init__", "static_stage", "store", "finish", "history"]),
     "steps": (lanes.kernel, ["run_steps", "find_forces"]),
     "between stretches": (lanes.Lanes, ["run", "__init__"]),
     "instants, events": (ReferenceSolver, ["instant", "drain_events", "forces", "base_reaction"]),

@@ -39,22 +39,24 @@ def drift_component(drift_ratio, drift_limit=DRIFT_LIMIT):
     return abs(drift_ratio) / drift_limit
 
 
-def length_fraction(selected, length):
+def length_fraction(selected, length, total_length=None):
     """Length of the selected joints over the length of all, equations (3) and (4).
 
-    selected: bool (..., n_joints); length: (n_joints,) [m]; returns (...,).
+    selected: bool (..., n_joints); length: (n_joints,) [m]; total_length: of all joints [m], where these are not all.
+    Returns (...,).
     """
-    return np.asarray(selected, float) @ length / np.sum(length)
+    return np.asarray(selected, float) @ length / (np.sum(length) if total_length is None else total_length)
 
 
 def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
-                 threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip_criterion="displacement"):
+                 threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip_criterion="displacement", total_length=None):
     """The index over time.
 
     time_s, drift_ratio: (n_times,); opening, slip [m] and at_limit (bool): (n_times, n_joints);
     length: (n_joints,) [m]; threshold [m]; drift_limit [-].
     slip_criterion: "displacement" or "accumulated", |slip| over the threshold now, where slip is what the criterion
     counts (`damage.history.reader.History.slip_by`); or "shear-limit", ever at it.
+    total_length: of all joints [m], where those that are told of nothing are left out.
     Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit, which is
     DI_drift before it was clipped to [0, 1].
     """
@@ -64,7 +66,7 @@ def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
     slipped = at_limit if slip_criterion == "shear-limit" else np.abs(slip) > threshold
     over_limit = drift_component(np.asarray(drift_ratio, float), drift_limit)
     drift = np.clip(over_limit, 0, 1)
-    opened = np.clip(length_fraction(np.asarray(opening) > threshold, length), 0, 1)
-    slipped = np.clip(length_fraction(slipped, length), 0, 1)
+    opened = np.clip(length_fraction(np.asarray(opening) > threshold, length, total_length), 0, 1)
+    slipped = np.clip(length_fraction(slipped, length, total_length), 0, 1)
     return pd.DataFrame({"time_s": time_s, "DI_drift": drift, "DI_open": opened, "DI_slip": slipped,
                          "DI": combine(drift, opened, slipped), "drift_over_limit": over_limit})

@@ -8,8 +8,11 @@ import pytest
 from small_history import make_history
 
 from damage.history import in_memory
-from damage.history.in_memory import HistoryInMemory
+from damage.history.in_memory import HistoryInMemory, HistoryKept
+from damage.history.info import check
 from damage.history.reader import read_history
+from damage.history.writer import HistoryWriter
+from damage.index import damage_index
 from damage.studies.records import record_of
 
 TOLD = {  # several chunks of samples, with joints that are told of in one alone; minus zero is a number of its own
@@ -50,6 +53,30 @@ def test_one_that_grows_too_large_goes_on_in_its_file(most_bytes, tmp_path, monk
     monkeypatch.setattr(in_memory, "MOST_BYTES", most_bytes)
     kept = make_history(tmp_path / "b.h5", **TOLD, write=HistoryInMemory)
     assert (tmp_path / "b.h5").exists() and differences(written, kept) == []
+
+
+@pytest.mark.parametrize("most_bytes", [0, 6000, in_memory.MOST_BYTES])
+def test_one_that_is_kept_is_its_file_which_is_whole(most_bytes, tmp_path, monkeypatch):
+    monkeypatch.setattr(in_memory, "MOST_BYTES", most_bytes)
+    kept = make_history(tmp_path / "a.h5", **TOLD, write=HistoryKept)
+    read = read_history(tmp_path / "a.h5")
+    assert differences(read, kept) == [] and dict(kept.attributes) == read.attributes
+    assert check(tmp_path / "a.h5")["worth"] == "whole"
+    assert record_of(kept, "run", "point") == record_of(read, "run", "point")
+
+
+@pytest.mark.parametrize("write", [HistoryWriter, HistoryInMemory, HistoryKept])
+def test_told_are_the_joints_of_which_anything_is_told(write, tmp_path):
+    history = make_history(tmp_path / "a.h5", **TOLD, write=write)
+    told = history.told
+    others = np.setdiff1d(np.arange(len(history.joints)), told.joints)
+    assert set(told.joints) == {3, 5, 7} and len(others) > 0  # of the one that is broken alone no number asks
+    for name in ("opening_m", "slip_m", "offset_m", "at_limit"):
+        frames = getattr(history, name)
+        assert np.array_equal(getattr(told, name), frames[:, told.joints]) and not frames[:, others].any()
+    dense = damage_index(history.series["time_s"], history.series["drift_ratio"], history.opening_m, history.offset_m,
+                         history.at_limit, history.joint_length_m)
+    assert np.allclose(history.index().to_numpy(), dense.to_numpy(), rtol=1e-12, atol=0)
 
 
 @pytest.mark.parametrize("status", ["failed", "interrupted"])

@@ -30,6 +30,7 @@ from shared import end_with_parent, tell
 
 from damage.errors import InputError
 from damage.files import write_text
+from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
 from damage.reference.lanes import MOST_LANES
@@ -233,23 +234,23 @@ def do_group(tasks):
              for task in tasks if not task.history.is_file()}
     statuses = dict.fromkeys((task.name for task in tasks), EXIT_OK)
     print("---", *lines, flush=True)
-    unwritten = {task.name: None for task in tasks if not task.kept}
-    for ended in run_references(lines, unwritten, _SETTLED):
+    histories = {task.name: HistoryKept if task.kept else HistoryInMemory for task in tasks if task.name in lines}
+    for ended in run_references(lines, histories, _SETTLED):
         statuses |= ended
-    return [(task, *(conclude(task, unwritten.get(task.name)) if statuses[task.name] == EXIT_OK
+    return [(task, *(conclude(task, histories.pop(task.name, None)) if statuses[task.name] == EXIT_OK
                      else (statuses[task.name], None))) for task in tasks]
 
 
-def conclude(task, unwritten=None):
+def conclude(task, kept=None):
     """Give a history its name where it stays, and make of it what it leaves; returns (exit status, record or None).
 
-    unwritten: the HistoryInMemory of a run that was done without a file, else None.
+    kept: the HistoryInMemory, or HistoryKept, of a run that was done just now, else None.
     """
     path = task.history if task.kept or task.history.is_file() else task.part
     if path == task.history and not path.is_file():
         os.replace(task.part, path)
     try:
-        history = read_history(path) if unwritten is None else unwritten.history()
+        history = read_history(path) if kept is None else kept.history(path)
         if task.number == 1:
             write_run_tables(history, task.folder / "tables" / task.name)
         return EXIT_OK, record_of(history, task.name, task.point.point)

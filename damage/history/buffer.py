@@ -24,11 +24,11 @@ class Buffer:
         stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN;
         opening, slip, offset [m], state (bits BROKEN, AT_LIMIT, CRUSHED): arrays (n_joints,).
         """
-        row = {"stage": schema.STAGES.index(stage), **row}
+        series, told = self._rows["series"], {"stage": schema.STAGES.index(stage), **row}.get
         for column, values in zip(self._frames, (opening, slip, offset, state), strict=True):
-            column[len(self._rows["series"])] = values
-        self._rows["series"].append([row.get(name, np.nan) for name in schema.SERIES])
-        if len(self._rows["series"]) == CHUNK:
+            column[len(series)] = values
+        series.append([told(name, np.nan) for name in schema.SERIES])
+        if len(series) == CHUNK:
             self.flush()
 
     def event(self, time_s, joint, kind, normal_stress=0.0, shear_stress=0.0, opening=0.0, slip=0.0):

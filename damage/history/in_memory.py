@@ -1,4 +1,4 @@
-"""A history in memory alone, of a run of which no more than its numbers are wanted: no file is written and read again.
+"""Histories in memory, of runs whose numbers are wanted as soon as they end: no file is read again, or none is written.
 
 Most contact points are whole most of the time: of a chunk of samples only those are kept at which anything is told.
 """
@@ -9,7 +9,7 @@ import numpy as np
 
 from damage.history import schema
 from damage.history.buffer import Buffer
-from damage.history.reader import checked, history_of, read_history
+from damage.history.reader import Told, any_bit, checked, history_of, read_history
 from damage.history.writer import HistoryWriter, layout_tables, run_attributes
 
 MOST_BYTES = 40_000_000
@@ -36,10 +36,10 @@ class HistoryInMemory(Buffer):
         self._values = values
 
     def store(self, columns):
-        if self._writer is not None:
+        if self._parts is None:
             self._writer.store(columns)
             return
-        part = columns | {"frames": [_Told.of(column) for column in columns.get("frames", [])]}
+        part = columns | {"frames": [_Part.of(column) for column in columns.get("frames", [])]}
         self._parts.append(part)
         self._n_bytes += sum(array.nbytes for arrays in part.values() for array in arrays)
         if self._n_bytes > MOST_BYTES:
@@ -60,12 +60,16 @@ class HistoryInMemory(Buffer):
         self._writer.static_stage(**self._values)
         for part in self._parts:
             self._writer.store(part | {"frames": [told.whole(self._layout.n_joints) for told in part["frames"]]})
-        self._parts.clear()
+        self._parts = None
 
-    def history(self):
-        """The History, equal to what `read_history` would tell of the file; raises InputError where that would."""
-        if self._writer is not None:
-            return read_history(self.path)
+    def history(self, path=None):
+        """The History, equal to what `read_history` would tell of the file; raises InputError where that would.
+
+        path: of the file, where it has another name by now.
+        """
+        path = path or self.path
+        if self._parts is None:
+            return read_history(path)
         values = {f"{group}/{name}": values for group, columns in layout_tables(self._layout).items()
                   for name, values in columns.items()}
         values |= {f"static/{name}": np.float64(self._values.get(name, np.nan)) for name in schema.STATIC}
@@ -73,25 +77,82 @@ class HistoryInMemory(Buffer):
                    "run/collapsed_at_s": np.float64(
                        np.nan if self._collapsed_at_s is None else self._collapsed_at_s)}
         values |= {f"{group}/{name}": self._column(group, number, name)
-                   for group, columns in schema.GROWING.items() for number, name in enumerate(columns)}
-        return checked(history_of(self.path, self._attributes, values))
+                   for group, columns in schema.GROWING.items() if group != "frames"
+                   for number, name in enumerate(columns)}
+        joints, frames = self._frames_told()
+        for name, told in frames.items():
+            values[f"frames/{name}"] = rows = np.zeros((len(told), self._layout.n_joints), told.dtype)
+            rows[:, joints] = told
+        history = history_of(path, self._attributes, values)
+        history.knows_told(Told.of(joints, *(frames[name] for name in ("opening_m", "slip_m", "offset_m")),
+                                   history.at_limit[:, joints]))
+        return checked(history)
 
     def _column(self, group, number, name):
         """All rows of a column, of this number in its group."""
         parts = [part[group][number] for part in self._parts if part.get(group)]
-        sizes = {"joints": self._layout.n_joints, "bodies": len(self._layout.bodies)}
+        sizes = {"bodies": len(self._layout.bodies)}
         _, *shape = schema.SHAPES.get(f"{group}/{name}", schema.SHAPES[group])
         none = np.empty((0, *(sizes.get(of, of) for of in shape)), schema.GROWING[group][name].dtype)
-        if group != "frames":
-            return np.concatenate([none, *parts])
-        rows, first = np.zeros((sum(len(part.values) for part in parts), *none.shape[1:]), none.dtype), 0
-        for part in parts:
-            rows[first:first + len(part.values), part.joints] = part.values
-            first += len(part.values)
-        return rows
+        return np.concatenate([none, *parts])
+
+    def _frames_told(self):
+        """The joints at which any bit was ever set, and {column of the frames: all its rows at them}."""
+        parts = [part["frames"] for part in self._parts if part["frames"]]
+        ever = np.zeros(self._layout.n_joints, bool)
+        for one in parts:
+            for told in one:
+                ever[told.joints] = True
+        joints, place = np.flatnonzero(ever), np.cumsum(ever) - 1
+        frames = {name: np.zeros((sum(len(one[0].values) for one in parts), len(joints)), column.dtype)
+                  for name, column in schema.FRAMES.items()}
+        first = 0
+        for one in parts:
+            for rows, told in zip(frames.values(), one):
+                rows[first:first + len(told.values), place[told.joints]] = told.values
+            first += len(one[0].values)
+        return joints, frames
 
 
-class _Told(NamedTuple):
+class HistoryKept(HistoryInMemory):
+    """Stands in for a HistoryWriter, too: writes the file as that does, and tells its History without reading it."""
+
+    def __init__(self, path, layout, **made):
+        super().__init__(path, layout, **made)
+        self._writer = HistoryWriter(path, layout, **made)
+        self._attributes = self._writer.attributes
+
+    @property
+    def where(self):
+        """Where the history is, in words."""
+        return self._writer.where
+
+    def static_stage(self, **values):
+        """As of a HistoryWriter."""
+        super().static_stage(**values)
+        self._writer.static_stage(**values)
+
+    def flush(self):
+        """Write what is buffered and make it safe."""
+        super().flush()
+        self._writer.flush()
+
+    def store(self, columns):
+        self._writer.store(columns)
+        if self._parts is not None:
+            super().store(columns)
+
+    def finish(self, status, collapsed_at_s=None):
+        """As of a HistoryWriter."""
+        if not self._writer.is_torn:
+            super().finish(status, collapsed_at_s)
+
+    def _write(self):
+        """Keep the file alone."""
+        self._parts = None
+
+
+class _Part(NamedTuple):
     """Of some rows of a frame: the joints at which any bit is set, and their values (rows, joints)."""
 
     joints: np.ndarray
@@ -99,7 +160,7 @@ class _Told(NamedTuple):
 
     @classmethod
     def of(cls, rows):
-        joints = np.flatnonzero(rows.view(f"u{rows.itemsize}").any(axis=0))
+        joints = np.flatnonzero(any_bit(rows))
         return cls(joints, rows[:, joints])
 
     @property

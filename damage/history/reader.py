@@ -4,6 +4,7 @@ import json
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -32,6 +33,32 @@ from damage.history.values import check_parameters, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
 from damage.wall.parameters import ModelOptions, Wall
+
+
+class Told(NamedTuple):
+    """What is told of joints: those at which any bit was ever set, (n,) indices in rising order, and of these alone
+    opening, slip, offset [m] (None in a file without) and at_limit, (n_times, n)."""
+
+    joints: np.ndarray
+    opening_m: np.ndarray
+    slip_m: np.ndarray
+    offset_m: np.ndarray | None
+    at_limit: np.ndarray
+
+    @classmethod
+    def of(cls, joints, *frames):
+        """Those of some joints at which anything is told; frames: as the fields."""
+        ever = np.any([any_bit(frame) for frame in frames if frame is not None], axis=0)
+        return cls(joints[ever], *(frame if frame is None else frame[:, ever] for frame in frames))
+
+    def slip_by(self, slip):
+        """As of a History."""
+        return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
+
+
+def any_bit(rows):
+    """In which columns (n,) of rows (n_rows, n) any bit is set: minus zero is a number of its own."""
+    return np.bitwise_or.reduce(rows.view(f"u{rows.itemsize}"), axis=0) > 0
 
 
 @dataclass(frozen=True)
@@ -134,11 +161,22 @@ class History:
         """The damage index over time: `damage.index.damage_index` of this run, by the criterion `judged_by(slip)`."""
         asked = threshold, drift_limit, slip
         if asked not in self._indices:
+            told = self.told
             self._indices[asked] = damage_index(
-                self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), self.opening_m,
-                self.slip_by(slip), self.at_limit, self.joint_length_m,
-                threshold=threshold, drift_limit=drift_limit, slip_criterion=slip)
+                self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), told.opening_m,
+                told.slip_by(slip), told.at_limit, self.joint_length_m[told.joints],
+                threshold=threshold, drift_limit=drift_limit, slip_criterion=slip,
+                total_length=self.joint_length_m.sum())
         return self._indices[asked].copy()
+
+    @cached_property
+    def told(self):
+        """What is Told of joints: of most nothing ever is, so that numbers of a run are worked out of the others."""
+        return Told.of(np.arange(len(self.joints)), self.opening_m, self.slip_m, self.offset_m, self.at_limit)
+
+    def knows_told(self, told):
+        """Take what is Told from who knows it."""
+        vars(self)["told"] = told
 
     @cached_property
     def _indices(self):

@@ -42,8 +42,8 @@ def check_values(history):
                                     (events, "joint", 0, len(joints))):
         _refuse((table[name] < least) | (table[name] >= end), name, f"{least} to {end - 1}", table[name])
     _refuse(np.diff(series["time_s"], prepend=-np.inf) <= 0, "time_s", "a later time than before", series["time_s"])
-    for name in ("opening_m", "slip_m", "offset_m", "displacement"):
-        frames = getattr(history, name)
+    for name, frames in (*((name, getattr(history.told, name)) for name in ("opening_m", "slip_m", "offset_m")),
+                         ("displacement", history.displacement)):
         # Of the extremes first, which takes no memory: of what is no number both are none, too.
         if frames is None or (-_HUGE < frames.min(initial=0.0) and frames.max(initial=0.0) < _HUGE):
             continue

@@ -12,8 +12,10 @@ import platform
 import re
 import shutil
 import sys
+import zlib
 from contextlib import contextmanager
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 
 import h5py
@@ -27,6 +29,7 @@ from damage.history.buffer import CHUNK, SNAPSHOT_SAMPLES, Buffer
 from damage.history.head import HEAD_BYTES, Head, head_of, seal, write_head
 
 _LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
+_LEVEL = 2  # of gzip
 _LEFT_OPEN = []  # writers whose file could not be written: closing it would write again, and tear what is whole
 
 
@@ -45,10 +48,11 @@ class HistoryWriter(Buffer):
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         super().__init__(layout)
         self.path = Path(path)
+        self.attributes = run_attributes(layout, solver, parameters, versions)
         with self._writing():
             self._file = _create_file(self.path, overwrite)
             write_head(self.path, Head(**head_of(solver, versions)))
-            _write_run(self._file, run_attributes(layout, solver, parameters, versions))
+            _write_run(self._file, self.attributes)
             _write_tables(self._file, layout)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
             self._growing = _create_growing(self._file, layout)
@@ -60,6 +64,11 @@ class HistoryWriter(Buffer):
     def where(self):
         """Where the history is, in words."""
         return str(self.path)
+
+    @property
+    def is_torn(self):
+        """Whether the file could not be written: nothing more is."""
+        return self in _LEFT_OPEN
 
     def static_stage(self, **values):
         """Store what the static stage ended with; keys are those of STATIC."""
@@ -83,7 +92,7 @@ class HistoryWriter(Buffer):
 
     def finish(self, status, collapsed_at_s=None):
         """Mark how the run ended and close the file, unless it could not be written; status: one of STATUS."""
-        if self in _LEFT_OPEN:
+        if self.is_torn:
             return
         self.flush()
         with self._writing():
@@ -222,7 +231,7 @@ def _create_growing(file, layout):
             shape = shapes.get(group, shapes.get(name, ()))
             made[group].append(file.create_dataset(
                 f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,
-                chunks=(chunks.get(group, CHUNK), *shape), compression="gzip", compression_opts=2, shuffle=True))
+                chunks=(chunks.get(group, CHUNK), *shape), compression="gzip", compression_opts=_LEVEL, shuffle=True))
             made[group][-1].attrs["unit"] = column.unit
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
@@ -230,6 +239,23 @@ def _create_growing(file, layout):
 
 
 def _extend(dataset, rows):
+    """Append rows; whole chunks are packed here, as HDF5 would, and go past its cache."""
     start = dataset.shape[0]
     dataset.resize(start + len(rows), axis=0)
-    dataset[start:] = rows
+    if start % dataset.chunks[0] == 0 and len(rows) == dataset.chunks[0]:
+        told = np.bitwise_or.reduce(rows.reshape(-1).view(f"u{rows.itemsize}"))
+        dataset.id.write_direct_chunk((start, *(0,) * (rows.ndim - 1)),
+                                      _packed(rows) if told else _packed_zeros(rows.shape, rows.dtype))
+    else:
+        dataset[start:] = rows
+
+
+def _packed(rows):
+    """A chunk as the datasets' filters pack it: its values' first bytes, their second ones and so on, by gzip."""
+    return zlib.compress(np.ascontiguousarray(rows.reshape(-1).view("u1").reshape(-1, rows.itemsize).T), _LEVEL)
+
+
+@cache
+def _packed_zeros(shape, dtype):
+    """A chunk in which nothing is told, as many are of a wall that hardly cracks."""
+    return _packed(np.zeros(shape, dtype))

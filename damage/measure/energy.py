@@ -54,7 +54,7 @@ class Balance:
 
     def add(self, row):
         """row: {column of the series: value}."""
-        excess = sum(row[name] for name in (*STORED, *DISSIPATED)) - row["input_energy_j"]
+        excess = sum(map(row.__getitem__, STORED + DISSIPATED)) - row["input_energy_j"]
         if self._n == 0:
             self._first, self._scale = excess, row["kinetic_energy_j"]
         self._n += 1

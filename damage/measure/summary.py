@@ -24,7 +24,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
-    series, index = history.series, {}
+    series, told, index = history.series, history.told, {}
     for ending, criterion in (("", slip), ("_accumulated", "accumulated"), ("_shear_limit", "shear-limit")):
         over_time = history.index(threshold, drift_limit, criterion)[list(COMPONENTS)]
         index |= {f"max{ending}": over_time.max().to_dict(),
@@ -41,9 +41,9 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "residual_drift_ratio": float(series["drift_ratio"].iloc[-1]) if history.complete else None,
         "total_joint_length_m": float(history.joint_length_m.sum()),
         "peak_base_shear_n": float(np.abs(series["base_shear_n"]).max()),
-        "max_opening_mm": float(history.opening_m.max()) * 1e3,
-        "max_slip_mm": float(np.abs(history.slip_m).max()) * 1e3,
-        "max_offset_mm": None if history.offset_m is None else float(np.abs(history.offset_m).max()) * 1e3,
+        "max_opening_mm": _largest(told.opening_m) * 1e3,
+        "max_slip_mm": _largest(told.slip_m) * 1e3,
+        "max_offset_mm": None if told.offset_m is None else _largest(told.offset_m) * 1e3,
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "crushed_length_m": float(history.joint_length_m[history.crushed[-1]].sum()),
@@ -53,3 +53,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),
     }
+
+
+def _largest(frames):
+    """Largest absolute value of what is told (n_times, n)."""
+    return float(max(frames.max(initial=0.0), -frames.min(initial=0.0)))

@@ -13,7 +13,8 @@ from damage.wall import joint_law
 
 _HERE = Path(__file__).parent
 _SOURCES = [_HERE / f"{name}.py" for name in (
-    "compiled", "tables", "blocks", "eight", "rows", "pairs", "contacts", "contacts_in_lanes", "bodies", "kernel")]
+    "compiled", "tables", "blocks", "eight", "rows", "pairs", "contacts", "contacts_in_lanes", "bodies", "kernel",
+    "instants")]
 
 
 def _forget_what_is_older():

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
 from damage.reference.compiled import compiled, inlined
 from damage.reference.pairs import Forces
 from damage.reference.tables import (
@@ -23,7 +22,7 @@ from damage.reference.tables import (
     SLIPPED,
 )
 from damage.wall import joint_law
-from damage.wall.joint_law import INTACT, ContactState, LawParameters, elastic_energy
+from damage.wall.joint_law import INTACT, ContactState, LawParameters
 
 
 class Trial(NamedTuple):
@@ -56,29 +55,6 @@ def stresses(contact, gap):
 def stays_open(contact, opening):
     """Whether a broken contact with this opening [m] is open, has no force, and needs no law."""
     return 0.0 < opening <= contact.idle and contact.tau0 == 0.0
-
-
-@compiled
-def observe(joints, contacts, readings, kn, ks, opening, offset, state, stored):
-    """Write what is told of every contact of one wall: what has opened and been offset inelastically [m], whether it
-    broke, was at its limit or has been crushed (bits), and its elastic energy [J]; kn, ks: stiffnesses [Pa/m].
-
-    Open is what is past a broken bond, or what a softened one has given way; offset, the shear displacement less its
-    elastic part, of what has broken or softened, zero elsewhere.
-    """
-    for c in range(len(joints)):
-        joint, contact, wide, sigma = joints[c], contacts[c], readings[READ_OPENING, c], readings[READ_SIGMA, c]
-        tau, softened = readings[READ_TAU, c], joint.kappa > 0.0
-        force = sigma * joint.area
-        gap = wide if joint.broken else wide - force / contact.kn
-        opens = joint.broken or (softened and wide > 0.0)
-        opening[c] = 0.0 if not opens or gap <= 0.0 else gap  # and what is not finite stays so
-        offset[c] = readings[READ_SHEAR, c] - tau / ks[c] if joint.broken or softened else 0.0
-        state[c] = (BROKEN if joint.broken else 0) | (AT_LIMIT if joint.at_limit else 0) | (
-            CRUSHED if contact.closure > 0.0 else 0)
-        stored[c] = joint.area * elastic_energy(sigma, tau, kn[c], ks[c])
-        if contact.kt != contact.kn and wide > 0.0:
-            stored[c] += force * (wide - force / contact.kn) / 2
 
 
 @compiled

@@ -45,11 +45,11 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def instant(self, base_acceleration):
         input_j, friction_j, fracture_j, damping_j = self.energy.tolist()
-        opening, offset, state, stored = self._observed()
-        return Instant(self.displacement, self._of_joints(opening), self.slip.copy(), self._of_joints(offset),
-                       self._state_of_joints(state), self.base_force()[0], self.push_force(),
-                       self.kinetic_energy(base_acceleration), float(np.sum(stored)), input_j, friction_j, fracture_j,
-                       damping_j)
+        told, kinetic_j = self._observed(base_acceleration)
+        opening, slip, offset, state, stored, displacement = told
+        return Instant(displacement, self._of_joints(opening), self._of_joints(slip), self._of_joints(offset),
+                       self._state_of_joints(state), self.base_force()[0], self.push_force(), kinetic_j,
+                       float(np.add.reduce(stored)), input_j, friction_j, fracture_j, damping_j)
 
     def forces(self):
         return self.force[:-1], np.hypot(*self.stresses) * self.system.joints["area"]

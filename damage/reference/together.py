@@ -4,7 +4,6 @@ A run goes on from one sample to the next and hands out the steps between, and s
 so, those that are to go equally far are moved as lanes of one block.  Nothing of a run knows of the others.
 """
 
-from damage.history.in_memory import HistoryInMemory
 from damage.history.writer import HistoryWriter
 from damage.memory import hold_buffers
 from damage.reference.lanes import MOST_LANES, are_alike, run_together
@@ -19,17 +18,18 @@ LEAST_LANES = 6
 """Fewer walls are faster one by one: a block is of eight, however many of its lanes are used."""
 
 
-def run_references(lines, unwritten=None, settled=None):
+def run_references(lines, histories=None, settled=None):
     """Run command lines as `run_reference` does, the wall file first, in groups of up to eight; what each ended with is
     in its history, of which no summary and no picture is made.
 
-    lines: {name: words}, each with an --out of its own; unwritten: a dictionary whose names are those of runs that
-    leave no file unless they fail, each of which gets its HistoryInMemory; settled: SettledWalls of runs before, for
-    more to come.  Yields {name: exit status} of each group as it ends, and no group after one that was interrupted.
+    lines: {name: words}, each with an --out of its own; histories: {name: HistoryInMemory or HistoryKept} of runs whose
+    histories are wanted in memory, each of which gets its own in place of the class; settled: SettledWalls of runs
+    before, for more to come.  Yields {name: exit status} of each group as it ends, and no group after one that was
+    interrupted.
     """
     names = list(lines)
     for group in groups(len(names)):
-        statuses = _run_group({names[k]: lines[names[k]] for k in group}, unwritten or {}, settled or SettledWalls())
+        statuses = _run_group({names[k]: lines[names[k]] for k in group}, histories or {}, settled or SettledWalls())
         yield statuses
         if EXIT_INTERRUPTED in statuses.values():
             return
@@ -46,16 +46,16 @@ def groups(count):
         range(one, one + 1) for one in range(full, count)]
 
 
-def _run_group(lines, unwritten, settled):
+def _run_group(lines, histories, settled):
     """{name: exit status} of runs that step together."""
     prepared, statuses = {}, {}
 
     def begin(name, wall, words):
         settings = parse_run(words, prog=f"{PROG} {wall}", solver=BACKEND.name)
-        write = HistoryInMemory if name in unwritten else HistoryWriter
+        write = histories.get(name, HistoryWriter)
         prepared[name] = prepare(BACKEND, wall, lambda: load_wall(wall), settings, write)
-        if name in unwritten:
-            unwritten[name] = prepared[name].writer
+        if name in histories:
+            histories[name] = prepared[name].writer
         return EXIT_OK
 
     others = f" and {len(lines) - 1} more" if len(lines) > 1 else ""

@@ -5,12 +5,11 @@ is `damage.reference.kernel`.  Walls that share bricks and stiffnesses can step 
 `damage.reference.lanes`.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from damage.index import THRESHOLD
-from damage.reference import bodies, contacts, tables
+from damage.reference import tables
+from damage.reference.instants import Observed, observe
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
 from damage.wall.joint_law import LawParameters, elastic_range, material_of
@@ -34,7 +33,8 @@ class ReferenceWall:
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
         row = slice(None) if layout.fibres is None else layout.fibres.contact
-        self._stiffnesses = layout.contacts.normal_stiffness[row], layout.contacts.shear_stiffness[row]
+        self._elastic = (self.system.joints["area"].copy(), layout.contacts.normal_stiffness[row],
+                         layout.contacts.shear_stiffness[row])
         self.lanes = None  # those that the wall was last moved in
         self._held = None
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
@@ -66,7 +66,7 @@ class ReferenceWall:
     @property
     def opening(self):
         """Inelastic opening (n_joints,) [m]: past the broken bond, or what a softened one has given way."""
-        return self._of_joints(self._observed().opening)
+        return self._of_joints(self._observed()[0].opening)
 
     @property
     def slip(self):
@@ -77,12 +77,12 @@ class ReferenceWall:
     def offset(self):
         """Shear displacement less its elastic part (n_joints,) [m] of what has broken or softened, zero elsewhere; of
         fibres by their shares, each with its own stress."""
-        return self._of_joints(self._observed().offset)
+        return self._of_joints(self._observed()[0].offset)
 
     @property
     def state(self):
         """Bits BROKEN, AT_LIMIT and CRUSHED (n_joints,)."""
-        return self._state_of_joints(self._observed().state)
+        return self._state_of_joints(self._observed()[0].state)
 
     @property
     def energy(self):
@@ -94,12 +94,14 @@ class ReferenceWall:
         """Normal stress, tension positive, and shear stress of the kernel's contacts (2, contacts) [Pa]."""
         return self.system.readings[[tables.READ_SIGMA, tables.READ_TAU]]
 
-    def _observed(self):
-        """What is told of the kernel's contacts now (Observed)."""
-        n = len(self.system.joints)
-        told = Observed(np.empty(n), np.empty(n), np.empty(n, "u1"), np.empty(n))
-        contacts.observe(self.system.joints, self.system.contacts, self.system.readings, *self._stiffnesses, *told)
-        return told
+    def _observed(self, base_acceleration=(0.0, 0.0)):
+        """What is told of the kernel's contacts and of the bodies now (Observed), and `kinetic_energy`."""
+        (x, z), system = base_acceleration, self.system
+        bodies = (table.view(tables.REAL).reshape(-1, 8) for table in (system.place, system.motion))
+        told = Observed.none(len(system.joints), len(self.layout.bodies))
+        kinetic_j = observe(system.pairs, system.joints, system.contacts, system.readings, *bodies, *self._elastic, x,
+                            GRAVITY + z, self.time_step, *told)
+        return told, kinetic_j
 
     def _state_of_joints(self, state):
         """Bits of the kernel's contacts as those of the joints (n_joints,): fibres by the last of each."""
@@ -196,22 +198,11 @@ class ReferenceWall:
 
     def kinetic_energy(self, base_acceleration=(0.0, 0.0)):
         """At the instant of the places: velocities are carried half a step on [J]."""
-        x, z = base_acceleration
-        place, motion = (table.view(tables.REAL).reshape(-1, 8) for table in (self.system.place, self.system.motion))
-        return bodies.kinetic_energy(place, motion, x, GRAVITY + z, self.time_step)
+        return self._observed(base_acceleration)[1]
 
     def elastic_energy(self):
         """Of all contacts [J]."""
-        return float(np.sum(self._observed().stored))
-
-
-class Observed(NamedTuple):
-    """Of the kernel's contacts: opening and offset [m], state (bits), stored energy [J]; `contacts.observe`."""
-
-    opening: np.ndarray
-    offset: np.ndarray
-    state: np.ndarray
-    stored: np.ndarray
+        return float(np.sum(self._observed()[0].stored))
 
 
 def _columns(table, *names):

@@ -37,8 +37,8 @@ class Run:
         self.sample_steps = schedule.sample_steps(solver.time_step)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self.base, self._top_velocities = NO_MOTION, None
-        self._zero = self._last = None  # instants: of time zero, of the last sample
-        self._last_s = 0.0  # time of that sample
+        self._zero = None  # instant of time zero
+        self._last = None  # time and motion of the last sample: of what else is kept all samples share the memory
         self._lowest = lowest_places(layout)
         self._balance_j = self._damped_j = 0.0
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
@@ -53,9 +53,9 @@ class Run:
 
     @property
     def index(self):
-        """The damage index of the last sample."""
-        return index_now(self.layout, self._top(self._motion(self._last)) / self.layout.drift_height,
-                         self._last.opening, self._last.offset)
+        """The damage index now."""
+        now = self.solver.instant(self._base_now())
+        return index_now(self.layout, self._top(self._motion(now)) / self.layout.drift_height, now.opening, now.offset)
 
     @property
     def energy_error(self):
@@ -111,14 +111,15 @@ class Run:
             solver.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
             interval_s = self.sample_steps * solver.time_step
             self._top_velocities = loading.velocities(interval_s, self.layout.pushed_height)
-        self._zero = self._last = solver.instant(self._base_now())
+        self._zero = solver.instant(self._base_now())
+        self._last = 0.0, self._motion(self._zero)
         self.stage = self.stages[0].name
 
     def run_all(self):
         """All stages; returns True unless interrupted (a collapse is an end, too)."""
         finished = yield from self._run_stages()
         self._write_events(self.solver.drain_events())
-        self.writer.snapshot(self._last_s, self._motion(self._last))
+        self.writer.snapshot(*self._last)
         if self.collapsed_at_s is not None and self.settings.past_collapse_s > 0:
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
@@ -178,35 +179,37 @@ class Run:
 
     def sample(self):
         """Write one sample of everything, and move a pushed top on; False where the run has to end."""
-        base = self._base_now()
-        now = self._last = self.solver.instant(base)
-        self._last_s = self.time
+        base, time_s = self._base_now(), self.time
+        now = self.solver.instant(base)
         motion = self._motion(now)
+        self._last = time_s, motion
         top = self._top(motion)
         row = {
-            "time_s": self.time, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
+            "time_s": time_s, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
             "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
             "base_shear_n": now.base_shear_n, **self._energies(now, motion)}
-        self._check_finite({**row, "motion": motion, "opening": now.opening, "slip": now.slip, "offset": now.offset})
+        self._check_finite(row, {"motion": motion, "opening": now.opening, "slip": now.slip, "offset": now.offset})
         self.writer.append(self.stage, {**row, "top_force_n": now.top_force_n}, now.opening, now.slip, now.offset,
                            now.state)
         if self.stage != "settling":
             self._balance.add(row)
         if self._samples % SNAPSHOT_SAMPLES == 0:
-            self.writer.snapshot(self.time, motion)
+            self.writer.snapshot(time_s, motion)
         self._write_events(self.solver.drain_events())
         if self.collapsed_at_s is None and has_collapsed(motion, self._lowest):
-            self.collapsed_at_s = self.time
+            self.collapsed_at_s = time_s
         if self._top_velocities is not None:
             self.solver.push(self._top_velocities[min(self._samples, len(self._top_velocities) - 1)])
         self._samples += 1
         return self.collapsed_at_s is None
 
-    def _check_finite(self, values):
-        for name, value in values.items():
-            # The sum of an array is finite where all of it is, unless it is beyond all sense.
-            if not math.isfinite(value.sum() if isinstance(value, np.ndarray) else value):
-                raise self._failure(f"{name} is no longer finite")
+    def _check_finite(self, row, arrays):
+        # A sum, of an array that of squares, is finite where all of it is, unless it is beyond all sense.
+        sums = {name: float(np.vdot(values, values)) for name, values in arrays.items()}
+        if not math.isfinite(sum(row.values()) + sum(sums.values())):
+            for name, value in {**row, **sums}.items():
+                if not math.isfinite(value):
+                    raise self._failure(f"{name} is no longer finite")
 
     def _energies(self, now, motion):
         """Energies since time zero [J].  Damping that the solver cannot tell is what is missing in the balance
@@ -234,7 +237,8 @@ class Run:
 
     def _top(self, motion):
         """Mean displacement of the top course over the piers since time zero [m]; motion: `_motion`."""
-        return float(motion[self.layout.drift_bodies, 0].mean())
+        top = motion[:, 0].take(self.layout.drift_bodies)
+        return float(np.add.reduce(top)) / len(top)
 
     def _base_now(self):
         """Acceleration of the base in this step, (2,) [m/s2]."""

@@ -20,7 +20,7 @@ def lowest_places(layout):
 
 def has_collapsed(motion, lowest):
     """Whether a brick has fallen; motion: (n_bodies, 3) since the static stage; lowest: `lowest_places`."""
-    return bool((motion[:len(lowest), 1] < lowest).any())
+    return bool(np.logical_or.reduce(motion[:len(lowest), 1] < lowest))
 
 
 def unbalanced_force(layout, on_bodies, in_contacts):
