@@ -128,4 +128,6 @@ if [ "$memory" != unlimited ] && [ $((memory * 1024 / 1000000)) -lt $least ]; th
 fi
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" run
+# Runs side by side are what uses the processors; threads of linear algebra would only wait on them.
+export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm $remake "${more[@]}"
