@@ -35,6 +35,8 @@ OPENING, SLIDE, LIMITS = _fields(0, 3)
 MIDDLE, SHEAR, TURNED, NORMAL, ALONG, COUPLE, LAST = _fields(0, 7)
 # of a contact in eight lanes, where its pair is broken, those of CONTACT, of which any wall needs the first;
 TAU0, SHEAR0, IDLE, TENSILE, COHESIVE, KT, CLOSURE, CRUSHING, SIGMA0, MOVES, LOOSE = _fields(0, 11)
+# of what a broken pair does until its turn comes;
+PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B, WORK, WAITING = _fields(0, 6)
 # and of the bench, where one block is worked on.
 BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE = _fields(0, 6)
 OPENED, SHEARED, SIGMA, TAU, BENCH = _fields(6, 5)
@@ -48,7 +50,8 @@ class Blocks(NamedTuple):
 
     rows: of one wall alone, where places and forces of a body lie side by side, eight numbers in the order of PLACE;
     starts: (bodies,) where they begin; broken: a byte a block of pairs, whose bits are those that are not whole; loose:
-    a byte a pair, whose bits are the lanes whose contacts are in `contacts`.
+    a byte a pair, whose bits are the lanes whose contacts are in `contacts`, and waits, those of them that stay springs
+    and whose forces are in `waiting`.
     """
 
     bodies: np.ndarray
@@ -61,6 +64,8 @@ class Blocks(NamedTuple):
     sums: np.ndarray
     broken: np.ndarray
     loose: np.ndarray
+    waits: np.ndarray
+    waiting: np.ndarray
     contacts: np.ndarray
     first: np.ndarray
     second: np.ndarray
@@ -84,6 +89,8 @@ def make_blocks(pairs, n_bodies, n_contacts, lanes):
         starts=np.arange(0, 8 * blocks_of(n_bodies, 8), 8).astype(INDEX), pairs=shared.ravel(), limits=limits,
         last=_zeros(blocks_of(len(pairs) * lanes, LAST)), bench=_zeros(int(BENCH)), sums=_zeros(int(SUMS)),
         broken=np.zeros(-(-len(pairs) * lanes // 8), np.uint8), loose=np.zeros(len(pairs), np.uint8),
+        waits=np.zeros(len(pairs), np.uint8),
+        waiting=_zeros(blocks_of(len(pairs) * lanes, WAITING) if lanes > 1 else 0),
         contacts=_zeros(blocks_of(n_contacts * lanes, LOOSE) if lanes > 1 else 0),
         first=_first(a, lanes), second=_first(b, lanes))
 

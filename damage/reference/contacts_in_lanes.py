@@ -8,18 +8,10 @@ them is beyond its strength, and goes back where the law is asked and where a ru
 import numpy as np
 
 from damage.reference import blocks as at
-from damage.reference.blocks import INDEX, place_of
+from damage.reference.blocks import INDEX
 from damage.reference.compiled import compiled, inlined
 from damage.reference.eight import add, bits, either, flags_of, load, spread, store
-from damage.reference.pairs import (
-    Forces,
-    damp_eight,
-    line_of,
-    places_in_lanes,
-    push_lanes,
-    push_where,
-    relative_motion,
-)
+from damage.reference.pairs import Forces, Push, damp_eight, push_lanes, push_where
 from damage.reference.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
 from damage.wall import joint_law
 
@@ -102,20 +94,35 @@ def read_whole_joints(tables, bench, start, stop, gap, whole):
 
 
 @inlined
-def forces_of_loose(tables, blocks, law, p, held, damped):
-    """What a pair does in those of its lanes that are held (bits), where its contacts stay springs; returns the lanes
-    where one does not."""
-    a, b, k = blocks.first[p], blocks.second[p], place_of(INDEX(p), at.PAIR)
-    frame, gap = relative_motion(line_of(blocks.pairs, k), places_in_lanes(blocks.bodies, a),
-                                 places_in_lanes(blocks.bodies, b))
+def forces_of_loose(tables, blocks, law, p, held, frame, gap, damped):
+    """What a pair does in those of its lanes that are held (bits), where its contacts stay springs: it waits, until the
+    pairs that are whole have done what they do."""
+    waiting, k, m = blocks.waiting, p * at.WAITING, p * at.LAST
     start, stop = tables.pairs[0, p].start, tables.pairs[0, p].stop
     forces, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, gap, flags_of(held))
     remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, gap, elastic)
     if damped:
-        forces, work = damp_eight(blocks.last, INDEX(p) * at.LAST, load(blocks.bench, at.RATE), gap, forces, elastic)
-        add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), work)
-    push_lanes(blocks.bodies, a, b, push_where(elastic, frame, forces))
-    return held & ~int(bits(elastic))
+        forces, work = damp_eight(blocks.last, m, load(blocks.bench, at.RATE), gap, forces, elastic)
+        store(waiting, k + at.WORK, work)
+    pushed = push_where(elastic, frame, forces)
+    store(waiting, k + at.PUSH_X, pushed.x)
+    store(waiting, k + at.PUSH_Z, pushed.z)
+    store(waiting, k + at.MOMENT_A, pushed.moment_a)
+    store(waiting, k + at.MOMENT_B, pushed.moment_b)
+    blocks.waits[p] = bits(elastic)
+
+
+@inlined
+def push_waiting(blocks, p, flags, damped):
+    """Add to its bodies what a pair does in those of its lanes (bits) that wait, which are returned."""
+    waits, waiting, k = flags & int(blocks.loose[p]) & int(blocks.waits[p]), blocks.waiting, INDEX(p) * at.WAITING
+    if waits:
+        push_lanes(blocks.bodies, blocks.first[p], blocks.second[p],
+                   Push(load(waiting, k + at.PUSH_X), load(waiting, k + at.PUSH_Z), load(waiting, k + at.MOMENT_A),
+                        load(waiting, k + at.MOMENT_B)))
+        if damped:
+            add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), load(waiting, k + at.WORK))
+    return waits
 
 
 @inlined

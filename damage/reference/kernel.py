@@ -24,6 +24,7 @@ from damage.reference.contacts_in_lanes import (
     forces_of_loose,
     give_pair,
     loosen,
+    push_waiting,
     read_whole_joints,
     take_pair,
     whole_springs,
@@ -120,7 +121,7 @@ def all_forces(tables, blocks, lanes, law, clock, step, singly, damped):
         if lanes == 1:
             forces_of_one(blocks, damped)
         else:
-            forces_of_lanes(blocks, damped)
+            forces_of_lanes(tables, blocks, law, damped)
     forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped)
     if lanes == 1:
         forces_from_rows(blocks)
@@ -161,8 +162,9 @@ def forces_of_one(blocks, damped):
 
 
 @compiled
-def forces_of_lanes(blocks, damped):
-    """Forces of the pairs of several walls that are whole: a pair in eight lanes is a block."""
+def forces_of_lanes(tables, blocks, law, damped):
+    """Forces of the pairs of several walls that are whole: a pair in eight lanes is a block; and what those do that are
+    broken, where they stay springs, for `forces_of_others`."""
     pairs, bodies, bench, limits, last = blocks.pairs, blocks.bodies, blocks.bench, blocks.limits, blocks.last
     first, second, sums = blocks.first, blocks.second, blocks.sums
     row = NONE
@@ -173,8 +175,11 @@ def forces_of_lanes(blocks, damped):
         if damped:
             forces, work = damp_eight(last, row * at.LAST, load(bench, at.RATE), gap, forces, whole)
             add(sums, at.DAMPED + row % WIDTH * WIDTH, work)
-        blocks.broken[row] = 255 - bits(whole)
+        blocks.broken[row] = broken = 255 - bits(whole)
         push_lanes(bodies, a, b, push_where(whole, frame, forces))
+        held = broken & blocks.loose[row]
+        if held:
+            forces_of_loose(tables, blocks, law, row, held, frame, gap, damped)
         row += ONE
 
 
@@ -187,7 +192,8 @@ def forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped):
         if flags == 0:
             continue
         if lanes > 1:
-            flags = singly_or_loose(tables, blocks, law, block, flags, singly, damped)
+            flags = flags & ~(whole_singly(tables, blocks, block, damped) if singly else
+                              push_waiting(blocks, block, flags, damped))
         k = 0
         while flags:  # hardly ever of a pair in lanes
             p, lane = (8 * block + k, 0) if lanes == 1 else (block, k)
@@ -197,15 +203,6 @@ def forces_of_others(tables, blocks, lanes, law, clock, step, singly, damped):
 
 
 @compiled
-def singly_or_loose(tables, blocks, law, p, flags, singly, damped):
-    """Forces of a pair in those of its lanes (bits) that go together; returns which do not."""
-    if singly:
-        return flags & ~whole_singly(tables, blocks, p, damped)
-    held = flags & int(blocks.loose[p])
-    return flags + forces_of_loose(tables, blocks, law, p, held, damped) - held if held else flags
-
-
-@inlined
 def whole_singly(tables, blocks, p, damped):
     """Forces of a pair contact by contact in the lanes where it is whole, which are returned (bits), and what its
     contacts do."""
