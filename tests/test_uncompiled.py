@@ -4,8 +4,10 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
+import pytest
 from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
@@ -87,17 +89,25 @@ if __name__ == "__main__":
     np.savez(sys.argv[1], **all_results())
 
 
-def test_a_newer_law_is_compiled_anew(tmp_path):
-    """numba's cache looks at the kernel's own file: without a look at the law's it would go on with the old one."""
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_a_newer_law_is_compiled_anew(tmp_path, elsewhere):
+    """numba's cache looks at the kernel's own file: without a look at the law's it would go on with the old one, in a
+    folder that NUMBA_CACHE_DIR names, too."""
     package = tmp_path / "damage"
     shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
-    index = package / "reference" / "__pycache__" / "kernel.spring-1.py311.nbi"
-    index.parent.mkdir()
+    env = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    if elsewhere:
+        env["NUMBA_CACHE_DIR"] = str(tmp_path / "kept")
+    told = subprocess.run([sys.executable, "-c", "from damage.reference import cache; print(cache.kept_in())"],
+                          cwd=tmp_path, check=True, env=env, capture_output=True, text=True).stdout
+    folder = Path(told.strip())
+    assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "reference")
+    index = folder / "kernel.spring-1.py311.nbi"
+    index.parent.mkdir(parents=True, exist_ok=True)
     index.touch()
     os.utime(package / "reference" / "tables.py", (0, 0))
     law = package / "wall" / "joint_law.py"
     for age_s, kept in ((-10, True), (10, False)):
         os.utime(law, (index.stat().st_mtime + age_s,) * 2)
-        subprocess.run([sys.executable, "-c", "import damage.reference.kernel"], cwd=tmp_path, check=True,
-                       env={**os.environ, "PYTHONPATH": str(tmp_path)})
+        subprocess.run([sys.executable, "-c", "import damage.reference.kernel"], cwd=tmp_path, check=True, env=env)
         assert index.exists() == kept

@@ -4,6 +4,7 @@ import atexit
 import shutil
 import sys
 import tempfile
+from pathlib import Path
 
 import numba
 
@@ -17,6 +18,12 @@ def find_a_place():
         atexit.register(shutil.rmtree, numba.config.CACHE_DIR, ignore_errors=True)
         print("warning: no folder can be written to keep compiled code in: it is compiled for this run alone; set "
               "NUMBA_CACHE_DIR to a folder that can", file=sys.stderr)
+
+
+def kept_in():
+    """The folder where numba keeps what it compiles of this folder's files; None where it is switched off."""
+    cache = getattr(numba.njit(cache=True)(_any), "_cache", None)
+    return None if cache is None else Path(cache.cache_path)
 
 
 def _any():

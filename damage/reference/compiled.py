@@ -9,6 +9,7 @@ from pathlib import Path
 
 from numba import njit
 
+from damage.reference.cache import kept_in
 from damage.wall import joint_law
 
 _HERE = Path(__file__).parent
@@ -20,8 +21,8 @@ _SOURCES = [_HERE / f"{name}.py" for name in (
 def _forget_what_is_older():
     """Delete what numba has cached of these files where one of them or the joint law is newer: numba looks at each
     function's own file alone, and would go on with what it calls as it was."""
-    changed = max(path.stat().st_mtime for path in (*_SOURCES, Path(joint_law.__file__)))
-    kept = [index for source in _SOURCES for index in _HERE.glob(f"__pycache__/{source.stem}.*.nbi")]
+    changed, folder = max(path.stat().st_mtime for path in (*_SOURCES, Path(joint_law.__file__))), kept_in()
+    kept = [index for source in _SOURCES for index in folder.glob(f"{source.stem}.*.nbi")] if folder else []
     for index in kept:
         with suppress(OSError):  # another process is at the same work, or the folder cannot be written
             if index.stat().st_mtime < changed:
