@@ -59,9 +59,9 @@ def measure(fibres, broken):
     solver.start(np.zeros((0, 2)), np.zeros(1))
     if broken:
         break_some(solver)
-    solver.advance(50, 10**9, lambda: True)
+    solver.advance(50, 10**9, lambda now: True)
     start = time.process_time()
-    solver.advance(STEPS, 10**9, lambda: True)
+    solver.advance(STEPS, 10**9, lambda now: True)
     return (time.process_time() - start) / STEPS * 1e3
 
 

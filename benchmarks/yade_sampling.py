@@ -45,7 +45,7 @@ def prepare(folder):
 def microseconds(run, sampled):
     """Of one step."""
     start = time.process_time()
-    run.solver.advance(STEPS, *((run.sample_steps, run.sample) if sampled else ()))
+    run.solver.advance(STEPS, *((run.sample_steps, run.take_samples) if sampled else ()))
     return (time.process_time() - start) / STEPS * 1e6
 
 
@@ -57,10 +57,10 @@ def main():
         run = prepare(Path(folder))
         for name, until_s in (("intact", 0.0), ("cracked", CRACKED_S)):
             while run.time < until_s:
-                run.solver.advance(STEPS, run.sample_steps, run.sample)
+                run.solver.advance(STEPS, run.sample_steps, run.take_samples)
             times = [[microseconds(run, sampled) for sampled in (True, False)] for _ in range(rounds)]
             with_samples, alone = map(min, zip(*times))
-            broken = int((run.solver.instant(run.base[0] * 0).state > 0).sum())
+            broken = int((run.solver.instants().state > 0).sum())
             print(f"{name}, {broken} broken: {with_samples:.0f} us a step as a run goes, {alone:.0f} by steps alone: "
                   f"{100 * (with_samples / alone - 1):.0f} % more; a sample every {run.sample_steps} steps", flush=True)
         run.writer.finish("interrupted")

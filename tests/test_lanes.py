@@ -33,7 +33,7 @@ def shake(wall, pga_g, period_s=0.02, vertical=0.0, **damping):
 def everything(wall):
     """What a wall is and has told, as bytes."""
     system, events = wall.system, wall.drain_events()
-    instant = wall.instant((0.0, 0.0))
+    instant = wall.instants()
     rows = (system.place, system.motion, system.joints, system.contacts)
     parts = [np.ascontiguousarray(table[name]) for table in rows for name in table.dtype.names]
     told = system.readings, system.energy, np.array(events, dtype=object).astype(str)

@@ -15,7 +15,7 @@ from damage.run.run import LOOK_STEPS, Run
 from damage.run.schedule import sample_steps
 from damage.run.session import Backend, run_session
 from damage.run.settings import HOLD_AT_MOST_S, LOCAL_DAMPING, RAMP_S
-from damage.run.solver import Instant
+from damage.run.solver import Instants
 from damage.run.turns import take_turns
 from damage.units import GRAVITY
 
@@ -24,14 +24,15 @@ SHAKEN = ["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3"]
 
 
 class Clockwork:
-    """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a test says."""
+    """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a test says; it tells
+    of so many samples at once."""
 
-    def __init__(self, layout, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0,
+    def __init__(self, layout, at_once=1, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0,
                  input_j=lambda step: 0.0, slip_m=lambda step: 0.0, offset_m=lambda step: 0.0,
                  raises_at_step=None):
         self.layout, self.time_step, self.clock = layout, DT, 0
         self.input_j, self.slip_m, self.offset_m, self.raises_at_step = input_j, slip_m, offset_m, raises_at_step
-        self.unbalanced, self.falls_at_step = unbalanced, falls_at_step
+        self.unbalanced, self.falls_at_step, self.at_once = unbalanced, falls_at_step, at_once
         self.kinetic_j, self.damping_j = kinetic_j, damping_j
         self.log, self.events = [], []
 
@@ -49,27 +50,38 @@ class Clockwork:
         self.velocities = velocities
 
     def hold(self, bodies, rotation):
+        self.at_once = 1
         self.log.append(("hold", rotation))
 
     def push(self, velocity):
         self.log.append(("push", velocity))
 
-    def advance(self, n_steps, sample_steps=None, on_sample=None):
-        end, goes_on = self.clock + n_steps, on_sample is None or self.clock > 0 or on_sample()
+    def advance(self, n_steps, sample_steps=None, on_samples=None):
+        end, seen = self.clock + n_steps, [self.instants()] if on_samples and self.clock == 0 else []
+        goes_on = not seen or on_samples(*seen)
+        seen.clear()
         while goes_on and self.clock < end:
             self.clock += 1
-            if on_sample is not None and self.clock == self.raises_at_step:
+            if on_samples and self.clock == self.raises_at_step:
+                if seen:
+                    on_samples(together(seen))
                 raise FloatingPointError("forces are no longer finite")
-            goes_on = on_sample is None or self.clock % sample_steps > 0 or on_sample()
+            if on_samples and self.clock % sample_steps == 0:
+                seen.append(self.instants())
+            if len(seen) == self.at_once or (seen and self.clock == end):
+                goes_on = on_samples(together(seen))
+                seen.clear()
         return ()
 
-    def instant(self, base_acceleration):
+    def instants(self):
         displacement, n = np.zeros((len(self.layout.bodies), 3)), self.layout.n_joints
         if self.falls_at_step is not None and self.clock >= self.falls_at_step:
             displacement[0, 1] = -1.0
-        return Instant(displacement, np.zeros(n), np.full(n, self.slip_m(self.clock)),
-                       np.full(n, self.offset_m(self.clock)), np.zeros(n, int), 0.0, np.nan,
-                       self.kinetic_j(self.clock), 0.0, self.input_j(self.clock), 0.0, 0.0, self.damping_j)
+        return Instants.one(
+            clock=self.clock, displacement=displacement, joints=slice(None), opening=np.zeros(n),
+            slip=np.full(n, self.slip_m(self.clock)), offset=np.full(n, self.offset_m(self.clock)),
+            state=np.zeros(n, int), base_shear_n=0.0, top_force_n=np.nan, kinetic_j=self.kinetic_j(self.clock),
+            elastic_j=0.0, input_j=self.input_j(self.clock), friction_j=0.0, fracture_j=0.0, damping_j=self.damping_j)
 
     def forces(self):
         weight = np.column_stack([np.zeros_like(self.layout.bodies.mass), GRAVITY * self.layout.bodies.mass,
@@ -84,13 +96,25 @@ class Clockwork:
         return events
 
 
+def together(instants):
+    """Instants of several."""
+    return Instants(*(values[0] if name == "joints" or values[0] is None else np.concatenate(values)
+                      for name, values in zip(Instants._fields, zip(*instants))))
+
+
+@pytest.fixture(params=[1, 7])
+def at_once(request):
+    """Samples that the Clockwork tells of at once."""
+    return request.param
+
+
 @pytest.fixture
-def tell(tmp_path):
+def tell(tmp_path, at_once):
     """tell(words, keep_going, **of the Clockwork): runs it; returns (finished, Run, Clockwork, History)."""
     def run(words=SHAKEN, keep_going=lambda run, time_s: True, solver="yade", **clockwork):
         layout = small_layout()
         settings = parse_run(list(words), "test", solver)
-        fake = Clockwork(layout, **clockwork)
+        fake = Clockwork(layout, at_once, **clockwork)
         path = tmp_path / "run.h5"
         writer = HistoryWriter(path, layout, solver="yade", parameters={
             "loading": settings.loading.as_dict(), "wall": layout.wall.as_dict(), "model": {}},
@@ -239,12 +263,12 @@ def test_all_steps_of_a_turn_are_taken_at_once():
 # --- runs that are not to be believed ---------------------------------------------------------------
 
 @pytest.fixture
-def session(tmp_path, capsys, monkeypatch):
+def session(tmp_path, capsys, monkeypatch, at_once):
     """session(*words, **of the Clockwork): a whole run of it from its command line; (status, what it said, History)."""
     def run(*words, **clockwork):
         def make(layout, time_step):
             monkeypatch.setattr(f"{__name__}.DT", time_step)
-            return Clockwork(layout, **clockwork)
+            return Clockwork(layout, at_once, **clockwork)
 
         out = tmp_path / "run.h5"
         backend = Backend("reference", {}, make, Path(__file__).parent)

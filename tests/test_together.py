@@ -66,8 +66,8 @@ def alone(tiny, tmp_path):
 
 def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, monkeypatch):
     widths = set()
-    monkeypatch.setattr(together, "run_together", lambda walls, n_steps: widths.add(len(walls)) or lanes.run_together(
-        walls, n_steps))
+    monkeypatch.setattr(together, "run_together", lambda walls, *steps: widths.add(len(walls)) or lanes.run_together(
+        walls, *steps))
     asked = lines(tiny, tmp_path / "together", 10)
     ended = list(run_references(asked))
     assert ended == [dict.fromkeys(list(asked)[:8], 0), {"m9": 0}, {"m10": 0}]
@@ -80,17 +80,17 @@ def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, monke
 
 def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, monkeypatch):
     """As of the next point of a study: the same joints, another motion."""
-    walls, steps = SettledWalls(), []
-    monkeypatch.setattr(together, "run_together", lambda walls, n_steps: steps.append(n_steps) or lanes.run_together(
-        walls, n_steps))
+    walls, asked_for = SettledWalls(), []
+    monkeypatch.setattr(together, "run_together", lambda walls, *steps: asked_for.append(steps) or lanes.run_together(
+        walls, *steps))
 
     def run(folder, numbers, *words):
         (tmp_path / folder).mkdir()
         asked = {f"m{k}": [str(tiny), *SHAKEN, *words, "--strength-seed", str(k), "--out",
                            str(tmp_path / folder / f"m{k}.h5"), "--no-pictures"] for k in numbers}
-        steps.clear()
+        asked_for.clear()
         assert list(run_references(asked, None, walls)) == [dict.fromkeys(asked, 0)]
-        return {name: contents(tmp_path / folder / f"{name}.h5") for name in asked}, steps.count(LOOK_STEPS)
+        return {name: contents(tmp_path / folder / f"{name}.h5") for name in asked}, asked_for.count((LOOK_STEPS,))
 
     first, resting = run("first", range(1, 8))
     assert resting > 10
@@ -142,10 +142,10 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
 @pytest.mark.parametrize("fewest, failed", [(6, {"m1", "m2", "m3", "m4", "m5", "m7", "m8"}), (9, {"m2"})])
 def test_an_error_of_steps_ends_those_that_took_them_together(fewest, failed, tiny, alone, tmp_path, monkeypatch,
                                                               capsys):
-    def run_together(walls, n_steps):
+    def run_together(walls, *steps):
         if any(wall.layout.options.strength_seed == 2 and wall.step > 3000 for wall in walls):
             raise MemoryError
-        return lanes.run_together(walls, n_steps)
+        return lanes.run_together(walls, *steps)
 
     monkeypatch.setattr(together, "run_together", run_together)
     monkeypatch.setattr(together, "LEAST_LANES", fewest)

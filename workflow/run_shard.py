@@ -216,7 +216,7 @@ def load_compiled(task):
     """Compile the reference solver, or load it, before there are processes: once for all of them."""
     wall = ReferenceSolver(lay_out(load_wall(task.point.wall)), 1e-6)
     wall.run(1)
-    wall.instant((0.0, 0.0))
+    wall.instants()
 
 
 def _begin_worker():

@@ -13,7 +13,7 @@ from yade import O, PyRunner, Vector3
 from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
-from damage.run.solver import NO_MOTION, Instant, Solver
+from damage.run.solver import NO_MOTION, Instants, Solver
 from damage.wall.kinematics import ContactKinematics
 from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker
@@ -39,7 +39,7 @@ class YadeSolver(Solver):
         self.tracker, self.crushing = JointTracker(layout, THRESHOLD), Crushing(self.scene)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
-        self._sample_steps = self._on_sample = self._raised = None
+        self._sample_steps = self._on_samples = self._raised = None
         self._events, self._known, self._armed = [], (0, None), False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
@@ -84,9 +84,9 @@ class YadeSolver(Solver):
         self._input_energy += 0.5 * mass * (self._velocity**2 - old**2)
         self._input_power = self._push_force() * self._velocity
 
-    def advance(self, n_steps, sample_steps=None, on_sample=None):
-        self._sample_steps, self._on_sample = sample_steps, on_sample
-        if on_sample and self.clock == 0:
+    def advance(self, n_steps, sample_steps=None, on_samples=None):
+        self._sample_steps, self._on_samples = sample_steps, on_samples
+        if on_samples and self.clock == 0:
             self._observe()
         O.run(n_steps, True)
         if self._raised:
@@ -106,7 +106,7 @@ class YadeSolver(Solver):
                 self.tracker.crushes(joint, more)
             if self._armed and self.clock % TIDY_STEPS == 0:
                 self.model.tidy()
-            if self._on_sample:
+            if self._on_samples:
                 self._observe()
         except Exception as error:  # YADE would print all of it, and raise another
             self._raised = error
@@ -126,8 +126,8 @@ class YadeSolver(Solver):
         if self.clock % FOLLOW_STEPS == 0:
             self._follow_joints()
             self._integrate_input(self._base_now())
-        if self.clock % self._sample_steps == 0 and not self._on_sample():
-            self._on_sample = None
+        if self.clock % self._sample_steps == 0 and not self._on_samples(self.instants()):
+            self._on_samples = None
 
     def _log_breaks(self, new):
         if len(new) == 0:
@@ -208,8 +208,8 @@ class YadeSolver(Solver):
 
     # --- what is measured -----------------------------------------------------------------------
 
-    def instant(self, base_acceleration):
-        """The Instant now; base_acceleration: (2,) of this step [m/s2].
+    def instants(self):
+        """The Instants of now.
 
         YADE's own sum of what local damping took has the contacts' forces alone, without the weights that balance
         them: the run infers it.
@@ -217,12 +217,15 @@ class YadeSolver(Solver):
         tracker = self.tracker
         summed = self.model.friction_work()
         friction = tracker.friction_energy if summed is None else summed + tracker.breaking_energy
-        speed = self.scene.synchronous_velocities(self.time_step / 2, base_acceleration)
-        return Instant(self.scene.motion(), tracker.opening, tracker.slip, tracker.offset,
-                       BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed,
-                       self.scene.base_shear(), np.nan if self._held is None else self._push_force(),
-                       0.5 * float(np.sum(self.scene.mass * speed**2)), self.scene.elastic_energy(tracker.broken),
-                       self._input_energy, friction, tracker.fracture_energy, None)
+        speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
+        return Instants.one(
+            clock=self.clock, displacement=self.scene.motion(), joints=slice(None), opening=tracker.opening,
+            slip=tracker.slip, offset=tracker.offset,
+            state=BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed,
+            base_shear_n=self.scene.base_shear(), top_force_n=np.nan if self._held is None else self._push_force(),
+            kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
+            elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy, friction_j=friction,
+            fracture_j=tracker.fracture_energy, damping_j=None)
 
     def forces(self):
         return self.scene.resultants(), self.scene.contact_forces()

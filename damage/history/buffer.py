@@ -14,9 +14,11 @@ class Buffer:
     """Call `append`, `event` and `snapshot` as a run goes; what comes of it has the `store` that takes them."""
 
     def __init__(self, layout):
-        # Of the frames whole columns, of the other groups rows in the order of theirs.
-        self._rows = {group: [] for group in schema.GROWING if group != "frames"}
-        self._frames = [np.empty((CHUNK, layout.n_joints), column.dtype) for column in schema.FRAMES.values()]
+        # Of series and frames whole columns, of the other groups rows in the order of theirs.
+        self._rows = {"events": [], "snapshots": []}
+        self._series = {name: np.empty(CHUNK, column.dtype) for name, column in schema.SERIES.items()}
+        self._frames = [np.zeros((CHUNK, layout.n_joints), column.dtype) for column in schema.FRAMES.values()]
+        self._count = 0
 
     def append(self, stage, row, opening, slip, offset, state):
         """Add one sample.
@@ -24,12 +26,24 @@ class Buffer:
         stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN;
         opening, slip, offset [m], state (bits BROKEN, AT_LIMIT, CRUSHED): arrays (n_joints,).
         """
-        series, told = self._rows["series"], {"stage": schema.STAGES.index(stage), **row}.get
-        for column, values in zip(self._frames, (opening, slip, offset, state), strict=True):
-            column[len(series)] = values
-        series.append([told(name, np.nan) for name in schema.SERIES])
-        if len(series) == CHUNK:
-            self.flush()
+        self.extend(stage, {name: np.array([value]) for name, value in row.items()}, slice(None),
+                    *(np.asarray(values)[np.newaxis] for values in (opening, slip, offset, state)))
+
+    def extend(self, stage, rows, joints, opening, slip, offset, state):
+        """Add n samples, as `append` one: rows: {column: (n,)}, of one length; opening, slip, offset, state: (n,
+        n_told) of these joints, zero elsewhere."""
+        rows = {"stage": np.full(len(opening), schema.STAGES.index(stage)), **rows}
+        first = 0
+        while first < len(opening):
+            stop = min(len(opening), first + CHUNK - self._count)
+            taken, given = slice(first, stop), slice(self._count, self._count + stop - first)
+            for name, column in self._series.items():
+                column[given] = rows[name][taken] if name in rows else np.nan
+            for column, values in zip(self._frames, (opening, slip, offset, state), strict=True):
+                column[given, joints] = values[taken]
+            self._count, first = given.stop, stop
+            if self._count == CHUNK:
+                self.flush()
 
     def event(self, time_s, joint, kind, normal_stress=0.0, shear_stress=0.0, opening=0.0, slip=0.0):
         """Add one event; kind: one of EVENTS; stresses [Pa] at the break, opening and slip [m]."""
@@ -45,12 +59,16 @@ class Buffer:
         columns = {group: [np.asarray(values, column.dtype)
                            for values, column in zip(zip(*rows), schema.GROWING[group].values())]
                    for group, rows in self._rows.items() if rows}
-        if "series" in columns:
-            columns["frames"] = [column[:len(self._rows["series"])] for column in self._frames]
+        if self._count > 0:
+            columns["series"] = [column[:self._count].copy() for column in self._series.values()]
+            columns["frames"] = [column[:self._count] for column in self._frames]
         self.store(columns)
         for rows in self._rows.values():
             rows.clear()
+        for column in self._frames:
+            column[:self._count] = 0
+        self._count = 0
 
     def store(self, columns):
-        """Keep more rows, {group: arrays in the order of its columns}, which are those of the buffer itself."""
+        """Keep more rows, {group: arrays in the order of its columns}; those of frames are the buffer's own."""
         raise NotImplementedError

@@ -47,19 +47,19 @@ def energy_scale(series):
 
 
 class Balance:
-    """The `energy_error` of a run under way: `add` a row of the series at a time, settling stages left out."""
+    """The `energy_error` of a run under way: `add` rows of the series as they come, settling stages left out."""
 
     def __init__(self, noise):
         self._noise, self._first, self._largest, self._scale, self._n = noise, 0.0, 0.0, 0.0, 0
 
-    def add(self, row):
-        """row: {column of the series: value}."""
-        excess = sum(map(row.__getitem__, STORED + DISSIPATED)) - row["input_energy_j"]
+    def add(self, rows):
+        """rows: {column of the series: (n,)}, of one or more."""
+        excess = sum(map(rows.__getitem__, STORED + DISSIPATED)) - rows["input_energy_j"]
         if self._n == 0:
-            self._first, self._scale = excess, row["kinetic_energy_j"]
-        self._n += 1
-        self._largest = max(self._largest, abs(excess - self._first))
-        self._scale = max(self._scale, abs(row["input_energy_j"]))
+            self._first, self._scale = excess[0], rows["kinetic_energy_j"][0]
+        self._n += len(excess)
+        self._largest = max(self._largest, np.abs(excess - self._first).max())
+        self._scale = max(self._scale, np.abs(rows["input_energy_j"]).max())
 
     @property
     def error(self):

@@ -1,4 +1,4 @@
-"""What is told of one wall at a sample, in one pass: most pairs are whole, and of those nothing but energy is told."""
+"""What is told of walls at a sample, in one pass: most pairs are whole, and of those nothing but energy is told."""
 
 from typing import NamedTuple
 
@@ -10,10 +10,25 @@ from damage.reference.compiled import compiled, inlined
 from damage.reference.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
 from damage.wall.joint_law import elastic_energy
 
+BASE_SHEAR, KINETIC, TOTALS = 0, 1, 6
+"""Of the totals the horizontal force on the ground [N], kinetic energy [J], and from there on `System.energy`."""
 
-class Observed(NamedTuple):
-    """Of the kernel's contacts: opening, slip and offset [m], state (bits), stored energy [J]; of the bodies
-    displacement (n_bodies, 3) [m, m, rad]."""
+
+class Springs(NamedTuple):
+    """Of the kernel's contacts area [m2], normal and shear stiffness [Pa/m], (contacts,)."""
+
+    area: np.ndarray
+    normal: np.ndarray
+    shear: np.ndarray
+
+
+class Samples(NamedTuple):
+    """What is told of each of some walls at one sample after the other.
+
+    opening, slip, offset [m], state (bits): (walls, samples, contacts) of the kernel's contacts, written where their
+    pair is broken alone, and zero elsewhere; stored: energy [J] of all; displacement: (walls, samples, bodies, 3)
+    [m, m, rad]; totals: (walls, samples, TOTALS).
+    """
 
     opening: np.ndarray
     slip: np.ndarray
@@ -21,49 +36,60 @@ class Observed(NamedTuple):
     state: np.ndarray
     stored: np.ndarray
     displacement: np.ndarray
+    totals: np.ndarray
 
     @classmethod
-    def none(cls, n_contacts, n_bodies):
-        """Zero throughout, as of whole contacts."""
-        n = n_contacts  # one by one: arrays of this size get the memory that the last ones have left
-        return cls(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, "u1"), np.empty(n), np.empty((n_bodies, 3)))
+    def none(cls, n_walls, n_samples, n_contacts, n_bodies):
+        """Zero throughout, as of whole pairs."""
+        shape = n_walls, n_samples, n_contacts
+        return cls(np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape, "u1"), np.zeros(shape),
+                   np.zeros((n_walls, n_samples, n_bodies, 3)), np.zeros((n_walls, n_samples, TOTALS)))
+
+    def of(self, wall, which):
+        """Samples of one wall, without that axis; which: a slice."""
+        return Samples(*(values[wall, which] for values in self))
 
 
 @compiled
-def observe(pairs, joints, contacts, readings, place, motion, area, kn, ks, field_x, field_z, dt,
-            opening, slip, offset, state, stored, displacement):
-    """Write what is told of one wall into arrays of zeros (Observed); area, kn, ks: of contacts [m2, Pa/m].
-
-    place, motion: (bodies + ground, 8); the rest as of `bodies.kinetic_energy`.  Returns that [J].
-    """
-    sigma, tau = readings[READ_SIGMA], readings[READ_TAU]
-    for c in range(len(stored)):  # of all alike: so the divisions are those of vectors
-        stored[c] = area[c] * elastic_energy(sigma[c], tau[c], kn[c], ks[c])
-    for p in range(len(pairs)):
-        if pairs[p].broken:
-            for c in range(pairs[p].start, pairs[p].stop):
-                observe_contact(joints[c], contacts[c], readings, ks[c], c, opening, slip, offset, state, stored)
-    for k in range(len(displacement)):
-        displacement[k, 0], displacement[k, 1], displacement[k, 2] = place[k, 0], place[k, 1], place[k, 7]
-    return kinetic_energy(place, motion, field_x, field_z, dt)
+def observe(tables, lane, springs, field_x, field_z, dt, samples, wall, k):
+    """Write what is told of the wall in this lane now: sample k of this wall; field_x, field_z, dt: as of
+    `bodies.kinetic_energy`."""
+    readings, stored, displacement = tables.readings, samples.stored, samples.displacement
+    for c in range(stored.shape[2]):  # of all alike: so the divisions are those of vectors
+        stored[wall, k, c] = springs.area[c] * elastic_energy(
+            readings[lane, READ_SIGMA, c], readings[lane, READ_TAU, c], springs.normal[c], springs.shear[c])
+    for p in range(tables.pairs.shape[1]):
+        if tables.pairs[lane, p].broken:
+            for c in range(tables.pairs[lane, p].start, tables.pairs[lane, p].stop):
+                observe_contact(tables, lane, springs.shear[c], c, samples, wall, k)
+    for b in range(displacement.shape[2]):
+        for axis, column in ((0, 0), (1, 1), (2, 7)):
+            displacement[wall, k, b, axis] = tables.place[lane, b, column]
+    totals = samples.totals
+    totals[wall, k, BASE_SHEAR] = tables.place[lane, displacement.shape[2], 4]
+    totals[wall, k, KINETIC] = kinetic_energy(tables.place[lane], tables.motion[lane], field_x, field_z, dt)
+    for i in range(tables.energy.shape[1]):
+        totals[wall, k, KINETIC + 1 + i] = tables.energy[lane, i]
 
 
 @inlined
-def observe_contact(joint, contact, readings, ks, c, opening, slip, offset, state, stored):
+def observe_contact(tables, lane, ks, c, samples, wall, k):
     """Write what has opened, slid and been offset inelastically [m] at a contact of a broken pair, and whether it
     broke, was at its limit or has been crushed (bits); add what a bond that softens has stored by its secant [J].
 
     Open is what is past a broken bond, or what a softened one has given way; offset, the shear displacement less its
     elastic part, of what has broken or softened, zero elsewhere.
     """
-    wide, softened = readings[READ_OPENING, c], joint.kappa > 0.0
-    force = readings[READ_SIGMA, c] * joint.area
+    joint, contact, readings = tables.joints[lane, c], tables.contacts[lane, c], tables.readings
+    wide, softened = readings[lane, READ_OPENING, c], joint.kappa > 0.0
+    force = readings[lane, READ_SIGMA, c] * joint.area
     gap = wide if joint.broken else wide - force / contact.kn
     opens = joint.broken or (softened and wide > 0.0)
-    opening[c] = 0.0 if not opens or gap <= 0.0 else gap  # and what is not finite stays so
-    slip[c] = joint.slip
-    offset[c] = readings[READ_SHEAR, c] - readings[READ_TAU, c] / ks if joint.broken or softened else 0.0
-    state[c] = (BROKEN if joint.broken else 0) | (AT_LIMIT if joint.at_limit else 0) | (
+    samples.opening[wall, k, c] = 0.0 if not opens or gap <= 0.0 else gap  # and what is not finite stays so
+    samples.slip[wall, k, c] = joint.slip
+    samples.offset[wall, k, c] = (readings[lane, READ_SHEAR, c] - readings[lane, READ_TAU, c] / ks
+                                  if joint.broken or softened else 0.0)
+    samples.state[wall, k, c] = (BROKEN if joint.broken else 0) | (AT_LIMIT if joint.at_limit else 0) | (
         CRUSHED if contact.closure > 0.0 else 0)
     if contact.kt != contact.kn and wide > 0.0:
-        stored[c] += force * (wide - force / contact.kn) / 2
+        samples.stored[wall, k, c] += force * (wide - force / contact.kn) / 2

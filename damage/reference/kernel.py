@@ -30,6 +30,7 @@ from damage.reference.contacts_in_lanes import (
     whole_springs,
 )
 from damage.reference.eight import add, bits, load, spread, store
+from damage.reference.instants import observe
 from damage.reference.pairs import (
     Place,
     damp,
@@ -68,32 +69,45 @@ class Law(NamedTuple):
 
 
 @compiled
-def run_steps(tables, blocks, lanes, law, controls, field, clock):
-    """Advance from places whose forces are known; afterwards they are known again.
+def run_steps(tables, blocks, lanes, law, controls, field, clock, ends, springs, samples):
+    """Advance from places whose forces are known to each of these ends, where they are known again, contact by contact,
+    and what is told of the walls is written.
 
     lanes: 1, or 8, of which the first have a row in the tables; controls: (rows, 5) time step [s], local damping [-],
-    alpha [1/s], beta [s], adaptive damping [-]; field: (rows, steps, 3) acceleration of the base along x and z and
-    gravity, of each step [m/s2]; clock: (rows,) steps that came before.  Call `find_forces` once before the first run:
-    out of numba's cache, runs then use its own machine code instead of a slower copy that is part of this function.
+    alpha [1/s], beta [s], adaptive damping [-]; field: (rows, steps + 1, 3) acceleration of the base along x and z and
+    gravity, of each step and the one after them [m/s2]; clock: (rows,) steps that came before; ends: steps from here to
+    each; springs, samples: as of `instants`, a sample an end.  Call `find_forces` once before the first run: out of
+    numba's cache, runs then use its own machine code instead of a slower copy that is part of this function.
     """
     pack(tables, blocks, lanes)
     damped = adaptive = False
     for lane in range(controls.shape[0]):
         damped |= controls[lane, 3] > 0.0
         adaptive |= controls[lane, 4] > 0.0
-    if damped:
-        remember_all(tables, blocks, lanes)
-    n_steps = field.shape[1]
-    if lanes > 1:
-        loosen(tables, blocks)
-    for step in range(n_steps):
-        if lanes > 1 and step == n_steps - 1:
-            fasten(tables, blocks)
-        integrate(tables, blocks, lanes, controls, field, step)
-        if adaptive:
-            adapt(tables, blocks, lanes, controls)
-        all_forces(tables, blocks, lanes, law, clock, step + 1, step == n_steps - 1, damped)
-    unpack(tables, blocks, lanes)
+    step = 0
+    for k in range(len(ends)):
+        if damped:
+            remember_all(tables, blocks, lanes)
+        if lanes > 1:
+            loosen(tables, blocks)
+        while step < ends[k]:
+            if lanes > 1 and step == ends[k] - 1:
+                fasten(tables, blocks)
+            integrate(tables, blocks, lanes, controls, field, step)
+            if adaptive:
+                adapt(tables, blocks, lanes, controls)
+            step += 1
+            all_forces(tables, blocks, lanes, law, clock, step, step == ends[k], damped)
+        unpack(tables, blocks, lanes)
+        observe_all(tables, controls, field, step, springs, samples, k)
+
+
+@compiled
+def observe_all(tables, controls, field, step, springs, samples, k):
+    """Write sample k of all walls, of the instant at which this step begins."""
+    for lane in range(controls.shape[0]):
+        observe(tables, lane, springs, field[lane, step, 0], field[lane, step, 1] + field[lane, step, 2],
+                controls[lane, 0], samples, lane, k)
 
 
 @compiled

@@ -1,6 +1,6 @@
 """Walls that step together, in lockstep: one vector instruction does for eight what it would do for one.
 
-    run_together([wall, another, ...], n_steps)     # each as wall.run(n_steps) would, to the same bits
+    run_together([wall, another, ...], 70, 70, 10)     # each as wall.run would, to the same bits
 
 Walls are ReferenceWalls of any state, motion, strength, damping and time step that share bricks, joints' places and
 stiffnesses, and friction.  Each stays a wall of its own: its tables are views on those of its lanes, and it may be
@@ -15,12 +15,13 @@ import numpy as np
 from damage.index import THRESHOLD
 from damage.reference import kernel, tables
 from damage.reference.blocks import make_blocks
+from damage.reference.instants import Samples, observe
 
 MOST_LANES = 8
 """Walls that one block holds; more are moved in groups of so many."""
 
 
-def run_together(walls, n_steps):
+def run_together(walls, *steps):
     """Advance walls as `ReferenceWall.run` does; returns for each None, or the FloatingPointError that ends it.
 
     ValueError where they are not of the same bricks and stiffnesses.
@@ -31,7 +32,7 @@ def run_together(walls, n_steps):
         lanes = group[0].lanes
         if lanes is None or not lanes.are_of(group):
             lanes = Lanes(group)
-        lanes.run(n_steps)
+        lanes.run(*steps)
         failures += [_failure(wall) for wall in group]
     return failures
 
@@ -56,21 +57,40 @@ class Lanes:
         self._law = kernel.Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
         self._blocks = make_blocks(self.tables.pairs[0], self.tables.place.shape[1], self.tables.contacts.shape[1],
                                    self._width)
+        self._samples = self.room(0)
 
     def are_of(self, walls):
         """Whether these are the walls, in this order, and still bound to these tables."""
         return len(walls) == len(self.walls) and all(
             one is other and one.lanes is self for one, other in zip(walls, self.walls))
 
-    def run(self, n_steps):
-        """Advance all walls."""
+    def run(self, *steps):
+        """Advance all walls by these numbers of steps, one after the other; `told` tells what was after each."""
         for wall in self.walls:
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
+        if len(steps) > self._samples.totals.shape[1]:
+            self._samples = self.room(len(steps))
+        ends = np.cumsum(steps)
         kernel.run_steps(self.tables, self._blocks, self._width, self._law, self._controls(),
-                         self._field(n_steps), self._clock())
+                         self._field(ends[-1] + 1), self._clock(), ends, self.walls[0].springs, self._samples)
         for wall in self.walls:
-            wall.step += n_steps
+            wall.step += int(ends[-1])
+
+    def room(self, n_samples):
+        """Samples of all walls, empty."""
+        return Samples.none(len(self.walls), n_samples, self.tables.contacts.shape[1], self.tables.place.shape[1] - 1)
+
+    def told(self, wall, which):
+        """Samples of this wall after these of the last run's numbers of steps, a slice."""
+        return self._samples.of(self.walls.index(wall), which)
+
+    def told_now(self, wall, field):
+        """Samples of this wall, the one of this instant; field: backward and downward acceleration of all masses
+        [m/s2]."""
+        samples = Samples.none(1, 1, *self._samples.opening.shape[2:], self._samples.displacement.shape[2])
+        observe(self.tables, self.walls.index(wall), wall.springs, *field, wall.time_step, samples, 0, 0)
+        return samples.of(0, slice(1))
 
     def find_forces(self, singly):
         """Forces at the present places without damping; and, if `singly`, stresses: then each contact by itself."""

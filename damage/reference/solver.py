@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from damage.reference.instants import BASE_SHEAR, KINETIC
 from damage.reference.tables import OPENED, SLIPPED
 from damage.reference.wall import ReferenceWall
-from damage.run.solver import Instant, Solver
+from damage.run.solver import Instants, Solver
 from damage.wall.joint_law import SHEAR, TENSION
 
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
@@ -34,22 +35,43 @@ class ReferenceSolver(ReferenceWall, Solver):
     def set_velocities(self, velocities):
         self.velocity = velocities
 
-    def advance(self, n_steps, sample_steps=None, on_sample=None):
-        if on_sample is None:
+    def advance(self, n_steps, sample_steps=None, on_samples=None):
+        if on_samples is None:
             yield self, n_steps
             return
-        end, goes_on = self.clock + n_steps, self.clock > 0 or on_sample()
+        end, goes_on = self.clock + n_steps, self.clock > 0 or on_samples(self.instants())
         while goes_on and self.clock < end:
-            yield self, min(sample_steps - self.clock % sample_steps, end - self.clock)
-            goes_on = self.clock % sample_steps > 0 or on_sample()
+            ends = self._next_ends(sample_steps, end)
+            samples = [step for step in ends if step % sample_steps == 0]  # all, or all but the last
+            try:
+                yield self, *np.diff(ends, prepend=self.clock).tolist()
+            except ArithmeticError:
+                if len(samples) > 1:  # some may be of before it blew up
+                    on_samples(self._instants_at(samples))
+                raise
+            goes_on = not samples or on_samples(self._instants_at(samples))
 
-    def instant(self, base_acceleration):
-        input_j, friction_j, fracture_j, damping_j = self.energy.tolist()
-        told, kinetic_j = self._observed(base_acceleration)
-        opening, slip, offset, state, stored, displacement = told
-        return Instant(displacement, self._of_joints(opening), self._of_joints(slip), self._of_joints(offset),
-                       self._state_of_joints(state), self.base_force()[0], self.push_force(), kinetic_j,
-                       float(np.add.reduce(stored)), input_j, friction_j, fracture_j, damping_j)
+    def _next_ends(self, sample_steps, end):
+        """The next samples, and the end; only the next of these where a sample has to be looked at there and then."""
+        ends = [*range(self.clock - self.clock % sample_steps + sample_steps, end, sample_steps), end]
+        # What is held is pushed on at every sample; fibres tell of their joints at the sample alone.
+        return ends[:1] if self._held is not None or self.layout.fibres is not None else ends
+
+    def _instants_at(self, samples):
+        """Instants of the first ends of the last `run`, which are these samples."""
+        return self._instants(np.array(samples), self.lanes.told(self, slice(len(samples))))
+
+    def instants(self):
+        return self._instants(np.array([self.clock]), self.told_now())
+
+    def _instants(self, clock, samples):
+        """Instants of Samples at these steps; the top is held of the last one, which is the only one then."""
+        totals, joints = samples.totals, self.joints_told()
+        return Instants(clock, samples.displacement, joints, *(
+            self.of_joints(values)[:, joints] for values in (samples.opening, samples.slip, samples.offset)),
+            self.state_of_joints(samples.state)[:, joints], totals[:, BASE_SHEAR],
+            np.full(len(clock), self.push_force()), totals[:, KINETIC], np.add.reduce(samples.stored, axis=1),
+            *totals[:, KINETIC + 1:].T)
 
     def forces(self):
         return self.force[:-1], np.hypot(*self.stresses) * self.system.joints["area"]

@@ -85,14 +85,14 @@ class Companies:
 
     def move(self, asked):
         """As `damage.run.turns.run_each`, of ReferenceSolvers."""
-        companies = {}  # {(kind, steps): walls}
-        for wall, n_steps in asked:
-            companies.setdefault((self._kind(wall), n_steps), []).append(wall)
+        companies = {}  # {(kind, what is asked): walls}
+        for wall, *steps in asked:
+            companies.setdefault((self._kind(wall), *steps), []).append(wall)
         failures = {}
-        for (_, n_steps), walls in companies.items():
+        for (_, *steps), walls in companies.items():
             for group in [walls] if len(walls) >= LEAST_LANES else [[wall] for wall in walls]:
-                failures |= zip(group, _advance(group, n_steps))
-        return [failures[wall] for wall, _ in asked]
+                failures |= zip(group, _advance(group, *steps))
+        return [failures[wall] for wall, *_ in asked]
 
     def _kind(self, wall):
         if wall not in self._kinds:
@@ -100,9 +100,9 @@ class Companies:
         return self._kinds[wall]
 
 
-def _advance(walls, n_steps):
+def _advance(walls, *steps):
     """As `run_together`, with an error that ends all of them as that of each."""
     try:
-        return run_together(walls, n_steps)
+        return run_together(walls, *steps)
     except Exception as error:
         return [error] * len(walls)

@@ -9,7 +9,7 @@ import numpy as np
 
 from damage.index import THRESHOLD
 from damage.reference import tables
-from damage.reference.instants import Observed, observe
+from damage.reference.instants import KINETIC, Springs
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
 from damage.wall.joint_law import LawParameters, elastic_range, material_of
@@ -33,10 +33,10 @@ class ReferenceWall:
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system = _make_system(layout)
         row = slice(None) if layout.fibres is None else layout.fibres.contact
-        self._elastic = (self.system.joints["area"].copy(), layout.contacts.normal_stiffness[row],
-                         layout.contacts.shear_stiffness[row])
+        self.springs = Springs(self.system.joints["area"].copy(), layout.contacts.normal_stiffness[row],
+                               layout.contacts.shear_stiffness[row])
         self.lanes = None  # those that the wall was last moved in
-        self._held = None
+        self._held, self._told = None, (0, np.empty(0, int))
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
 
@@ -66,23 +66,23 @@ class ReferenceWall:
     @property
     def opening(self):
         """Inelastic opening (n_joints,) [m]: past the broken bond, or what a softened one has given way."""
-        return self._of_joints(self._observed()[0].opening)
+        return self.of_joints(self.told_now().opening[0])
 
     @property
     def slip(self):
         """Plastic slip of the closed contacts (n_joints,) [m]."""
-        return self._of_joints(self.system.joints["slip"])
+        return self.of_joints(self.system.joints["slip"])
 
     @property
     def offset(self):
         """Shear displacement less its elastic part (n_joints,) [m] of what has broken or softened, zero elsewhere; of
         fibres by their shares, each with its own stress."""
-        return self._of_joints(self._observed()[0].offset)
+        return self.of_joints(self.told_now().offset[0])
 
     @property
     def state(self):
         """Bits BROKEN, AT_LIMIT and CRUSHED (n_joints,)."""
-        return self._state_of_joints(self._observed()[0].state)
+        return self.state_of_joints(self.told_now().state[0])
 
     @property
     def energy(self):
@@ -94,29 +94,42 @@ class ReferenceWall:
         """Normal stress, tension positive, and shear stress of the kernel's contacts (2, contacts) [Pa]."""
         return self.system.readings[[tables.READ_SIGMA, tables.READ_TAU]]
 
-    def _observed(self, base_acceleration=(0.0, 0.0)):
-        """What is told of the kernel's contacts and of the bodies now (Observed), and `kinetic_energy`."""
-        (x, z), system = base_acceleration, self.system
-        bodies = (table.view(tables.REAL).reshape(-1, 8) for table in (system.place, system.motion))
-        told = Observed.none(len(system.joints), len(self.layout.bodies))
-        kinetic_j = observe(system.pairs, system.joints, system.contacts, system.readings, *bodies, *self._elastic, x,
-                            GRAVITY + z, self.time_step, *told)
-        return told, kinetic_j
+    def told_now(self):
+        """Samples of one, of this instant: what is told of the kernel's contacts and of the bodies."""
+        x, z = self.base_now()
+        return self.lanes.told_now(self, (float(x), GRAVITY + float(z)))
 
-    def _state_of_joints(self, state):
-        """Bits of the kernel's contacts as those of the joints (n_joints,): fibres by the last of each."""
-        return (state if self.layout.fibres is None else state[self.layout.fibres.last])[:self.layout.n_joints]
+    def base_now(self):
+        """Acceleration of the base in this step along x and z [m/s2]."""
+        step = self.step - self.first_step
+        return self.base[step] if step < len(self.base) else (0.0, 0.0)
 
-    def _of_joints(self, values):
-        """Values of the kernel's contacts as those of the joints (n_joints,): fibres by their shares."""
+    def joints_told(self):
+        """Joints that something may be told of, those of broken pairs: indices, or a slice."""
+        if self.layout.fibres is not None:
+            return slice(None)
+        pairs = self.system.pairs
+        broken = pairs["broken"] > 0
+        if (count := np.count_nonzero(broken)) != self._told[0]:  # a pair that is broken stays so
+            self._told = count, np.flatnonzero(np.repeat(broken, pairs["stop"] - pairs["start"]))
+        return self._told[1]
+
+    def state_of_joints(self, state):
+        """Bits of the kernel's contacts as those of the joints (..., n_joints): fibres by the last of each."""
+        return (state if self.layout.fibres is None else state[..., self.layout.fibres.last])[
+            ..., :self.layout.n_joints]
+
+    def of_joints(self, values):
+        """Values of the kernel's contacts as those of the joints (..., n_joints): fibres by their shares."""
         fibres = self.layout.fibres
-        return (values if fibres is None else fibres.mean(values))[:self.layout.n_joints]
+        return (values if fibres is None else fibres.mean(values))[..., :self.layout.n_joints]
 
     # --- what moves it --------------------------------------------------------------------------
 
-    def run(self, n_steps):
-        """Advance; before and afterwards forces and stresses belong to the present places."""
-        (failure,) = run_together([self], n_steps)
+    def run(self, *steps):
+        """Advance by these numbers of steps, one after the other; before and after each forces and stresses belong to
+        the present places, and `lanes.told` tells what was."""
+        (failure,) = run_together([self], *steps)
         if failure is not None:
             raise failure
 
@@ -160,7 +173,7 @@ class ReferenceWall:
         told = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
         events, values = events[told], values[told]
         events[:, 1] = fibres.contact[events[:, 1]]
-        stresses = map(self._of_joints, self.stresses)
+        stresses = map(self.of_joints, self.stresses)
         now = np.column_stack([*stresses, self.opening, self.slip])
         for kind, size in ((tables.OPENED, now[:, 2]), (tables.SLIPPED, np.abs(now[:, 3]))):
             new = np.flatnonzero((size > THRESHOLD) & ~self._passed[kind])
@@ -196,13 +209,13 @@ class ReferenceWall:
         _, _, _, _, fx, fz, *_ = self.system.place[-1].item()
         return fx, -fz
 
-    def kinetic_energy(self, base_acceleration=(0.0, 0.0)):
+    def kinetic_energy(self):
         """At the instant of the places: velocities are carried half a step on [J]."""
-        return self._observed(base_acceleration)[1]
+        return float(self.told_now().totals[0, KINETIC])
 
     def elastic_energy(self):
         """Of all contacts [J]."""
-        return float(np.sum(self._observed()[0].stored))
+        return float(np.sum(self.told_now().stored))
 
 
 def _columns(table, *names):

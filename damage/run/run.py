@@ -11,7 +11,7 @@ from damage.measure.energy import Balance, noise_j
 from damage.run import schedule
 from damage.run.settings import ADAPTIVE_DAMPING, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import NO_MOTION
-from damage.run.watch import has_collapsed, index_now, lowest_places, unbalanced_force
+from damage.run.watch import have_fallen, index_now, lowest_places, unbalanced_force
 from damage.units import GRAVITY
 
 LOOK_STEPS = 500
@@ -54,8 +54,9 @@ class Run:
     @property
     def index(self):
         """The damage index now."""
-        now = self.solver.instant(self._base_now())
-        return index_now(self.layout, self._top(self._motion(now)) / self.layout.drift_height, now.opening, now.offset)
+        now = self.solver.instants()
+        drift = self._top(self._motion(now))[-1] / self.layout.drift_height
+        return index_now(self.layout, drift, now.joints, now.opening[-1], now.offset[-1])
 
     @property
     def energy_error(self):
@@ -81,7 +82,7 @@ class Run:
                 return False
             if self._settled is not None:
                 self._settled.keep(solver)
-        events, now = solver.drain_events(), solver.instant(np.zeros(2))
+        events, now = solver.drain_events(), solver.instants()
         self.writer.static_stage(
             base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
             unbalanced_force=self._unbalanced_force(), broken_joints=int(np.sum(now.state > 0)),
@@ -111,8 +112,8 @@ class Run:
             solver.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
             interval_s = self.sample_steps * solver.time_step
             self._top_velocities = loading.velocities(interval_s, self.layout.pushed_height)
-        self._zero = solver.instant(self._base_now())
-        self._last = 0.0, self._motion(self._zero)
+        self._zero = solver.instants()
+        self._last = 0.0, self._motion(self._zero)[-1]
         self.stage = self.stages[0].name
 
     def run_all(self):
@@ -133,7 +134,7 @@ class Run:
             if not self.keep_going(self, self.time):
                 return False
             yield from solver.advance(SNAPSHOT_SAMPLES * self.sample_steps)
-            self.writer.snapshot(self.time, self._motion(solver.instant(self._base_now())))
+            self.writer.snapshot(self.time, self._motion(solver.instants())[-1])
         return True
 
     def _run_stages(self):
@@ -145,7 +146,7 @@ class Run:
                 if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
                     return False
                 yield from self._advance(min(stage.end_step - solver.clock, LOOK_STEPS), self.sample_steps,
-                                         self.sample)
+                                         self.take_samples)
         return True
 
     def _advance(self, *how):
@@ -155,8 +156,9 @@ class Run:
         except ArithmeticError as error:
             raise self._failure(error) from error
 
-    def _failure(self, problem):
-        stage = f"static stage, {self.time:.6g} s" if self.stage == "static" else f"{self.time:.6g} s"
+    def _failure(self, problem, time_s=None):
+        time_s = self.time if time_s is None else time_s
+        stage = f"static stage, {time_s:.6g} s" if self.stage == "static" else f"{time_s:.6g} s"
         return RunError(f"the run blew up ({stage}): {problem}; expected finite numbers; give a smaller --dt, or look "
                         "at the wall's stiffnesses and masses")
 
@@ -175,49 +177,66 @@ class Run:
             return {"local": LOCAL_DAMPING}
         return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
 
-    # --- one sample -----------------------------------------------------------------------------
+    # --- samples ---------------------------------------------------------------------------------
 
-    def sample(self):
-        """Write one sample of everything, and move a pushed top on; False where the run has to end."""
-        base, time_s = self._base_now(), self.time
-        now = self.solver.instant(base)
-        motion = self._motion(now)
-        self._last = time_s, motion
+    def take_samples(self, now):
+        """Write one sample after the other of everything (Instants), and move a pushed top on; False where the run has
+        to end, with the last one that is written."""
+        time_s, motion, base = now.clock * self.solver.time_step, self._motion(now), self._base_at(now.clock)
         top = self._top(motion)
-        row = {
-            "time_s": time_s, "base_acceleration_x_m_s2": base[0], "base_acceleration_z_m_s2": base[1],
+        rows = {
+            "time_s": time_s, "base_acceleration_x_m_s2": base[:, 0], "base_acceleration_z_m_s2": base[:, 1],
             "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
             "base_shear_n": now.base_shear_n, **self._energies(now, motion)}
-        self._check_finite(row, {"motion": motion, "opening": now.opening, "slip": now.slip, "offset": now.offset})
-        self.writer.append(self.stage, {**row, "top_force_n": now.top_force_n}, now.opening, now.slip, now.offset,
-                           now.state)
-        if self.stage != "settling":
-            self._balance.add(row)
-        if self._samples % SNAPSHOT_SAMPLES == 0:
-            self.writer.snapshot(time_s, motion)
-        self._write_events(self.solver.drain_events())
-        if self.collapsed_at_s is None and has_collapsed(motion, self._lowest):
-            self.collapsed_at_s = time_s
+        problem, end = self._first_not_finite(rows, {
+            "motion": motion, "opening": now.opening, "slip": now.slip, "offset": now.offset})
+        fell = np.flatnonzero(have_fallen(motion[:end], self._lowest))
+        if len(fell) > 0:
+            problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
+        self._write({**rows, "top_force_n": now.top_force_n}, motion, now, end)
+        if problem is not None:
+            raise self._failure(f"{problem} is no longer finite", time_s[end])
         if self._top_velocities is not None:
-            self.solver.push(self._top_velocities[min(self._samples, len(self._top_velocities) - 1)])
-        self._samples += 1
+            self.solver.push(self._top_velocities[min(self._samples - 1, len(self._top_velocities) - 1)])
         return self.collapsed_at_s is None
 
-    def _check_finite(self, row, arrays):
+    def _write(self, rows, motion, now, end):
+        """Write the first samples, up to this one, with their snapshots and events."""
+        rows = {name: values[:end] for name, values in rows.items()}
+        self.writer.extend(self.stage, rows, now.joints, *(
+            values[:end] for values in (now.opening, now.slip, now.offset, now.state)))
+        if self.stage != "settling" and end > 0:
+            self._balance.add(rows)
+        for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
+            self.writer.snapshot(rows["time_s"][k], motion[k])
+        if end > 0:
+            self._last = float(rows["time_s"][-1]), motion[end - 1]
+        events, last = self.solver.drain_events(), now.clock[end - 1] if 0 < end < len(motion) else math.inf
+        self._write_events([event for event in events if event[0] <= last])
+        self._samples += end
+
+    def _first_not_finite(self, rows, arrays):
+        """What is not finite at the first sample where anything is not, and which that is: None and their number where
+        all is.  rows: {name: (n,)}; arrays: {name: (n, ...)}."""
+        count = len(rows["time_s"])
         # A sum, of an array that of squares, is finite where all of it is, unless it is beyond all sense.
-        sums = {name: float(np.vdot(values, values)) for name, values in arrays.items()}
-        if not math.isfinite(sum(row.values()) + sum(sums.values())):
-            for name, value in {**row, **sums}.items():
-                if not math.isfinite(value):
-                    raise self._failure(f"{name} is no longer finite")
+        sums = [float(np.add.reduce(values)) for values in rows.values()]
+        sums += [float(np.vdot(values, values)) for values in arrays.values()]
+        if math.isfinite(sum(sums)):
+            return None, count
+        for k in range(count):
+            for name, values in (rows | arrays).items():
+                if not math.isfinite(float(np.vdot(values[k], values[k]))):
+                    return name, k
+        return None, count
 
     def _energies(self, now, motion):
-        """Energies since time zero [J].  Damping that the solver cannot tell is what is missing in the balance
+        """Energies since time zero (n,) [J].  Damping that the solver cannot tell is what is missing in the balance
         while the wall settles or is pushed; in any other stage there is none."""
-        zero = self._zero
+        zero, mass = self._zero, self.layout.bodies.mass
         energies = {
             "kinetic_energy_j": now.kinetic_j, "elastic_energy_j": now.elastic_j - zero.elastic_j,
-            "gravity_energy_j": GRAVITY * float(self.layout.bodies.mass @ motion[:, 1]),
+            "gravity_energy_j": GRAVITY * np.array([mass @ one[:, 1] for one in motion]),
             "friction_energy_j": now.friction_j - zero.friction_j,
             "fracture_energy_j": now.fracture_j - zero.fracture_j,
         }
@@ -225,25 +244,28 @@ class Run:
         if damped is None:
             balance = sum(energies.values()) - now.input_j
             if self.stage == "settling" or self.settings.loading.drives_top:
-                self._damped_j = self._balance_j - balance
+                damped = self._balance_j - balance
             else:
-                self._balance_j = balance + self._damped_j
-            damped = self._damped_j
+                damped = np.full(len(balance), self._damped_j)
+                self._balance_j = balance[-1] + self._damped_j
+            self._damped_j = damped[-1]
         return {**energies, "input_energy_j": now.input_j, "damping_energy_j": damped}
 
     def _motion(self, now):
-        """Displacement of the bodies since time zero, (n_bodies, 3) [m, m, rad]."""
+        """Displacement of the bodies since time zero, (n, n_bodies, 3) [m, m, rad]."""
         return now.displacement - self._zero.displacement
 
     def _top(self, motion):
-        """Mean displacement of the top course over the piers since time zero [m]; motion: `_motion`."""
-        top = motion[:, 0].take(self.layout.drift_bodies)
-        return float(np.add.reduce(top)) / len(top)
+        """Mean displacement of the top course over the piers since time zero (n,) [m]; motion: `_motion`."""
+        top = motion[:, :, 0].take(self.layout.drift_bodies, axis=1)
+        return np.add.reduce(top, axis=1) / top.shape[1]
 
-    def _base_now(self):
-        """Acceleration of the base in this step, (2,) [m/s2]."""
-        step = self.solver.clock
-        return self.base[step] if step < len(self.base) else np.zeros(2)
+    def _base_at(self, clock):
+        """Acceleration of the base in these steps, (n, 2) [m/s2]."""
+        found = np.zeros((len(clock), 2))
+        moves = clock < len(self.base)
+        found[moves] = self.base[clock[moves]]
+        return found
 
     def _write_events(self, events, first_step=0):
         """Write what a solver drained; first_step: of its clock's zero, since time zero."""

@@ -8,28 +8,38 @@ NO_MOTION = np.zeros((0, 2))
 """Acceleration of a base that stands still."""
 
 
-class Instant(NamedTuple):
-    """A wall at one instant, positions and forces of the same time.
+class Instants(NamedTuple):
+    """A wall at some instants, one after the other; positions and forces are of the same time.
 
-    displacement: (n_bodies, 3) since the wall was built [m, m, rad]; opening, slip, offset: (n_joints,) [m];
-    state: (n_joints,) bits BROKEN, AT_LIMIT and CRUSHED; base_shear_n [N]; top_force_n [N], NaN where nothing is held;
-    energies [J]: kinetic and elastic, and those that came in or were dissipated since `start`;
+    clock: (n,) steps since `start`; displacement: (n, n_bodies, 3) since the wall was built [m, m, rad];
+    joints: (n_told,) indices of those that something may be told of, or a slice; opening, slip, offset:
+    (n, n_told) [m], zero in all other joints; state: (n, n_told) bits BROKEN, AT_LIMIT and CRUSHED, so too;
+    base_shear_n, top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
+    that came in or were dissipated since `start`;
     damping_j: None where the solver cannot tell it: then the run infers it from the balance.
     """
 
+    clock: np.ndarray
     displacement: np.ndarray
+    joints: np.ndarray | slice
     opening: np.ndarray
     slip: np.ndarray
     offset: np.ndarray
     state: np.ndarray
-    base_shear_n: float
-    top_force_n: float
-    kinetic_j: float
-    elastic_j: float
-    input_j: float
-    friction_j: float
-    fracture_j: float
-    damping_j: float | None
+    base_shear_n: np.ndarray
+    top_force_n: np.ndarray
+    kinetic_j: np.ndarray
+    elastic_j: np.ndarray
+    input_j: np.ndarray
+    friction_j: np.ndarray
+    fracture_j: np.ndarray
+    damping_j: np.ndarray | None
+
+    @classmethod
+    def one(cls, **values):
+        """Of the values of a single one, and `joints`."""
+        return cls(**{name: value if name == "joints" or value is None else np.asarray(value)[np.newaxis]
+                      for name, value in values.items()})
 
 
 class Solver(Protocol):
@@ -57,19 +67,19 @@ class Solver(Protocol):
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]."""
 
-    def advance(self, n_steps, sample_steps=None, on_sample=None):
-        """Take steps, or hand them out: returns an iterable of (self, number of steps), each to be taken by `run`
-        before the next is asked for.  A solver that moves by itself takes all at once and returns ().
+    def advance(self, n_steps, sample_steps=None, on_samples=None):
+        """Take steps, or hand them out: returns an iterable of (self, *numbers of steps), to be taken by `run` before
+        the next is asked for.  A solver that moves by itself takes all at once and returns ().
 
-        `on_sample()` is called at time zero and after every `sample_steps` steps, where instants and forces can be
-        read, until it returns False.
+        `on_samples(Instants)` is called of time zero and of every `sample_steps` steps, of one or of several at once,
+        until it returns False: late, then, but not where bodies are held, which it may `push` on.
         """
 
-    def run(self, n_steps):
+    def run(self, *steps):
         """Take steps that were handed out; a solver that moves by itself has none."""
 
-    def instant(self, base_acceleration):
-        """The Instant now; base_acceleration: (2,) of this step [m/s2]."""
+    def instants(self):
+        """The Instants of now, of which there is one."""
 
     def forces(self):
         """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact, (n_contacts,) [N]."""

@@ -6,12 +6,12 @@ import numpy as np
 def run_each(asked):
     """Let solvers take steps, one after the other; returns for each None, or the error that ended it.
 
-    asked: (solver, number of steps) of each.
+    asked: (solver, *numbers of steps) of each.
     """
     failures = [None] * len(asked)
-    for number, (solver, n_steps) in enumerate(asked):
+    for number, (solver, *steps) in enumerate(asked):
         try:
-            solver.run(n_steps)
+            solver.run(*steps)
         except Exception as error:
             failures[number] = error
     return failures
@@ -21,8 +21,8 @@ def run_each(asked):
 def take_turns(runs, move=run_each):
     """Let runs go on until all have ended; returns what each of them returned.
 
-    runs: generators of (solver, number of steps), as `damage.run.session.simulate`: what is to be taken before a run
-    goes on; an error in it is raised there.  move: as `run_each`, takes the steps of all that have not ended.
+    runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run goes
+    on; an error in it is raised there.  move: as `run_each`, takes the steps of all that have not ended.
     """
     ended, failures = {}, dict.fromkeys(runs)
     while failures:

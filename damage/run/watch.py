@@ -6,11 +6,12 @@ from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.units import GRAVITY
 
 
-def index_now(layout, drift_ratio, opening, offset):
-    """The damage index of one instant, slip by displacement; opening, offset: (n_joints,) [m]."""
-    length = layout.joint_length
-    return float(combine(min(1.0, drift_component(drift_ratio)), length_fraction(opening > THRESHOLD, length),
-                         length_fraction(np.abs(offset) > THRESHOLD, length)))
+def index_now(layout, drift_ratio, joints, opening, offset):
+    """The damage index of one instant, slip by displacement; opening, offset: [m] of these joints, zero elsewhere."""
+    told, length = np.zeros((2, layout.n_joints)), layout.joint_length
+    told[:, joints] = opening, offset
+    return float(combine(min(1.0, drift_component(drift_ratio)), *(
+        length_fraction(np.abs(values) > THRESHOLD, length) for values in told)))
 
 
 def lowest_places(layout):
@@ -18,9 +19,10 @@ def lowest_places(layout):
     return -layout.bodies.height[:layout.n_bricks] / 2
 
 
-def has_collapsed(motion, lowest):
-    """Whether a brick has fallen; motion: (n_bodies, 3) since the static stage; lowest: `lowest_places`."""
-    return bool(np.logical_or.reduce(motion[:len(lowest), 1] < lowest))
+def have_fallen(motion, lowest):
+    """At which instants a brick has fallen (n,); motion: (n, n_bodies, 3) since the static stage; lowest:
+    `lowest_places`."""
+    return np.logical_or.reduce(motion[:, :len(lowest), 1] < lowest, axis=1)
 
 
 def unbalanced_force(layout, on_bodies, in_contacts):

@@ -32,8 +32,8 @@ class Fibres:
     last: np.ndarray
 
     def mean(self, values):
-        """Of values (n_fibres,), by shares in each contact: (n_contacts,)."""
-        return np.add.reduceat(self.share * values, self._first())
+        """Of values (..., n_fibres), by shares in each contact: (..., n_contacts)."""
+        return np.add.reduceat(self.share * values, self._first(), axis=-1)
 
     def total(self, values):
         """Sum of values (n_fibres,) in each contact: (n_contacts,)."""

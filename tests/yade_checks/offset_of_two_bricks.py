@@ -35,9 +35,9 @@ def main():
         opening, shear = (there - here) / (STEPS * STEP)
         for velocity, steps in (((shear, opening, 0.0), STEPS), (np.zeros(3), FOLLOW_STEPS)):
             solver.set_velocities([np.zeros(3), velocity])
-            solver.advance(steps, FOLLOW_STEPS, lambda: True)
-        now, here = solver.instant(np.zeros(2)), there
-        rows.append([np.mean(values[joints]) for values in (now.opening, now.slip, now.offset)])
+            solver.advance(steps, FOLLOW_STEPS, lambda now: True)
+        now, here = solver.instants(), there
+        rows.append([np.mean(values[0, joints]) for values in (now.opening, now.slip, now.offset)])
     np.save(sys.argv[2], rows)
 
 
