@@ -9,9 +9,12 @@ def one_line(text):
     >>> one_line("a name with a \x1b[31m and a line\nfeed")
     'a name with a \\x1b[31m and a line\\nfeed'
     """
-    text, (first, last) = str(text), _LONGEST
-    text = text if len(text) <= first + last else f"{text[:first]} ... {text[-last:]}"
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return _cut("".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in _cut(str(text))))
+
+
+def _cut(text):
+    first, last = _LONGEST
+    return text if len(text) <= first + last else f"{text[:first]} ... {text[-last:]}"
 
 
 class InputError(ValueError):

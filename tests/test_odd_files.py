@@ -192,6 +192,14 @@ def test_files_of_a_field_are_looked_at_before_they_are_read(tmp_path):
     assert "line 2: uz_m is beyond 1000" in one_line_error(read_field, tmp_path / "far.csv")
 
 
+def test_a_crack_whose_name_grows_when_it_is_escaped_is_told_in_one_line_of_bounded_length(tmp_path):
+    """4000 zero bytes behind its name: each is four characters where they are shown."""
+    zeros = "\0" * 4000
+    (tmp_path / "zeros.csv").write_text(f"{HEAD}a{zeros},4,0,0,1\n")
+    told = one_line_error(read_cracks, tmp_path / "zeros.csv")
+    assert "\\x00" in told and told.endswith("expected 1 where a polyline begins") and len(told) < 1600
+
+
 def test_a_long_crack_is_mapped_as_one_piece_would_be(tmp_path, monkeypatch):
     """Across the whole wall and far beyond it, in parts of 0.1 m and at once."""
     (tmp_path / "long.csv").write_text(HEAD + "a,1,-2.05,-1,1\na,2,3.1,1.52,1\nb,1,-0.5,0.0751,1\nb,2,1.4,0.0751,1\n")
