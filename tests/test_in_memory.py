@@ -1,6 +1,6 @@
 """A history in memory is the one that its file would be, and becomes that file where it has to."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pandas as pd
@@ -13,6 +13,7 @@ from damage.history.info import check
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.index import damage_index
+from damage.measure.tables import joints_table
 from damage.studies.records import record_of
 
 TOLD = {  # several chunks of samples, with joints that are told of in one alone; minus zero is a number of its own
@@ -20,6 +21,8 @@ TOLD = {  # several chunks of samples, with joints that are told of in one alone
     "opening": {3: np.where(np.arange(280) < 50, 0.0, 2e-4)}, "slip": {5: np.linspace(0.0, 3e-4, 280), 7: -0.0},
     "broken": [9], "drift": np.linspace(0.0, 1e-3, 280), "collapsed_at_s": 2.0,
 }
+
+FRAMES = ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "crushed")
 
 
 def differences(one, other):
@@ -77,6 +80,42 @@ def test_told_are_the_joints_of_which_anything_is_told(write, tmp_path):
     dense = damage_index(history.series["time_s"], history.series["drift_ratio"], history.opening_m, history.offset_m,
                          history.at_limit, history.joint_length_m)
     assert np.allclose(history.index().to_numpy(), dense.to_numpy(), rtol=1e-12, atol=0)
+
+
+def test_whole_frames_are_made_when_they_are_asked_for_first(tmp_path):
+    written = make_history(tmp_path / "a.h5", **TOLD)
+    kept = make_history(tmp_path / "b.h5", **TOLD, write=HistoryInMemory)
+    record = record_of(kept, "run", "point")
+    joints_table(kept)
+    assert all(callable(vars(kept)[name]) for name in FRAMES) and not record["intact"]
+    assert kept.broken is kept.broken and differences(written, kept) == []
+    half = replace(kept, series=kept.series.iloc[:100], **{name: getattr(kept, name)[:100] for name in FRAMES})
+    assert half.told.opening_m.shape == (100, 3) and len(half.index()) == 100
+
+
+@pytest.mark.parametrize("write", [HistoryWriter, HistoryInMemory, HistoryKept])
+def test_states_are_those_of_the_joints_that_ever_have_one(write, tmp_path):
+    history = make_history(tmp_path / "a.h5", **TOLD, at_limit=[11], write=write)
+    states = history.states
+    assert set(states.joints) == {3, 5, 9, 11} and not history.is_intact
+    for name in ("broken", "at_limit", "crushed"):
+        assert np.array_equal(getattr(states, name), getattr(history, name)[:, states.joints])
+        assert getattr(history, name).sum() == getattr(states, name).sum()
+    assert make_history(tmp_path / "b.h5", stages=TOLD["stages"], write=write).is_intact
+
+
+@pytest.mark.parametrize("write", [HistoryWriter, HistoryInMemory])
+def test_the_table_of_joints_is_that_of_whole_frames(write, tmp_path):
+    history = make_history(tmp_path / "a.h5", **TOLD, write=write)
+    table = joints_table(history)
+    for column, frame in (("opening_m", history.opening_m), ("slip_m", history.slip_m), ("offset_m", history.offset_m)):
+        assert np.array_equal(table[f"final_{column}"], frame[-1])
+        largest = "max_" if column == "opening_m" else "max_abs_"
+        assert np.array_equal(table[f"{largest}{column}"], np.abs(frame).max(axis=0))
+        assert table[f"final_{column}"].dtype == frame.dtype
+    for column, frame in (("broken", history.broken), ("at_shear_limit", history.at_limit),
+                          ("crushed", history.crushed)):
+        assert np.array_equal(table[column], frame[-1])
 
 
 @pytest.mark.parametrize("status", ["failed", "interrupted"])

@@ -270,3 +270,25 @@ def test_scattered_strengths_do_not_depend_on_the_placing_of_contact_points():
         found.append({(a, b): s for a, b, s in zip(contacts.first, contacts.second, contacts.tensile_strength)})
     assert found[0] == found[1] == found[2]
     assert np.all(np.isinf(contacts.tensile_strength[contacts.kind == CAP]))
+
+
+@pytest.mark.parametrize("brick", [Brick(), Brick(tensile_strength=2e6)])
+def test_what_members_share_is_laid_out_once_and_is_of_each_its_own(brick, monkeypatch):
+    """Bit by bit as if it were laid out anew, whatever is done to one that was laid out before."""
+    def laid_out(seed, **options):
+        layout = lay_out(Wall("members", 1.8, 0.9, brick=brick), ModelOptions(
+            strength_cov=0.3, strength_seed=seed, **options), scatter=0.1, seed=seed)
+        return [*vars(layout.bodies).values(), *vars(layout.cells).values(), *vars(layout.contacts).values(),
+                layout.drift_bodies], layout
+
+    first, _ = laid_out(1)
+    wanted = [array.tobytes() for array in first]
+    for array in first:
+        array[:] = 0
+    with monkeypatch.context() as done:
+        done.setattr("damage.wall.layout._find_piers", None)  # what lays out anew would call it
+        other, layout = laid_out(2)
+        assert [array.tobytes() for array in laid_out(1)[0]] == wanted
+    differ = [a.tobytes() != b for a, b in zip(other, wanted)]
+    assert sum(differ) == 2 and layout.options.strength_seed == 2  # tensile strength and cohesion
+    assert len(laid_out(1, cells=3)[1].contacts) > len(layout.contacts)

@@ -126,3 +126,15 @@ def test_rotations_reach_the_cosine_without_gaps(monkeypatch, symmetric_wall):
     for select in (slice(None), np.array([5])):
         ContactKinematics(layout).displacements(np.zeros((len(layout.bodies), 3)), select)
     assert set(given) == {(8,)}
+
+
+def test_modes_are_kept_for_walls_that_differ_by_strengths_alone(symmetric_wall):
+    wanted = natural_modes(lay_out(symmetric_wall, ModelOptions(strength_cov=0.3, strength_seed=1)))
+    shape = wanted.shape.copy()
+    wanted.shape[:] = 0  # what is handed out is its owner's
+    again = natural_modes(lay_out(symmetric_wall, ModelOptions(strength_cov=0.3, strength_seed=2)))
+    assert again.shape.tobytes() == shape.tobytes()
+    assert again.critical_time_step_s == wanted.critical_time_step_s
+    stiffer = replace(symmetric_wall, joint=replace(symmetric_wall.joint, shear_stiffness=5e11))
+    assert natural_modes(lay_out(stiffer)).period_s[0] < again.period_s[0]
+    assert len(natural_modes(lay_out(symmetric_wall), 2).period_s) == 2

@@ -9,7 +9,7 @@ import numpy as np
 
 from damage.history import schema
 from damage.history.buffer import Buffer
-from damage.history.reader import Told, any_bit, checked, history_of, read_history
+from damage.history.reader import any_bit, checked, history_of, read_history
 from damage.history.writer import HistoryWriter, layout_tables, run_attributes
 
 MOST_BYTES = 40_000_000
@@ -80,13 +80,8 @@ class HistoryInMemory(Buffer):
                    for group, columns in schema.GROWING.items() if group != "frames"
                    for number, name in enumerate(columns)}
         joints, frames = self._frames_told()
-        for name, told in frames.items():
-            values[f"frames/{name}"] = rows = np.zeros((len(told), self._layout.n_joints), told.dtype)
-            rows[:, joints] = told
-        history = history_of(path, self._attributes, values)
-        history.knows_told(Told.of(joints, *(frames[name] for name in ("opening_m", "slip_m", "offset_m")),
-                                   history.at_limit[:, joints]))
-        return checked(history)
+        values |= {f"frames/{name}": told for name, told in frames.items()}
+        return checked(history_of(path, self._attributes, values, joints=joints))
 
     def _column(self, group, number, name):
         """All rows of a column, of this number in its group."""

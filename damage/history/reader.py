@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -45,20 +45,50 @@ class Told(NamedTuple):
     offset_m: np.ndarray | None
     at_limit: np.ndarray
 
-    @classmethod
-    def of(cls, joints, *frames):
-        """Those of some joints at which anything is told; frames: as the fields."""
-        ever = np.any([any_bit(frame) for frame in frames if frame is not None], axis=0)
-        return cls(joints[ever], *(frame if frame is None else frame[:, ever] for frame in frames))
-
     def slip_by(self, slip):
         """As of a History."""
         return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
 
 
+class States(NamedTuple):
+    """What is told of joints' states: those at which any was ever set, (n,) indices in rising order, and of these alone
+    broken, at_limit, crushed, bool (n_times, n)."""
+
+    joints: np.ndarray
+    broken: np.ndarray
+    at_limit: np.ndarray
+    crushed: np.ndarray
+
+
+def _told(kind, joints, frames):
+    """A Told, or States, of those of some joints (n,) at which anything is told; frames: {name: (n_times, n)}."""
+    asked = [frames[name] for name in kind._fields[1:]]
+    ever = np.any([any_bit(frame) for frame in asked if frame is not None], axis=0)
+    return kind(joints[ever], *(frame if frame is None else frame[:, ever] for frame in asked))
+
+
 def any_bit(rows):
     """In which columns (n,) of rows (n_rows, n) any bit is set: minus zero is a number of its own."""
     return np.bitwise_or.reduce(rows.view(f"u{rows.itemsize}"), axis=0) > 0
+
+
+class _Frames:
+    """A field of a History, (n_times, n_joints), that may come as a function which makes it: it is made when it is
+    asked for first, for of most runs of a study nobody does."""
+
+    def __set_name__(self, owner, name):
+        self._name = name
+
+    def __get__(self, history, owner=None):
+        if history is None:
+            raise AttributeError(self._name)  # the field has no default
+        held = vars(history)
+        if callable(held[self._name]):
+            held[self._name] = held[self._name]()
+        return held[self._name]
+
+    def __set__(self, history, value):
+        vars(history)[self._name] = value
 
 
 @dataclass(frozen=True)
@@ -91,14 +121,14 @@ class History:
     bodies: pd.DataFrame
     series: pd.DataFrame
     events: pd.DataFrame
-    opening_m: np.ndarray
-    slip_m: np.ndarray
-    broken: np.ndarray
-    at_limit: np.ndarray
-    crushed: np.ndarray
+    opening_m: np.ndarray = _Frames()
+    slip_m: np.ndarray = _Frames()
+    broken: np.ndarray = _Frames()
+    at_limit: np.ndarray = _Frames()
+    crushed: np.ndarray = _Frames()
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
-    offset_m: np.ndarray | None
+    offset_m: np.ndarray | None = _Frames()
 
     @property
     def complete(self):
@@ -150,7 +180,7 @@ class History:
     def judged_by(self, slip):
         """The criterion of slip that this run is judged by where one is asked for: `accumulated` in place of
         `displacement` where the file has no offsets."""
-        return "accumulated" if slip == "displacement" and self.offset_m is None else slip
+        return "accumulated" if slip == "displacement" and self.told.offset_m is None else slip
 
     def slip_by(self, slip):
         """The slip that counts by a criterion, (n_times, n_joints) [m]; by `shear-limit` none does, and this is that
@@ -172,11 +202,20 @@ class History:
     @cached_property
     def told(self):
         """What is Told of joints: of most nothing ever is, so that numbers of a run are worked out of the others."""
-        return Told.of(np.arange(len(self.joints)), self.opening_m, self.slip_m, self.offset_m, self.at_limit)
+        return self._of_all(Told)
 
-    def knows_told(self, told):
-        """Take what is Told from who knows it."""
-        vars(self)["told"] = told
+    @cached_property
+    def states(self):
+        """What is told of their States."""
+        return self._of_all(States)
+
+    def _of_all(self, kind):
+        return _told(kind, np.arange(len(self.joints)), {name: getattr(self, name) for name in kind._fields[1:]})
+
+    @property
+    def is_intact(self):
+        """Whether no joint ever broke or reached its shear limit."""
+        return not bool(self.states.broken.any() or self.states.at_limit.any())
 
     @cached_property
     def _indices(self):
@@ -263,32 +302,53 @@ def _read(file, path):
                       ended=not head or head.sealed)
 
 
-def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True):
-    """A History from what `run` says of itself and all columns by their paths, {"GROUP/NAME": array or dataset}."""
+def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joints=None):
+    """A History from what `run` says of itself and all columns by their paths, {"GROUP/NAME": array or dataset}.
+
+    joints: where the frames are of some joints alone, their indices (n,) in rising order; of all others nothing is
+    told, and whole frames are made when they are asked for.
+    """
     tables = tables_of(version)
     # A killed run may have flushed one column more often than another: cut to the shortest.
     series, n_times = _columns(values, "series", min(len(values[f"{group}/{name}"]) for group in ("series", "frames")
                                                      for name in tables[group]))
     events, _ = _columns(values, "events", min(len(values[f"events/{name}"]) for name in TABLES["events"]))
     n_snapshots = min(len(values[f"snapshots/{name}"]) for name in TABLES["snapshots"])
-    state = values["frames/state"][:n_times]
+    table, n_joints = _columns(values, "joints")
+    frames = _frames(values, tables["frames"], n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
-    return History(
+    history = History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
         status=STATUS[int(values["run/status"][()]) if ended else 0],
         collapsed_at_s=None if np.isnan(collapsed) else collapsed,
         parameters=json.loads(attributes["parameters_json"]), versions=json.loads(attributes["versions_json"]),
         static={name: float(values[f"static/{name}"][()]) for name in sorted(TABLES["static"])},
-        attributes=attributes,
-        joints=_decode(_columns(values, "joints")[0], "kind", CODES["joints/kind"]),
+        attributes=attributes, joints=_decode(table, "kind", CODES["joints/kind"]),
         bodies=_columns(values, "bodies")[0],
         series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
-        opening_m=values["frames/opening_m"][:n_times], slip_m=values["frames/slip_m"][:n_times],
-        broken=(state & BROKEN) > 0, at_limit=(state & AT_LIMIT) > 0,
-        crushed=(state & CRUSHED) > 0,
         snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
         displacement=values["snapshots/displacement"][:n_snapshots],
-        offset_m=values["frames/offset_m"][:n_times] if "offset_m" in tables["frames"] else None)
+        **(frames if joints is None else
+           {name: partial(_at_all_joints, rows, joints, n_joints) for name, rows in frames.items()}))
+    if joints is not None:  # as its cached properties would tell it of the whole frames
+        vars(history).update(told=_told(Told, joints, frames), states=_told(States, joints, frames))
+    return history
+
+
+def _frames(values, columns, n_times):
+    """{field of a History: its frames}, offsets None where a file has none."""
+    state = values["frames/state"][:n_times]
+    told = {name: values[f"frames/{name}"][:n_times] if name in columns else None
+            for name in ("opening_m", "slip_m", "offset_m")}
+    return told | {name: (state & bit) > 0 for name, bit in (
+        ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED))}
+
+
+def _at_all_joints(told, joints, n_joints):
+    """Frames (n_times, n_joints) of what is told (n_times, n) of some joints alone."""
+    rows = np.zeros((len(told), n_joints), told.dtype)
+    rows[:, joints] = told
+    return rows
 
 
 def _number_shocks(series):

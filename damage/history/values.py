@@ -33,15 +33,19 @@ def check_values(history):
     _check_columns("bodies", bodies)
     _check_columns("events", events)
     # What a solver does not tell is empty: a column has all its values or none.
-    told = [name for name, values in series.items() if name in ("time_s", "drift_ratio") or not values.isna().all()]
-    _check_columns("series", series[told])
+    empty = [name for name, values in series.items() if values.dtype.kind == "f" and np.isnan(values.to_numpy()).all()
+             and name not in ("time_s", "drift_ratio")]
+    _check_columns("series", series.drop(columns=empty))
     for table, names in ((joints, ("length_m", "area_m2")), (bodies, ("length_m", "height_m", "mass_kg"))):
         for name in names:
-            _refuse(~(table[name] > 0), name, "a number above zero", table[name])
+            values = table[name].to_numpy()
+            _refuse(~(values > 0), name, "a number above zero", values)
     for table, name, least, end in ((joints, "first_body", -1, len(bodies)), (joints, "second_body", 0, len(bodies)),
                                     (events, "joint", 0, len(joints))):
-        _refuse((table[name] < least) | (table[name] >= end), name, f"{least} to {end - 1}", table[name])
-    _refuse(np.diff(series["time_s"], prepend=-np.inf) <= 0, "time_s", "a later time than before", series["time_s"])
+        values = table[name].to_numpy()
+        _refuse((values < least) | (values >= end), name, f"{least} to {end - 1}", values)
+    time_s = series["time_s"].to_numpy()
+    _refuse(np.diff(time_s, prepend=-np.inf) <= 0, "time_s", "a later time than before", time_s)
     for name, frames in (*((name, getattr(history.told, name)) for name in ("opening_m", "slip_m", "offset_m")),
                          ("displacement", history.displacement)):
         # Of the extremes first, which takes no memory: of what is no number both are none, too.
@@ -55,15 +59,17 @@ def check_values(history):
 
 def _check_columns(table, frame, infinite=()):
     """All numbers are some that can be; those of the columns `infinite` may be infinite, too."""
-    for name, values in frame.items():
-        if values.dtype.kind == "f":
-            allowed = (np.abs(values) < _HUGE) | ((values == np.inf) & (name in infinite))
+    for name, column in frame.items():
+        if column.dtype.kind == "f":
+            values = column.to_numpy()
+            allowed = np.abs(values) < _HUGE
+            if name in infinite:
+                allowed |= values == np.inf
             _refuse(~allowed, f"{table}/{name}", "a number that can be", values)
 
 
 def _refuse(wrong, name, expected, values):
-    """Raise InputError of the first row where `wrong`."""
-    wrong = np.asarray(wrong)
+    """Raise InputError of the first row where `wrong`; both (n,)."""
     if wrong.any():
         row = int(np.argmax(wrong))
-        raise InputError(f"{name} is {values.iloc[row]:g} in row {row}, expected {expected}")
+        raise InputError(f"{name} is {values[row]:g} in row {row}, expected {expected}")

@@ -165,8 +165,10 @@ def count_cracks(is_cracked, pairs):
     when, which = np.nonzero(states[:, pairs[:, 0]] & states[:, pairs[:, 1]])
     first, second = pairs[which].T
     graph = coo_array((np.ones(len(when)), (node[when, first], node[when, second])), shape=(len(sample),) * 2)
-    _, any_node = np.unique(connected_components(graph, directed=False)[1], return_index=True)
-    return np.bincount(sample[any_node], minlength=len(states))[np.cumsum(changed) - 1]
+    n_cracks, crack = connected_components(graph, directed=False)
+    sample_of = np.zeros(n_cracks, int)
+    sample_of[crack] = sample
+    return np.bincount(sample_of, minlength=len(states))[np.cumsum(changed) - 1]
 
 
 def psi_summary(history, threshold=PSI_FROM):

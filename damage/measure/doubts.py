@@ -36,7 +36,7 @@ def energy_doubts(error):
 
 def offset_doubts(history):
     """What is said of a run whose file has no offsets: everywhere where slip by displacement is shown."""
-    if history.offset_m is not None:
+    if history.told.offset_m is not None:
         return []
     return ["the history has no offsets of its joints (schema version 1 or 2): slip by displacement is judged by "
             "accumulated, in crack widths and Psi, too; for offsets run the wall again"]

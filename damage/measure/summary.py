@@ -24,7 +24,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
-    series, told, index = history.series, history.told, {}
+    series, told, states, index = history.series, history.told, history.states, {}
+    broken, crushed = (states.joints[frames[-1]] for frames in (states.broken, states.crushed))
     for ending, criterion in (("", slip), ("_accumulated", "accumulated"), ("_shear_limit", "shear-limit")):
         over_time = history.index(threshold, drift_limit, criterion)[list(COMPONENTS)]
         index |= {f"max{ending}": over_time.max().to_dict(),
@@ -46,8 +47,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "max_offset_mm": None if told.offset_m is None else _largest(told.offset_m) * 1e3,
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
-        "crushed_length_m": float(history.joint_length_m[history.crushed[-1]].sum()),
-        "split_length_m": float((history.joints["length_m"] - history.joint_length_m)[history.broken[-1]].sum()),
+        "crushed_length_m": float(history.joint_length_m[crushed].sum()),
+        "split_length_m": float((history.joints["length_m"] - history.joint_length_m).iloc[broken].sum()),
         "energy_error_fraction": energy_error, "warnings": doubts(history, energy_error),
         **motion_measures(history), "period_s": period_of(history), **first_loading(history),
         **cracks, **cycle_measures(history), **energy_measures(history),

@@ -117,13 +117,22 @@ def joints_table(history):
     """A row a contact point: where it is, its state at the end, its largest opening, accumulated slip and offset,
     which is empty of a history without offsets."""
     table = _with_first(history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m")
-    slip, offset = np.abs(history.slip_m), history.offset_m
+    told, states = history.told, history.states
+
+    def column(of, values):
+        """A column of what is told of some joints (n,): of the others nothing is."""
+        whole = np.zeros(len(table), values.dtype)
+        whole[of.joints] = values
+        return whole
+
+    opening, slip, offset = told.opening_m, told.slip_m, told.offset_m
     return table.assign(
-        final_opening_m=history.opening_m[-1], max_opening_m=history.opening_m.max(axis=0),
-        final_slip_m=history.slip_m[-1], max_abs_slip_m=slip.max(axis=0),
-        broken=history.broken[-1], at_shear_limit=history.at_limit[-1], crushed=history.crushed[-1],
-        final_offset_m=np.nan if offset is None else offset[-1],
-        max_abs_offset_m=np.nan if offset is None else np.abs(offset).max(axis=0))
+        final_opening_m=column(told, opening[-1]), max_opening_m=column(told, opening.max(axis=0)),
+        final_slip_m=column(told, slip[-1]), max_abs_slip_m=column(told, np.abs(slip).max(axis=0)),
+        broken=column(states, states.broken[-1]), at_shear_limit=column(states, states.at_limit[-1]),
+        crushed=column(states, states.crushed[-1]),
+        final_offset_m=np.nan if offset is None else column(told, offset[-1]),
+        max_abs_offset_m=np.nan if offset is None else column(told, np.abs(offset).max(axis=0)))
 
 
 def _with_first(table, *columns):

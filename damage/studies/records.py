@@ -18,7 +18,7 @@ FOLDER = "shards"
 def record_of(history, name, point):
     """The record of a run from its History; point: that of the study."""
     sequence = history.series["shock"].iloc[-1] > 1
-    return {"run": name, "intact": not bool(history.broken.any() or history.at_limit.any()),
+    return {"run": name, "intact": history.is_intact,
             "row": summary_row(history, run=name, point=point),
             **{table: make(history).to_dict("records") if sequence or table != "shocks" else []
                for table, make in TABLES.items()}}

@@ -11,7 +11,9 @@ the top mass.  The ground is body `GROUND`.  Contact points lie on the bed and h
 A brick's cells break at every head joint of the wall, so that facing cells of two courses match.
 """
 
+from copy import deepcopy
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -167,6 +169,18 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     Raises InputError where the openings' edges leave cells too narrow to compute with, or there are too many.
     """
     options = options or ModelOptions()
+    layout = deepcopy(_lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0, fibres=0)))
+    layout = replace(layout, wall=wall, options=options, contacts=_scattered(
+        wall, layout.contacts, (options.strength_cov, options.strength_seed), (scatter, (seed, 1))))
+    if wall.brick.splits:
+        layout = split_bricks(layout)
+    return replace(layout, fibres=split_into_fibres(wall.joint, layout.contacts, options.fibres)
+                   if options.fibres else None)
+
+
+@lru_cache(maxsize=4)
+def _lay_out_alike(wall, options):
+    """The Layout of whole bricks whose joints are all as strong as the wall says: what members of an ensemble share."""
     courses = [_lay_course(wall, course) for course in range(wall.courses)]
     piers = _find_piers(wall)
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
@@ -177,16 +191,12 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
                          f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
-    contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks, (scatter, (seed, 1)))
+    contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks)
     drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)
-    layout = Layout(
+    return Layout(
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
         drift_height=float(bodies.z[drift_bodies].mean()), piers=piers)
-    if wall.brick.splits:
-        layout = split_bricks(layout)
-    return replace(layout, fibres=split_into_fibres(wall.joint, layout.contacts, options.fibres)
-                   if options.fibres else None)
 
 
 # --- bricks -------------------------------------------------------------------------------------
@@ -349,7 +359,7 @@ def _make_cells(bodies, breaks):
 
 # --- contact points -----------------------------------------------------------------------------
 
-def _make_contacts(wall, options, bodies, n_bricks, cells, breaks, scatter):
+def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     """All contact points: joints first, then the caps' glue."""
     pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
     pairs.sort(key=lambda pair: pair[0] == CAP)
@@ -361,13 +371,19 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks, scatter):
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
     middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie on the edges of its courses
     elastic = (kind == CAP) | _in_lintel(wall, options, middle_x, middle_z)
-    factors = _strength_factors(first, second, options.strength_cov, options.strength_seed)
-    factors = factors * _strength_factors(first, second, *scatter)
-    strengths = [np.where(elastic, np.inf, strength * factors)
-                 for strength in (wall.joint.tensile_strength, wall.joint.cohesion)]
-    crushes = np.where(elastic, np.inf, wall.joint.compressive_strength or np.inf)
+    strengths = [np.where(elastic, np.inf, strength) for strength in (
+        wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]
     return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
-                    normal, shear, elastic, *strengths, crushes, first_cell, second_cell)
+                    normal, shear, elastic, *strengths, first_cell, second_cell)
+
+
+def _scattered(wall, contacts, *scatters):
+    """Contacts whose strengths have a factor for each joint by every one of these (coefficient of variation, seed)."""
+    factors = np.ones(len(contacts))
+    for scatter in scatters:
+        factors = factors * _strength_factors(contacts.first, contacts.second, *scatter)
+    return replace(contacts, **{name: np.where(contacts.elastic, np.inf, getattr(wall.joint, name) * factors)
+                                for name in ("tensile_strength", "cohesion")})
 
 
 def _bed_pairs(wall, bodies, n_bricks, cells, breaks):

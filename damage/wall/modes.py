@@ -4,6 +4,7 @@ Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turn
 A contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z + rotation r_x).
 """
 
+from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,8 @@ from damage.wall.layout import GROUND
 
 _ROUNDING = 100 * np.finfo(float).eps
 """A squared frequency below this share of the highest is rounding, of a part that can move freely."""
+_MOST_KEPT = 4
+_KEPT = {}  # {all that modes depend on: Modes}
 
 
 @dataclass(frozen=True)
@@ -69,8 +72,21 @@ def mass_vector(layout):
 def natural_modes(layout, n_modes=6):
     """The `n_modes` longest natural periods, their shapes, and 2 / omega_max.
 
+    Those of the last walls are kept: members of an ensemble differ by their strengths alone, which modes do not know.
     Raises InputError of a wall that has none in the numbers of this machine.
     """
+    bodies, contacts = layout.bodies, layout.contacts
+    asked = n_modes, *(values.tobytes() for values in (
+        bodies.x, bodies.z, bodies.mass, bodies.inertia, contacts.kind, contacts.first, contacts.second, contacts.x,
+        contacts.z, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness, layout.drift_bodies))
+    if asked not in _KEPT:
+        while len(_KEPT) >= _MOST_KEPT:
+            del _KEPT[next(iter(_KEPT))]
+        _KEPT[asked] = _natural_modes(layout, n_modes)
+    return deepcopy(_KEPT[asked])
+
+
+def _natural_modes(layout, n_modes):
     scale = 1 / np.sqrt(mass_vector(layout))
     matrix = (diags(scale) @ stiffness_matrix(layout) @ diags(scale)).tocsc()
     start = np.ones(matrix.shape[0])  # a fixed start makes the result the same every time
