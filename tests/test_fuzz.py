@@ -51,7 +51,7 @@ def test_damaged_files_are_read_or_refused_in_one_line(name, worker):
 # --- the watch ------------------------------------------------------------------------------------
 
 FAILING = {  # what a reader does, what is to be found of it
-    "time.sleep(60)": ("hang", "no end in 3 s"), "os.kill(os.getpid(), 11)": ("crash", "status -11"),
+    "time.sleep(60)": ("hang", "no end in 6 s"), "os.kill(os.getpid(), 11)": ("crash", "status -11"),
     "1 / 0": ("exception", "ZeroDivisionError in <string>:1"), "print('words')": ("printed", "words"),
     "len(b'x' * 1_100_000_000)": ("memory", ""), "bytearray(10**12)": ("exception", "MemoryError"),
     "raise InputError('words')": ("refused", "words"), "raise InputError": ("unfit words", ""), "pass": ("read", ""),
@@ -67,7 +67,7 @@ def test_a_reader_that_fails_is_found_and_the_next_file_is_read(tmp_path, monkey
             "    READERS[code] = made\n"
             "worker.main(sys.argv[1])\n")
     monkeypatch.setattr(harness, "PROGRAM", (str(tmp_path / "failing.py"),))
-    monkeypatch.setattr(harness, "SECONDS", 3)
+    monkeypatch.setattr(harness, "SECONDS", 6)
     with Worker(seed=1, keep=tmp_path / "kept") as one:
         for code, (word, told) in FAILING.items():
             came = one(code, 0)
