@@ -3,7 +3,7 @@
     python3 benchmarks/laboratory.py [--out DIR] [TABLE ...]
 
 TABLE: laws, cycles; both by default, in the reference solver, about half an hour on one core.  And yade: pushes and a
-short cycle in both solvers, about an hour.  Histories that are already in DIR are not run again.
+short cycle in both solvers, half an hour or so.  Histories that are already in DIR are not run again.
 """
 
 import sys
