@@ -185,6 +185,8 @@ def test_a_live_history_is_read_apart_and_alike(tmp_path):
     (lambda file: [rows.resize(10**12, axis=0) for rows in file["events"].values()], "8000000000000 bytes where"),
     (lambda file: file["joints/x_m"].attrs.modify("unit", "ft"), "joints/x_m has the unit 'ft', expected m"),
     (lambda file: file["events/kind"].attrs.modify("codes", "a, b"), "events/kind has the codes 'a, b', expected ten"),
+    (lambda file: file["events/kind"].attrs.create("codes", [1, 2, 3]), r"events/kind has the codes array\(\[1, 2, 3\]\)"),
+    (lambda file: file.attrs.create("schema", [1, 2, 3]), r"its schema is array\(\[1, 2, 3\]\), expected"),
     (lambda file: file["run"].attrs.__setitem__("wall", 7), "attribute wall of run is 7, expected words"),
     (lambda file: file["run"].attrs.modify("height_m", -1.0), "attribute height_m of run is -1.0, expected a length"),
     (lambda file: file["run"].attrs.modify("parameters_json", "[1]"), "parameters are no table"),

@@ -283,9 +283,9 @@ def _is_growing(path):
 
 
 def _check_schema(file, path):
-    if file.attrs.get("schema") != SCHEMA:
-        raise InputError(f"{path} is no history of this software (its schema is "
-                         f"{file.attrs.get('schema')!r}, expected {SCHEMA!r})")
+    schema = file.attrs.get("schema")
+    if not (isinstance(schema, str) and schema == SCHEMA):
+        raise InputError(f"{path} is no history of this software (its schema is {schema!r}, expected {SCHEMA!r})")
     version = int(file.attrs["schema_version"])
     if version > SCHEMA_VERSION:
         raise InputError(f"{path} has schema version {version}, this software reads up to "
