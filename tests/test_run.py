@@ -29,12 +29,12 @@ class Clockwork:
 
     def __init__(self, layout, at_once=1, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0,
                  input_j=lambda step: 0.0, slip_m=lambda step: 0.0, offset_m=lambda step: 0.0,
-                 raises_at_step=None):
+                 raises_at_step=None, breaks_at_steps=()):
         self.layout, self.time_step, self.clock = layout, DT, 0
         self.input_j, self.slip_m, self.offset_m, self.raises_at_step = input_j, slip_m, offset_m, raises_at_step
         self.unbalanced, self.falls_at_step, self.at_once = unbalanced, falls_at_step, at_once
         self.kinetic_j, self.damping_j = kinetic_j, damping_j
-        self.log, self.events = [], []
+        self.breaks_at_steps, self.log, self.events = breaks_at_steps, [], []
 
     def start(self, base, gravity):
         self.clock, self.base, self.gravity = 0, base, gravity
@@ -62,6 +62,8 @@ class Clockwork:
         seen.clear()
         while goes_on and self.clock < end:
             self.clock += 1
+            if on_samples and self.clock in self.breaks_at_steps:
+                self.events.append((self.clock, 0, "tension", 1.0, 2.0, 0.0, 0.0))
             if on_samples and self.clock == self.raises_at_step:
                 if seen:
                     on_samples(together(seen))
@@ -176,7 +178,8 @@ def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(tell):
 
 
 def test_collapse_is_an_end_and_the_last_sample(tell):
-    finished, run, _, history = tell(falls_at_step=195)
+    finished, run, _, history = tell(falls_at_step=195, breaks_at_steps=(7, 198, 200, 201, 207))
+    assert_allclose(history.events["time_s"], [0.007, 0.198, 0.2])
     assert finished and history.collapsed_at_s == run.collapsed_at_s == pytest.approx(0.2)
     assert history.series["time_s"].iloc[-1] == history.collapsed_at_s
     assert history.snapshot_time_s[-1] == history.collapsed_at_s

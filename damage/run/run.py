@@ -209,10 +209,12 @@ class Run:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
             self.writer.snapshot(rows["time_s"][k], motion[k])
+        events = self.solver.drain_events()
         if end > 0:
             self._last = float(rows["time_s"][-1]), motion[end - 1]
-        events, last = self.solver.drain_events(), now.clock[end - 1] if 0 < end < len(motion) else math.inf
-        self._write_events([event for event in events if event[0] <= last])
+        if self.collapsed_at_s is not None or end < len(motion):  # the solver may have gone on
+            events = [event for event in events if end > 0 and event[0] <= now.clock[end - 1]]
+        self._write_events(events)
         self._samples += end
 
     def _first_not_finite(self, rows, arrays):
