@@ -173,6 +173,12 @@ def test_a_live_history_is_read_apart_and_alike(tmp_path):
 
 # --- what cannot be -------------------------------------------------------------------------------
 
+def put_parameter(file, name, value):
+    """Give a parameter of the run another value."""
+    run = file["run"].attrs
+    run.modify("parameters_json", json.dumps(json.loads(run["parameters_json"]) | {name: value}))
+
+
 @pytest.mark.parametrize(("what", "complaint"), [
     (lambda file: file.pop("series/time_s"), "no dataset series/time_s"),
     (replaced("frames", 1.0), "no dataset frames/opening_m"),
@@ -191,6 +197,8 @@ def test_a_live_history_is_read_apart_and_alike(tmp_path):
     (lambda file: file["run"].attrs.modify("height_m", -1.0), "attribute height_m of run is -1.0, expected a length"),
     (lambda file: file["run"].attrs.modify("parameters_json", "[1]"), "parameters are no table"),
     (lambda file: file["run"].attrs.modify("parameters_json", "{"), "Expecting property name"),
+    (lambda file: put_parameter(file, "avg_sa_g", "word"), "parameter avg_sa_g is 'word'"),
+    (lambda file: put_parameter(file, "sequence", [1e300]), "a factor of parameter sequence = 1e[+]300: expected a"),
     (replaced("run/status", np.zeros(7, "u1")), "run/status has the codes None, expected unfinished, complete"),
     (replaced("run/collapsed_at_s", np.zeros(7)), r"run/collapsed_at_s has shape \(7,\), expected \(\)"),
     (put("series/drift_ratio", np.nan), "series/drift_ratio is nan in row 0"),

@@ -7,20 +7,23 @@ from damage.errors import InputError
 
 _HUGE = 1e30
 """No quantity of a wall comes near this number of its unit."""
+_UNITS = ("_s", "_g", "_m", "_pa")
+"""With which the names of parameters end that are numbers."""
 
 
 def check_parameters(parameters):
     """Raise InputError unless the parameters of a run are a table of tables, numbers and words, as a run writes it."""
-    kinds = {"loading": dict, "wall": dict, "model": dict, "wall_file": dict, "sequence": list}
+    kinds, numbers = {"loading": dict, "wall": dict, "model": dict, "wall_file": dict, "sequence": list}, (float, int)
     if not isinstance(parameters, dict):
         raise InputError("its parameters are no table")
     for name, value in parameters.items():
-        if not isinstance(value, kinds.get(name, (str, float, int, type(None)))):
+        words = () if name.endswith(_UNITS) else (str,)
+        if not isinstance(value, kinds.get(name, (*words, *numbers, type(None)))):
             raise InputError(f"parameter {name} is {value!r:.80}")
-        if isinstance(value, (int, float)) and not abs(value) < _HUGE:
+        if isinstance(value, numbers) and not abs(value) < _HUGE:
             raise InputError(f"parameter {name} is {value!r:.80}, expected a number that can be")
     for factor in parameters.get("sequence", [1.0]) or [None]:
-        check_number("a factor of parameter sequence", factor)
+        check_number("a factor of parameter sequence", factor, "a number that can be", lambda value: abs(value) < _HUGE)
 
 
 def check_values(history):
