@@ -266,8 +266,10 @@ def _sensitivity(obspy, station_xml: Path, trace) -> float:
 
 
 def _without_entities(xml: bytes) -> bytes:
-    """XML as it is, if it declares no document type: entities could stand for other files or for any length.  It is read
-    in parts, the first of which that is wrong is the last: lxml notes a million faults before it tells of one."""
+    """XML as it is, if it declares no document type: entities could stand for other files or for any length.
+
+    It is read in parts, the first of which that is wrong is the last: lxml notes a million faults before it tells one.
+    """
     from lxml import etree  # obspy brings it
 
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
