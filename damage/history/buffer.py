@@ -11,7 +11,7 @@ CHUNK = 120
 
 
 class Buffer:
-    """Call `append` or `extend`, `event` and `snapshot` as a run goes; what comes of it has a `store` that takes all."""
+    """Call `append` or `extend`, `event`, `snapshot` as a run goes; what comes of it has the `store` that takes it."""
 
     def __init__(self, layout):
         # Of series and frames whole columns, of the other groups rows in the order of theirs.
