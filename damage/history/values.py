@@ -19,7 +19,8 @@ def check_parameters(parameters):
     for name, value in parameters.items():
         words = () if name.endswith(_UNITS) else (str,)
         if not isinstance(value, kinds.get(name, (*words, *numbers, type(None)))):
-            raise InputError(f"parameter {name} is {value!r:.80}")
+            wanted = "a number" if name.endswith(_UNITS) else "what a run writes there"
+            raise InputError(f"parameter {name} is {value!r:.80}, expected {wanted}")
         if isinstance(value, numbers) and not abs(value) < _HUGE:
             raise InputError(f"parameter {name} is {value!r:.80}, expected a number that can be")
     for factor in parameters.get("sequence", [1.0]) or [None]:

@@ -8,10 +8,9 @@ from damage.units import GRAVITY
 
 def index_now(layout, drift_ratio, joints, opening, offset):
     """The damage index of one instant, slip by displacement; opening, offset: [m] of these joints, zero elsewhere."""
-    told, length = np.zeros((2, layout.n_joints)), layout.joint_length
-    told[:, joints] = opening, offset
-    return float(combine(min(1.0, drift_component(drift_ratio)), *(
-        length_fraction(np.abs(values) > THRESHOLD, length) for values in told)))
+    told, length = np.zeros((2, layout.n_joints), bool), layout.joint_length
+    told[:, joints] = opening > THRESHOLD, np.abs(offset) > THRESHOLD
+    return float(combine(min(1.0, drift_component(drift_ratio)), *(length_fraction(over, length) for over in told)))
 
 
 def lowest_places(layout):
