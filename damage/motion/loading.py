@@ -42,8 +42,9 @@ class Loading:
     pga_g = sa_02_s_g = None
 
     def preferred_step_s(self, max_step_s: float) -> float:
-        """The time step that fits the motion, at most max_step [s]."""
-        return max_step_s
+        """The time step that fits the motion, at most max_step_s, here to six digits of it [s]: its last bits come out
+        of linear algebra and differ with the machine and its threads, and a wall that cracks follows them."""
+        return float(f"{max_step_s:.5e}")
 
     def applied(self) -> Record | None:
         """The base's motion along the wall as a record; None where it stands still, and of what a history keeps of a
