@@ -112,7 +112,7 @@ class Bench:
 
 def _step(wall, share):
     """The words that ask for a share of the critical step, none where there is none to be asked for."""
-    return ["--dt", repr(float(share * natural_modes(lay_out(wall)).critical_time_step_s))] if share else []
+    return ["--dt", f"{share * natural_modes(lay_out(wall)).critical_time_step_s:.5e}"] if share else []
 
 
 def softened(wall, case):
