@@ -14,7 +14,7 @@ import damage.__main__ as commands
 from damage.laboratory import crack_mapping
 from damage.laboratory.crack_file import read_cracks
 from damage.laboratory.dic import read_field
-from damage.motion.formats import read_record, shipped_record_path
+from damage.motion.formats import _without_entities, read_record, shipped_record_path
 from damage.reference.session import run_reference
 from damage.studies.definition import load_study
 
@@ -163,6 +163,19 @@ class TestMiniSeed:
         (tmp_path / "odd.xml").write_text(text)
         one_line_error(read_record, self.SHIPPED, tmp_path / "odd.xml")
         assert capfd.readouterr() == ("", "")
+
+    def test_station_xml_is_read_up_to_its_first_fault(self):
+        """lxml collects the faults of what it is given: of three million it made gigabytes."""
+        read = []
+
+        class Watched(bytes):
+            def __getitem__(self, part):
+                read.append(part.stop)
+                return bytes(self)[part]
+
+        with pytest.raises(SyntaxError):
+            _without_entities(Watched(b"<a>" + 300_000 * b"<b c>"))
+        assert read == [65536]
 
 
 # --- crack files, fields, studies -------------------------------------------------------------------
