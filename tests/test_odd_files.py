@@ -14,7 +14,7 @@ import damage.__main__ as commands
 from damage.laboratory import crack_mapping
 from damage.laboratory.crack_file import read_cracks
 from damage.laboratory.dic import read_field
-from damage.motion.formats import _without_entities, read_record, shipped_record_path
+from damage.motion.formats import without_entities, read_record, shipped_record_path
 from damage.reference.session import run_reference
 from damage.studies.definition import load_study
 
@@ -174,7 +174,7 @@ class TestMiniSeed:
                 return bytes(self)[part]
 
         with pytest.raises(SyntaxError):
-            _without_entities(Watched(b"<a>" + 300_000 * b"<b c>"))
+            without_entities(Watched(b"<a>" + 300_000 * b"<b c>"))
         assert read == [65536]
 
 

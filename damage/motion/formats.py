@@ -257,7 +257,7 @@ def _sensitivity(obspy, station_xml: Path, trace) -> float:
     text = check_file(station_xml, f"the StationXML of {trace.id}", MOST_MB).read_bytes()
     begin = trace.stats.starttime
     found = _quietly(station_xml, f"the StationXML of {trace.id} at {begin}", lambda: obspy.read_inventory(
-        io.BytesIO(_without_entities(text)), format="STATIONXML").get_response(trace.id, begin).instrument_sensitivity)
+        io.BytesIO(without_entities(text)), format="STATIONXML").get_response(trace.id, begin).instrument_sensitivity)
     units = str(found.input_units).upper() if found and found.value and math.isfinite(found.value) else "no sensitivity"
     if units not in ACCELERATION_UNITS:
         raise InputError(f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
@@ -265,7 +265,7 @@ def _sensitivity(obspy, station_xml: Path, trace) -> float:
     return found.value
 
 
-def _without_entities(xml: bytes) -> bytes:
+def without_entities(xml: bytes) -> bytes:
     """XML as it is, if it declares no document type: entities could stand for other files or for any length.
 
     It is read in parts, the first of which that is wrong is the last: lxml notes a million faults before it tells one.
