@@ -14,7 +14,7 @@ import damage.__main__ as commands
 from damage.laboratory import crack_mapping
 from damage.laboratory.crack_file import read_cracks
 from damage.laboratory.dic import read_field
-from damage.motion.formats import without_entities, read_record, shipped_record_path
+from damage.motion.formats import read_record, shipped_record_path, without_entities
 from damage.reference.session import run_reference
 from damage.studies.definition import load_study
 
