@@ -17,6 +17,9 @@ from damage.paper.margins import EDGE, above, at_least, at_most, within
 from damage.paper.readings import conclusions, judge_readings, table
 from damage.paper.report import BEGIN, END, SOLVER_NAMES, STATEMENTS, lintel_in_words, merged
 from damage.paper.verdict import DIFFERS, HOLDS, JUDGES, UNJUDGED, judge, statement_verdict
+from damage.studies.tables import points_of
+from scripts.documents import judge_tables
+from scripts.keep_tables import keep
 
 EIGEN_S = {"solid": 0.06, "symmetric": 0.2, "asymmetric": 0.2}
 MAX_DI = {0.06: (0.003, 0.01, 0.02, 0.03, 0.04), 0.2: (0.03, 0.06, 0.30, 0.33, 0.36),
@@ -216,6 +219,30 @@ def test_cycles_of_an_ensemble_are_their_medians(papers_world, judged):
                for name in ("second", "third", "without-a-table")]
     finding = judged(pd.concat([papers_world, *members]), {**CYCLES, **cycles})["P5", "elastic", "displacement"]
     assert (finding.verdict, finding.value) == (HOLDS, "0.130, 0.130, 0.130")
+
+
+def test_kept_tables_say_what_the_runs_said(papers_world, judged, tmp_path):
+    """Points and their cycles, with ranges and numbers of runs, are judged as the runs; two of three members fell."""
+    rng = np.random.default_rng(15)
+    numbers = [name for name in papers_world if name.startswith(("max_", "residual_", "energy_"))]
+    world = pd.concat([papers_world.assign(point=papers_world["run"], run=papers_world["run"] + f"_s{seed}").assign(
+        **{name: papers_world[name] * rng.uniform(0.95, 1.05, len(papers_world)) for name in numbers})
+        for seed in (1, 2, 3)], ignore_index=True)
+    world.loc[world["run"].isin(["solid-0.06-0.1-3_s1", "solid-0.06-0.1-3_s3"]), "collapsed_at_s"] = 0.5
+    cycles = {f"{run}_s{seed}": 0.1 * rng.uniform(0.95, 1.05) * np.array(values)
+              for run, values in CYCLES.items() for seed in (1, 2, 3)}
+    of_runs = judged(world, cycles)
+    points_of(world).to_csv(tmp_path / "study" / "tables" / "points.csv", index=False)
+    (tmp_path / "kept").mkdir()
+    assert [path.name for path in keep(tmp_path / "study", "study", tmp_path / "kept")] == [
+        "study_points.csv", "study_cycles.csv"]
+    kept = judge_tables(tmp_path / "kept")
+    assert len(kept) == len(of_runs)
+    for finding in kept:
+        of_run = of_runs[finding.claim.id, finding.lintel, finding.slip]
+        assert (finding.value, finding.verdict) == (of_run.value, of_run.verdict)
+    told = {finding.value for finding in kept}
+    assert any("fell" in value for value in told) and any("243 runs" in value for value in told)
 
 
 @pytest.mark.parametrize(("claim", "run", "values"), [
