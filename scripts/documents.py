@@ -2,7 +2,7 @@
 
     python3 scripts/documents.py [--renew] [ROOT]   # ROOT: a folder with README.md and docs/, by default the repository
 
-Prints a line for each part that is not current; the exit status is 1 if there is one.
+Prints a line for each part that is not current; the exit status is 1 if there is one, 2 where there are no tables.
 """
 
 import sys
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from damage.errors import InputError
 from damage.files import write_text
 from damage.measure.columns import read_table
 from damage.paper import report
@@ -51,7 +52,13 @@ def _text(path):
 
 
 def judge_tables(folder):
-    """The verdict on the tables that `scripts/keep_tables.py` keeps in a folder: findings."""
+    """The verdict on the tables that `scripts/keep_tables.py` keeps in a folder: findings.
+
+    Raises InputError where there are none.
+    """
+    if not any(folder.glob("*_points.csv")):
+        raise InputError(f"{folder}: no STUDY_points.csv in it; expected the tables of studies, as "
+                         "scripts/keep_tables.py keeps them")
     with tempfile.TemporaryDirectory() as made:
         for path in sorted(folder.glob("*_points.csv")):
             place = Path(made) / path.stem / "tables"
@@ -87,12 +94,16 @@ def renew(root):
 
 
 def main(arguments):
-    """Run all checks on ROOT; returns 1 if a part is not current."""
+    """Run all checks on ROOT; returns 1 if a part is not current, 2 where there are no tables."""
     wanted, *root = arguments if "--renew" in arguments[:1] else ["", *arguments]
     root = Path(root[0]) if root else Path(__file__).resolve().parents[1]
-    if wanted:
-        renew(root)
-    told = [line for check in CHECKS for line in check(root)]
+    try:
+        if wanted:
+            renew(root)
+        told = [line for check in CHECKS for line in check(root)]
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
     print(*told, sep="\n", end="\n" if told else "")
     return 1 if told else 0
 
