@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pandas as pd
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 from damage.errors import InputError
 from damage.files import write_text
 from damage.measure.columns import read_table
