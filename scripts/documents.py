@@ -58,11 +58,12 @@ def judge_tables(folder):
 
     Raises InputError where there are none.
     """
-    if not any(folder.glob("*_points.csv")):
+    tables = sorted(folder.glob("*_points.csv"))
+    if not tables:
         raise InputError(f"{folder}: no STUDY_points.csv in it; expected the tables of studies, as "
                          "scripts/keep_tables.py keeps them")
     with tempfile.TemporaryDirectory() as made:
-        for path in sorted(folder.glob("*_points.csv")):
+        for path in tables:
             place = Path(made) / path.stem / "tables"
             place.mkdir(parents=True)
             _as_runs(read_table(path)).to_csv(place / "summary.csv", index=False)
