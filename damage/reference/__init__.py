@@ -1,5 +1,5 @@
 """The built-in reference solver: the compiled step, a wall and its state, the stages of a run, its command."""
 
-from damage.reference.cache import find_a_place
+from damage.mechanics.cache import find_a_place
 
 find_a_place()  # before anything of this folder is compiled

@@ -13,9 +13,11 @@ import math
 import numpy as np
 
 from damage.index import THRESHOLD
-from damage.reference import kernel, tables
-from damage.reference.blocks import make_blocks
-from damage.reference.instants import Samples, observe
+from damage.mechanics import tables
+from damage.mechanics.samples import Samples
+from damage.reference.fast import step as fast
+from damage.reference.fast.blocks import make_blocks
+from damage.reference.plain import Alone
 
 MOST_LANES = 8
 """Walls that one block holds; more are moved in groups of so many."""
@@ -26,19 +28,27 @@ def run_together(walls, *steps):
 
     ValueError where they are not of the same bricks and stiffnesses.
     """
-    failures = []
-    for first in range(0, len(walls), MOST_LANES):
-        group = walls[first:first + MOST_LANES]
+    most = MOST_LANES if all(wall.fast for wall in walls) else 1
+    for first in range(0, len(walls), most):
+        group = walls[first:first + most]
         lanes = group[0].lanes
         if lanes is None or not lanes.are_of(group):
-            lanes = Lanes(group)
+            lanes = bind(group)
         lanes.run(*steps)
-        failures += [_failure(wall) for wall in group]
-    return failures
+    return [_failure(wall) for wall in walls]
+
+
+def bind(walls):
+    """What moves these walls: the fast step all of them, or the plain one a single wall."""
+    if all(wall.fast for wall in walls):
+        return Lanes(walls)
+    (wall,) = walls
+    wall.lanes = Alone(wall)
+    return wall.lanes
 
 
 def _failure(wall):
-    if math.isfinite(wall.system.place["fx"].sum()):
+    if math.isfinite(wall.system.force.sum()):
         return None
     return FloatingPointError(f"forces are no longer finite at step {wall.step}: the time step of "
                               f"{wall.time_step:.3g} s is too large for this wall")
@@ -54,9 +64,10 @@ class Lanes:
         for lane, wall in enumerate(self.walls):
             wall.system, wall.lanes = _lane(self.tables, lane), self
         self._width = 1 if len(self.walls) == 1 else MOST_LANES
-        self._law = kernel.Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
-        self._blocks = make_blocks(self.tables.pairs[0], self.tables.place.shape[1], self.tables.contacts.shape[1],
-                                   self._width)
+        self._law = fast.Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
+        self._columns = self.tables.states.view(tables.REAL).reshape(*self.tables.states.shape, tables.STATE_FIELDS)
+        self._blocks = make_blocks(self.tables.interfaces[0], self.tables.place.shape[1],
+                                   self.tables.contacts.shape[1], self._width)
         self._samples = self.room(0)
 
     def are_of(self, walls):
@@ -72,8 +83,8 @@ class Lanes:
         if len(steps) > self._samples.totals.shape[1]:
             self._samples = self.room(len(steps))
         ends = np.cumsum(steps)
-        kernel.run_steps(self.tables, self._blocks, self._width, self._law, self._controls(),
-                         self._field(ends[-1] + 1), self._clock(), ends, self.walls[0].springs, self._samples)
+        fast.run(self.tables, self._columns, self._blocks, self._width, self._law, self._controls(),
+                 self._field(ends[-1] + 1), self._clock(), ends, self.walls[0].stiffness, self._samples)
         for wall in self.walls:
             wall.step += int(ends[-1])
 
@@ -85,30 +96,16 @@ class Lanes:
         """Samples of this wall after these of the last run's numbers of steps, a slice."""
         return self._samples.of(self.walls.index(wall), which)
 
-    def told_now(self, wall, field):
-        """Samples of this wall, the one of this instant; field: backward and downward acceleration of all masses
-        [m/s2]."""
-        samples = Samples.none(1, 1, *self._samples.opening.shape[2:], self._samples.displacement.shape[2])
-        observe(self.tables, self.walls.index(wall), wall.springs, *field, wall.time_step, samples, 0, 0)
-        return samples.of(0, slice(1))
-
     def find_forces(self, singly):
         """Forces at the present places without damping; and, if `singly`, stresses: then each contact by itself."""
-        kernel.find_forces(self.tables, self._blocks, self._width, self._law, self._clock(), 0, singly, False)
+        fast.find_forces(self.tables, self._columns, self._blocks, self._width, self._law, self._clock(), 0, singly, False)
 
     def _controls(self):
         return np.array([wall.controls for wall in self.walls], float)
 
     def _field(self, n_steps):
-        """Acceleration of each wall's base along x and z, zero beyond its end, and gravity, whose last value holds
-        beyond its end: (walls, n_steps, 3) [m/s2] of the next steps."""
-        field = np.zeros((len(self.walls), n_steps, 3))
-        for wall, rows in zip(self.walls, field):
-            first = wall.step - wall.first_step
-            base, gravity = wall.base[first:first + n_steps], wall.gravity[first:first + n_steps]
-            rows[:len(base), :2] = base
-            rows[:len(gravity), 2], rows[len(gravity):, 2] = gravity, wall.gravity[-1]
-        return field
+        """(walls, n_steps, 3) as ReferenceWall.field."""
+        return np.array([wall.field(n_steps) for wall in self.walls])
 
     def _clock(self):
         return np.array([wall.step - wall.first_step for wall in self.walls])
@@ -119,15 +116,15 @@ def are_alike(wall, other):
     one, two = wall.system, other.system
     return wall.material == other.material and len(one.contacts) == len(two.contacts) and all(
         np.array_equal(getattr(one, table)[name], getattr(two, table)[name], equal_nan=True)
-        for table, names in (("pairs", tables.SHARED), ("contacts", ("offset", "kn", "ks")), ("joints", ("area",)))
+        for table, names in (("interfaces", tables.SHARED), ("contacts", ("offset", "kn", "ks", "area")))
         for name in names)
 
 
 def _is_plain(system):
     """Whether no contact softens or crushes."""
-    joints = system.joints
-    return bool(np.all(system.contacts["crushing_force"] == np.inf) and not joints["mode_i"].any()
-                and not joints["mode_ii"].any())
+    contacts = system.contacts
+    return bool(np.all(contacts["compressive_strength"] == np.inf) and not contacts["mode_i_energy"].any()
+                and not contacts["mode_ii_energy"].any())
 
 
 def _check(walls):
@@ -139,19 +136,17 @@ def _check(walls):
 
 
 def _join(systems):
-    """Tables of several walls with the lane as first axis; of one wall those that it has, seen so."""
+    """Tables of several walls with the wall as first axis; of one wall those that it has, seen so."""
     def join(name):
         arrays = [getattr(system, name) for system in systems]
-        if name in ("place", "motion"):
-            arrays = [array.view(tables.REAL).reshape(-1, 8) for array in arrays]
         if len(arrays) == 1:
             return arrays[0][np.newaxis]
         if name not in ("events", "values"):
             return np.stack(arrays)
         joined = np.zeros((len(arrays), *arrays[0].shape), arrays[0].dtype)  # touches no more memory than there are
-        for lane, system in enumerate(systems):
-            count = min(int(system.n_events[0]), len(arrays[lane]))
-            joined[lane, :count] = arrays[lane][:count]
+        for row, system in enumerate(systems):
+            count = min(int(system.n_events[0]), len(arrays[row]))
+            joined[row, :count] = arrays[row][:count]
         return joined
 
     return tables.System(*map(join, tables.System._fields))
@@ -159,5 +154,4 @@ def _join(systems):
 
 def _lane(joined, lane):
     """The tables of one wall of those joined, as views."""
-    system = tables.System(*(array[lane] for array in joined))
-    return system._replace(place=system.place.view(tables.PLACE)[:, 0], motion=system.motion.view(tables.MOTION)[:, 0])
+    return tables.System(*(array[lane] for array in joined))

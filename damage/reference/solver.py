@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from damage.reference.instants import BASE_SHEAR, KINETIC
-from damage.reference.tables import OPENED, SLIPPED
+from damage.mechanics.samples import BASE_SHEAR, KINETIC
+from damage.mechanics.tables import OPENED, SLIPPED, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import Instants, Solver
 from damage.wall.joint_law import SHEAR, TENSION
@@ -28,8 +28,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         self.local_damping, self.adaptive_damping, self.alpha, self.beta = local, adaptive, alpha, beta
 
     def shift(self, offsets):
-        for name, offset in zip("xz", np.transpose(offsets)):
-            self.system.place[name][:-1] += offset
+        self.system.place[:len(self.layout.bodies), X:Z + 1] += offsets
         self.refresh()
 
     def set_velocities(self, velocities):
@@ -74,7 +73,7 @@ class ReferenceSolver(ReferenceWall, Solver):
             *totals[:, KINETIC + 1:].T)
 
     def forces(self):
-        return self.force[:-1], np.hypot(*self.stresses) * self.system.joints["area"]
+        return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]
 
     def base_reaction(self):
         return self.base_force()[1]

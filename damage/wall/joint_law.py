@@ -85,6 +85,15 @@ class ContactState(NamedTuple):
     closure: float = 0.0
 
 
+class ElasticRange(NamedTuple):
+    """What is left of a contact's elastic range: tensile_strength, cohesion [Pa]; tension_stiffness [Pa/m] while it is
+    open."""
+
+    tensile_strength: float
+    cohesion: float
+    tension_stiffness: float
+
+
 @register_jitable
 def stays_elastic(normal_stress, shear_stress, tensile_strength, cohesion, friction):
     """Whether a contact with these elastic stresses is within its strengths, equations (10) and (11), so that
@@ -133,6 +142,16 @@ def tension_stiffness(tensile_strength, gap, normal_stiffness):
     if gap == 0.0:
         return normal_stiffness
     return tensile_strength / (gap + tensile_strength / normal_stiffness)
+
+
+@register_jitable
+def range_left(state, parameters):
+    """The ElasticRange that a ContactState leaves."""
+    strength, cohesion = strength_left(state.broken, parameters, state.kappa)
+    stiffness = parameters.normal_stiffness
+    if state.kappa > 0.0 and not state.broken:
+        stiffness = tension_stiffness(strength, state.gap, stiffness)
+    return ElasticRange(strength, cohesion, stiffness)
 
 
 @register_jitable

@@ -10,7 +10,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import lower_builtin
 
-from damage.reference.eight import NUMBERS, WIDTH, teach_type
+from damage.mechanics.eight import NUMBERS, WIDTH, teach_type
 
 _FIRST, _LAST = (list(range(start, start + 4)) for start in (0, 4))
 # Of two values in turns, within each pair of numbers: the first ones, and the second ones.

@@ -9,13 +9,11 @@ from pathlib import Path
 
 from numba import njit
 
-from damage.reference.cache import kept_in
+from damage.mechanics.cache import kept_in
 from damage.wall import joint_law
 
 _HERE = Path(__file__).parent
-_SOURCES = [_HERE / f"{name}.py" for name in (
-    "compiled", "tables", "blocks", "eight", "rows", "pairs", "contacts", "contacts_in_lanes", "bodies", "kernel",
-    "instants")]
+_SOURCES = [*_HERE.glob("*.py"), *(_HERE.parent / "reference" / "fast").glob("*.py")]
 
 
 def _forget_what_is_older():

@@ -1,0 +1,96 @@
+"""The tables of a wall at rest, made of its layout."""
+
+import numpy as np
+
+from damage.mechanics.tables import CONTACT, INTERFACE, RIGID, ROTATION, STATE, System, table
+from damage.wall.joint_law import LawParameters, elastic_range
+from damage.wall.kinds import CUT, GROUND
+
+CAPACITY = 100_000
+"""Events that fit between two times that the log is drained."""
+
+
+def build(layout, material):
+    """The System of a damage.wall.layout.Layout; its contacts are the layout's, or their parallel elements.
+
+    The bodies are those of the layout, then the supports, of which there is one.
+    """
+    row, share = contact_rows(layout)
+    interfaces, middle = _interfaces(layout, row)
+    contacts = _contacts(layout, row, share, middle)
+    n_bodies = len(layout.bodies) + 1
+    states = table(STATE, len(contacts), elastic_tensile_strength=contacts["tensile_strength"],
+                   elastic_cohesion=contacts["cohesion"], elastic_tension_stiffness=contacts["kn"], idle=-1.0)
+    sum_springs(interfaces, contacts, material)
+    mass = np.zeros((n_bodies, RIGID))
+    mass[:-1] = layout.bodies.mass[:, None]
+    mass[:-1, ROTATION] = layout.bodies.inertia
+    inverse_mass = np.zeros_like(mass)
+    inverse_mass[:-1] = 1 / mass[:-1]
+    return System(
+        place=np.zeros_like(mass), velocity=np.zeros_like(mass), force=np.zeros_like(mass), mass=mass,
+        inverse_mass=inverse_mass, trig=np.zeros((n_bodies, 2)), interfaces=interfaces, contacts=contacts,
+        states=states, readings=np.zeros((4, len(contacts))), energy=np.zeros(4),
+        events=np.zeros((CAPACITY, 3), np.int64), values=np.zeros((CAPACITY, 4)), n_events=np.zeros(1, np.int64),
+        relaxation=np.zeros(2), last=np.zeros((len(interfaces), 6)))
+
+
+def contact_rows(layout):
+    """Row of the layout's contact for every contact of the tables, and its share of the area."""
+    if layout.fibres is None:
+        return np.arange(len(layout.contacts)), 1.0
+    return layout.fibres.contact, layout.fibres.share
+
+
+def _contacts(layout, row, share, middle):
+    """Table of the contact points; middle: (x, z) [m] of the interface of each."""
+    contacts, joint, strengths = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
+    area = contacts.area[row] * share
+    mode_i, mode_ii = (0.0, 0.0) if layout.fibres or not joint.softens else (
+        np.where(contacts.kind == CUT, 0.0, energy)
+        for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy))
+    return table(
+        CONTACT, len(row), area=area,
+        # Offsets follow the joint's axes: along +x in bed joints, along -z in head joints.
+        offset=np.where(contacts.upright[row], middle[1] - contacts.z[row], contacts.x[row] - middle[0]),
+        kn=contacts.normal_stiffness[row] * area, ks=contacts.shear_stiffness[row] * area,
+        tensile_strength=strengths.tensile_strength * area, cohesion=strengths.cohesion * area,
+        mode_i_energy=mode_i * area, mode_ii_energy=mode_ii * area,
+        compressive_strength=contacts.compressive_strength[row] * area)
+
+
+def _interfaces(layout, row):
+    """Table of the interfaces, whose contacts the layout gives one after the other; and the middle (x, z) [m] of its
+    interface for every contact."""
+    contacts, bodies = layout.contacts, layout.bodies
+    first, second = np.where(contacts.first == GROUND, len(bodies), contacts.first)[row], contacts.second[row]
+    changes = np.any([np.diff(first) != 0, np.diff(second) != 0], axis=0)
+    start = np.append(0, np.flatnonzero(changes) + 1)
+    stop = np.append(start[1:], len(row))
+    middle = [(np.minimum.reduceat(place[row], start) + np.maximum.reduceat(place[row], start)) / 2
+              for place in (contacts.x, contacts.z)]
+    x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
+    a, b = first[start], second[start]
+    interfaces = table(INTERFACE, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
+                       bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.upright[row][start])
+    return interfaces, [np.repeat(values, stop - start) for values in middle]
+
+
+def sum_springs(interfaces, contacts, material):
+    """Write into the interfaces their springs as long as they are intact, and how far these reach."""
+    start = interfaces["start"]
+    kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
+    for name, values in (("kn", kn), ("ks", ks), ("kn_offset", kn * offset), ("kn_offset2", kn * offset**2)):
+        interfaces[name] = np.add.reduceat(values, start)
+    interfaces["reach"] = np.maximum.reduceat(np.abs(offset), start)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        opening, slide, ratio = elastic_range(
+            LawParameters(kn, ks, contacts["tensile_strength"], contacts["cohesion"], material))
+        interfaces["largest_opening"] = np.minimum.reduceat(opening, start)
+        interfaces["largest_slide"] = np.minimum.reduceat(slide, start)
+    interfaces["slide_loss"] = ratio[start]
+    # The outermost opening decides for all only where they slide alike; elsewhere each is evaluated by itself.
+    alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
+    # Nor does it of contacts that can crush.
+    alike &= contacts["compressive_strength"] == np.inf
+    interfaces["largest_opening"][~np.logical_and.reduceat(alike, start)] = -np.inf

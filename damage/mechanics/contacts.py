@@ -1,0 +1,194 @@
+"""Contact points one by one: elastic between two decisions of the joint law, and shown to it beyond their range.
+
+The law keeps of a contact what `STATE` names.  From there on the contact is a linear spring that changes no state, until
+a trial leaves the elastic range that the law left.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from damage.mechanics.by_name import reader, writer
+from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.interfaces import Resultant
+from damage.mechanics.tables import (
+    FRACTURE,
+    FRICTION,
+    OPENED,
+    READ_OPENING,
+    READ_SHEAR,
+    READ_SIGMA,
+    READ_TAU,
+    SLIPPED,
+)
+from damage.wall import joint_law
+from damage.wall.joint_law import INTACT, ContactState, ElasticRange, LawParameters
+
+law_state, keep_law_state = reader(ContactState), writer(ContactState)
+keep_range = writer(ElasticRange, prefix="elastic_")
+
+
+class Trial(NamedTuple):
+    """A contact while it stays elastic: opening from where crushing has left its faces [m], normal and shear force
+    [N]."""
+
+    opening: float
+    sigma: float
+    tau: float
+
+
+@inlined
+def elastic_trial(contact, state, motion):
+    """The Trial of a contact at a RelativeMotion of its interface."""
+    opening = motion.opening + contact.offset * motion.rotation + state.closure
+    stiffness = state.elastic_tension_stiffness if opening > 0.0 else contact.kn
+    return Trial(opening, stiffness * opening, state.shear_stress + contact.ks * (motion.shear - state.shear0))
+
+
+@inlined
+def stays_open(state, opening):
+    """Whether a failed contact with this opening [m] is open, carries no force, and needs no law."""
+    return 0.0 < opening <= state.idle and state.shear_stress == 0.0
+
+
+@inlined
+def present_forces(contact, state, motion):
+    """The Trial of a contact, without force where it is open: what acts after the law has been asked."""
+    trial = elastic_trial(contact, state, motion)
+    if stays_open(state, trial.opening):
+        return Trial(trial.opening, 0.0, 0.0)
+    return trial
+
+
+@compiled
+def present_resultant(contacts, states, start, stop, motion):
+    """Resultant of the contacts of an interface as the law has left them [N, N m]."""
+    normal = shear = couple = 0.0
+    for i in range(start, stop):
+        trial = present_forces(contacts[i], states[i], motion)
+        normal += trial.sigma
+        shear += trial.tau
+        couple += trial.sigma * contacts[i].offset
+    return Resultant(normal, shear, couple)
+
+
+@inlined
+def elastic_resultant(contacts, states, start, stop, motion, material):
+    """Resultant of an interface's contacts as springs one by one [N, N m], and whether all stay in their range."""
+    normal, shear, couple, elastic = 0.0, 0.0, 0.0, True
+    for i in range(start, stop):
+        contact, state = contacts[i], states[i]
+        trial = elastic_trial(contact, state, motion)
+        if stays_open(state, trial.opening):
+            state.shear0 = motion.shear
+            continue
+        elastic &= joint_law.stays_elastic(trial.sigma, trial.tau, state.elastic_tensile_strength,
+                                           state.elastic_cohesion, joint_law.friction_left(state.idle >= 0.0, material))
+        elastic &= joint_law.withstands(trial.sigma, contact.compressive_strength)
+        normal += trial.sigma
+        shear += trial.tau
+        couple += trial.sigma * contact.offset
+    return Resultant(normal, shear, couple), elastic
+
+
+@inlined
+def remember(contacts, states, start, stop, motion):
+    """Keep the forces of contacts that stayed elastic, against which sliding and crushing do their work."""
+    for i in range(start, stop):
+        contact, state = contacts[i], states[i]
+        if contact.compressive_strength < np.inf:
+            state.normal_stress = elastic_trial(contact, state, motion).sigma
+        if state.idle >= 0.0 or state.kappa > 0.0:
+            state.shear_stress += contact.ks * (motion.shear - state.shear0)
+            state.shear0 = motion.shear
+
+
+@inlined
+def law_resultant(system, law, p, step, motion, before, damped):
+    """Resultant of an interface's contacts by the joint law [N, N m]; if damped, the change of what stayed elastic since
+    the last step; and whether a contact has failed, softened or been crushed.
+
+    motion, before: RelativeMotion now and in the last step.
+    """
+    interface, contacts, states = system.interfaces[p], system.contacts, system.states
+    normal = shear = couple = d_normal = d_shear = d_couple = 0.0
+    failed = False
+    for i in range(interface.start, interface.stop):
+        contact, state = contacts[i], states[i]
+        trial, kappa = elastic_trial(contact, state, motion), state.kappa
+        old = present_forces(contact, state, before) if damped else trial
+        new, event = ask_law(system.energy, contact, state, trial.opening - state.closure, motion.shear, law.material)
+        if new.broken or new.kappa > 0.0 or new.closure > 0.0:
+            log(system, law.threshold, i, step, trial, new, event)
+            failed = True
+        sigma, tau = new.normal_stress, new.shear_stress
+        if damped and event == INTACT and new.kappa == kappa:
+            d_normal += sigma - old.sigma
+            d_shear += tau - old.tau
+            d_couple += (sigma - old.sigma) * contact.offset
+        normal += sigma
+        shear += tau
+        couple += sigma * contact.offset
+    return Resultant(normal, shear, couple), Resultant(d_normal, d_shear, d_couple), failed
+
+
+@inlined
+def ask_law(energy, contact, state, opening, shear, material):
+    """Show a contact at this opening and shear displacement [m] to the joint law, and keep what it makes of it.
+
+    Returns what `joint_law.advance` does, in forces [N] and works [J].
+    """
+    parameters = LawParameters(contact.kn, contact.ks, contact.tensile_strength, contact.cohesion, material,
+                               contact.mode_i_energy, contact.mode_ii_energy, contact.compressive_strength)
+    old = law_state(state)
+    new, event = joint_law.advance(opening, shear - state.shear0, old, parameters)
+    energy[FRICTION] += new.friction_work - old.friction_work
+    energy[FRACTURE] += new.fracture_work - old.fracture_work
+    keep_law_state(state, new)
+    if new.broken or new.kappa > 0.0:
+        state.shear0 = shear
+        keep_range(state, joint_law.range_left(new, parameters))
+    else:  # an intact bond is a spring from where the wall was built
+        state.shear_stress = old.shear_stress
+    return new, event
+
+
+@inlined
+def log(system, threshold, i, step, trial, new, event):
+    """Log the failure of a contact, and its first passings of the threshold [m]."""
+    contact, state = system.contacts[i], system.states[i]
+    passed = int(state.passed)
+    opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, contact.kn)
+    opens = opening > threshold and not passed & 1
+    slips = abs(new.slip) > threshold and not passed & 2
+    if event != INTACT or opens or slips:
+        passed = passed + opens + 2 * slips
+        state.passed = passed
+        values = trial.sigma / contact.area, trial.tau / contact.area, opening, new.slip
+        for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):
+            if happens:
+                log_event(system, step, i, kind, values)
+    if new.broken:
+        state.idle = np.inf if passed & 1 else threshold
+
+
+@compiled
+def log_event(system, step, i, kind, values):
+    """Append an event with its stresses [Pa], opening and slip [m]; those that do not fit are counted all the same,
+    so that the caller notices."""
+    n = system.n_events[0]
+    system.n_events[0] += 1
+    if n < system.events.shape[0]:
+        system.events[n, 0], system.events[n, 1], system.events[n, 2] = step, i, kind
+        for k, value in enumerate(values):
+            system.values[n, k] = value
+
+
+@inlined
+def read(contacts, states, readings, start, stop, motion):
+    """Write opening, shear displacement [m] and stresses [Pa] of an interface's contacts, after its forces are known:
+    every contact is then a spring from where the law has left it."""
+    for i in range(start, stop):
+        trial, area = present_forces(contacts[i], states[i], motion), contacts[i].area
+        readings[READ_OPENING, i], readings[READ_SHEAR, i] = trial.opening, motion.shear
+        readings[READ_SIGMA, i], readings[READ_TAU, i] = trial.sigma / area, trial.tau / area

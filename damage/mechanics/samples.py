@@ -1,0 +1,116 @@
+"""What a sample of a wall holds: sparse contact data, the place of every body, energies.
+
+Sparse contact data: only contact points of failed interfaces have opening, slip, offset and state; all others are zero.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
+from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, ROTATION, X, Z
+from damage.wall.joint_law import elastic_energy
+
+BASE_SHEAR, KINETIC, TOTALS = 0, 1, 6
+"""Of the totals the horizontal force on the supports [N], kinetic energy [J], and from there on `System.energy`."""
+
+
+class Stiffness(NamedTuple):
+    """Of the contacts area [m2], normal and shear stiffness [Pa/m], (contacts,)."""
+
+    area: np.ndarray
+    normal: np.ndarray
+    shear: np.ndarray
+
+
+class Samples(NamedTuple):
+    """Samples of some walls, one after the other.
+
+    opening, slip, offset [m], state (bits): (walls, samples, contacts); stored: elastic energy [J] of each contact;
+    displacement: (walls, samples, bodies, 3) [m, m, rad] without the supports; totals: (walls, samples, TOTALS).
+    """
+
+    opening: np.ndarray
+    slip: np.ndarray
+    offset: np.ndarray
+    state: np.ndarray
+    stored: np.ndarray
+    displacement: np.ndarray
+    totals: np.ndarray
+
+    @classmethod
+    def none(cls, n_walls, n_samples, n_contacts, n_bodies):
+        """Zero throughout, as of intact walls."""
+        shape = n_walls, n_samples, n_contacts
+        return cls(np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape, "u1"), np.zeros(shape),
+                   np.zeros((n_walls, n_samples, n_bodies, 3)), np.zeros((n_walls, n_samples, TOTALS)))
+
+    def of(self, wall, which):
+        """Samples of one wall, without that axis; which: a slice."""
+        return Samples(*(values[wall, which] for values in self))
+
+
+@compiled
+def observe(system, stiffness, field, dt, samples, w, k):
+    """Write sample k of a wall, the one in row w of the samples, of the instant to which its places belong.
+
+    field: (3,) acceleration of the base along x and z and gravity [m/s2]; dt: time step [s].
+    """
+    readings, displacement, totals = system.readings, samples.displacement, samples.totals
+    for c in range(len(system.contacts)):  # of all alike: so the divisions are those of vectors
+        samples.stored[w, k, c] = stiffness.area[c] * elastic_energy(
+            readings[READ_SIGMA, c], readings[READ_TAU, c], stiffness.normal[c], stiffness.shear[c])
+    for p in range(len(system.interfaces)):
+        if system.interfaces[p].failed:
+            for c in range(system.interfaces[p].start, system.interfaces[p].stop):
+                observe_contact(system, stiffness.shear[c], samples, w, k, c)
+    base_shear = 0.0
+    for b in range(len(system.place)):
+        if b < displacement.shape[2]:
+            for axis in range(3):
+                displacement[w, k, b, axis] = system.place[b, axis]
+        else:
+            base_shear += system.force[b, X]
+    totals[w, k, BASE_SHEAR] = base_shear
+    totals[w, k, KINETIC] = kinetic_energy(system, field, dt)
+    for i in range(len(system.energy)):
+        totals[w, k, KINETIC + 1 + i] = system.energy[i]
+
+
+@inlined
+def observe_contact(system, ks, samples, w, k, c):
+    """Write inelastic opening, slip and offset [m] and state (bits) of contact c; add what a softened bond has stored
+    by its secant [J].
+
+    The opening is that of a failed bond, or what a softened one has lost; the offset is the shear displacement less its
+    elastic part.
+    """
+    contact, state, readings = system.contacts[c], system.states[c], system.readings
+    broken, softened, wide = state.broken > 0.0, state.kappa > 0.0, readings[READ_OPENING, c]
+    force = readings[READ_SIGMA, c] * contact.area
+    opening = wide if broken else wide - force / contact.kn
+    opens = broken or (softened and wide > 0.0)
+    samples.opening[w, k, c] = 0.0 if not opens or opening <= 0.0 else opening  # and what is not finite stays so
+    samples.slip[w, k, c] = state.slip
+    samples.offset[w, k, c] = readings[READ_SHEAR, c] - readings[READ_TAU, c] / ks if broken or softened else 0.0
+    samples.state[w, k, c] = (BROKEN if broken else 0) | (AT_LIMIT if state.at_limit > 0.0 else 0) | (
+        CRUSHED if state.closure > 0.0 else 0)
+    if state.elastic_tension_stiffness != contact.kn and wide > 0.0:
+        samples.stored[w, k, c] += force * (wide - force / contact.kn) / 2
+
+
+@compiled
+def kinetic_energy(system, field, dt):
+    """At the instant of the places, to which velocities are advanced by half a step [J]."""
+    force, velocity, mass, inverse = system.force, system.velocity, system.mass, system.inverse_mass
+    energy = 0.0
+    for b in range(len(velocity)):
+        vx, vz, rotating = velocity[b, X], velocity[b, Z], velocity[b, ROTATION]
+        if inverse[b, X] > 0.0:
+            vx += 0.5 * dt * (force[b, X] * inverse[b, X] - field[0])
+        if inverse[b, Z] > 0.0:
+            vz += 0.5 * dt * (force[b, Z] * inverse[b, Z] - (field[1] + field[2]))
+        rotating += 0.5 * dt * force[b, ROTATION] * inverse[b, ROTATION]
+        energy += 0.5 * (mass[b, X] * (vx * vx + vz * vz) + mass[b, ROTATION] * rotating * rotating)
+    return energy

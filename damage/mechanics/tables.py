@@ -1,0 +1,115 @@
+"""The tables that a time step works on, a field a line with its unit.
+
+The joint law is homogeneous in the area: it is given stiffnesses, strengths and energies of a contact point times its
+area, and returns forces and works.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from damage.wall.joint_law import ContactState, ElasticRange
+
+X, Z, ROTATION = range(3)
+"""Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was built along x and z
+[m], rotation from x towards z [rad]."""
+RIGID = 3
+"""Number of coordinates of a rigid body."""
+OPENED, SLIPPED = 3, 4
+"""Kinds of events beside TENSION and SHEAR of the joint law: first passing of the threshold of damage."""
+INPUT, FRICTION, FRACTURE, DAMPING = range(4)
+"""Entries of `energy` [J]."""
+REAL, INDEX = np.float64, np.uint32
+
+
+def _row(*fields):
+    """The dtype of a table's row from its fields: (name, type, unit, meaning)."""
+    return np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
+
+
+INTERFACE = _row(
+    # What walls that step together share, in the order of the fast step's blocks:
+    ("ax", REAL, "m", "arm from the centre of body a to the middle of the contact points, along x"),
+    ("az", REAL, "m", "the same along z"),
+    ("bx", REAL, "m", "arm from the centre of body b, along x"),
+    ("bz", REAL, "m", "the same along z"),
+    ("kn", REAL, "N/m", "normal stiffness of all contact points together"),
+    ("ks", REAL, "N/m", "shear stiffness of all contact points together"),
+    ("kn_offset", REAL, "N", "sum of kn offset over the contact points"),
+    ("kn_offset2", REAL, "N m", "sum of kn offset^2"),
+    ("reach", REAL, "m", "offset of the outermost contact point"),
+    ("slide_loss", REAL, "-", "by how much an opening at the reach reduces the largest elastic shear displacement"),
+    ("head", REAL, "-", "1 for an upright interface, 0 for a bed joint"),
+    ("a", INDEX, "-", "row of body a"),
+    ("b", INDEX, "-", "row of body b"),
+    ("start", INDEX, "-", "row of the first contact point"),
+    ("stop", INDEX, "-", "row after the last one"),
+    # and what each has of its own:
+    ("failed", INDEX, "-", "1 once a contact point has failed, softened or been crushed"),
+    ("largest_opening", REAL, "m", "opening at the reach up to which no contact point leaves its elastic range"),
+    ("largest_slide", REAL, "m", "the same of the shear displacement, without opening"),
+)
+SHARED = INTERFACE.names[:15]
+CONTACT = _row(  # what a contact point is; all of it times its area
+    ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
+    ("area", REAL, "m2", ""),
+    ("kn", REAL, "N/m", "normal stiffness"),
+    ("ks", REAL, "N/m", "shear stiffness"),
+    ("tensile_strength", REAL, "N", "of the intact bond"),
+    ("cohesion", REAL, "N", "of the intact bond"),
+    ("mode_i_energy", REAL, "J", "zero for a brittle bond"),
+    ("mode_ii_energy", REAL, "J", "zero for a brittle bond"),
+    ("compressive_strength", REAL, "N", "infinite where it does not crush"),
+)
+STATE = _row(  # what has become of it: the law's state, its elastic range, and what the step remembers
+    *((name, REAL, "", "as of the joint law, times area") for name in ContactState._fields),
+    *((f"elastic_{name}", REAL, "", "as of the joint law, times area") for name in ElasticRange._fields),
+    ("shear0", REAL, "m", "shear displacement at which the contact had `shear_stress`"),
+    ("idle", REAL, "m", "opening up to which a failed, open contact needs no law; below zero before it fails"),
+    ("passed", REAL, "-", "first passings of the threshold: 1 opened, 2 slipped, 3 both"),
+)
+STATE_FIELDS = len(STATE.names)
+READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU = range(4)
+"""Rows of `readings`: normal displacement from where crushing has left the faces, also negative [m], and shear
+displacement [m] of a contact point, normal stress, tension positive, and shear stress [Pa]."""
+
+
+class System(NamedTuple):
+    """Tables of one wall.
+
+    place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last [m or rad and per second, N or
+    N m, kg or kg m2]; velocities are those half a step ago; an inverse mass of zero prescribes a velocity; forces are
+    those of the contact points; trig: (bodies, 2) cosine of the rotation less one, and its sine; interfaces
+    (INTERFACE), contacts (CONTACT) and states (STATE) in the order of their interfaces; readings: (4, contacts) at the
+    last sample; energy: (4,); events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress
+    [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the mass-proportional damping that adapts itself
+    [1/s], and the kinetic energy of the last step [J]; last: (interfaces, 6) relative motion and resultant of the last
+    step, with which stiffness-proportional damping compares.
+
+    The fast step takes those of several walls at once, which have one more axis before all others.
+    """
+
+    place: np.ndarray
+    velocity: np.ndarray
+    force: np.ndarray
+    mass: np.ndarray
+    inverse_mass: np.ndarray
+    trig: np.ndarray
+    interfaces: np.ndarray
+    contacts: np.ndarray
+    states: np.ndarray
+    readings: np.ndarray
+    energy: np.ndarray
+    events: np.ndarray
+    values: np.ndarray
+    n_events: np.ndarray
+    relaxation: np.ndarray
+    last: np.ndarray
+
+
+def table(dtype, n, **fields):
+    """A structured array of n rows; fields that are not given are zero."""
+    rows = np.zeros(n, dtype)
+    for name, values in fields.items():
+        rows[name][:] = values
+    return rows

@@ -1,0 +1,164 @@
+"""The bodies of up to eight walls, or eight of one wall, moved at once."""
+
+import numpy as np
+
+from damage.mechanics import bodies as mechanics
+from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.eight import add, bits, load, store
+from damage.mechanics.tables import DAMPING, INPUT
+from damage.reference.fast import blocks as at
+from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH
+
+
+@compiled
+def move(tables, blocks, lanes, controls, field, step):
+    """`damage.mechanics.step.move` of all walls.
+
+    field: (walls, steps, 3) acceleration of the base along x and z and gravity [m/s2].
+    """
+    bench, bodies, sums = blocks.bench, blocks.bodies, blocks.sums
+    clear(sums, at.SWEPT_X, at.DAMPED)
+    damped = False
+    for lane in range(controls.shape[0]):
+        alpha = controls[lane, 2] + tables.relaxation[lane, 0]
+        damped |= alpha > 0.0 or controls[lane, 1] > 0.0
+        set_bench(bench, lane, lanes, field[lane, step], controls[lane], alpha)
+    block = NONE
+    while block < INDEX(len(bodies)) // at.BODY:
+        part = NONE if lanes == 1 else block % WIDTH * WIDTH
+        if damped:
+            move_damped(bodies, block * at.BODY, bench, sums, part)
+        else:
+            move_free(bodies, block * at.BODY, bench, sums, part)
+        block += ONE
+    for lane in range(controls.shape[0]):
+        dt = controls[lane, 0]
+        swept = (field[lane, step, 0] * total(sums, at.SWEPT_X, lane, lanes)
+                 + field[lane, step, 1] * total(sums, at.SWEPT_Z, lane, lanes))
+        tables.energy[lane, INPUT] += (total(sums, at.DRIVEN, lane, lanes) - 0.5 * swept) * dt
+        if damped:
+            tables.energy[lane, DAMPING] += total(sums, at.TAKEN, lane, lanes) * dt
+
+
+@compiled
+def set_bench(bench, lane, lanes, field, controls, alpha):
+    """Put what acts on all bodies of a wall on the bench."""
+    dt, local, rate = controls[0], controls[1], controls[3] / controls[0]
+    for i in range(lane, lane + 1) if lanes > 1 else range(8):
+        k = INDEX(i)
+        bench[at.BASE_X + k], bench[at.BASE_Z + k], bench[at.STEP + k] = field[0], field[1] + field[2], dt
+        bench[at.ALPHA + k], bench[at.LOCAL + k], bench[at.RATE + k] = alpha, local, rate
+
+
+@compiled
+def total(sums, first, lane, lanes):
+    """The eight parts of a sum together, of one wall."""
+    value, step = 0.0, ONE if lanes == 1 else WIDTH
+    for part in range(8):
+        value += sums[first + INDEX(part) * step + INDEX(lane)]
+    return value
+
+
+@compiled
+def clear(sums, start, stop):
+    """Zero the sums from one to before another."""
+    while start < stop:
+        sums[start] = 0.0
+        start += ONE
+
+
+@inlined
+def accelerations(bodies, k, bench):
+    """Acceleration of eight bodies along their three coordinates [m/s2, rad/s2]."""
+    return (mechanics.acceleration(load(bodies, k + at.FX), load(bodies, k + at.INVERSE_X), load(bench, at.BASE_X)),
+            mechanics.acceleration(load(bodies, k + at.FZ), load(bodies, k + at.INVERSE_Z), load(bench, at.BASE_Z)),
+            mechanics.acceleration(load(bodies, k + at.MOMENT), load(bodies, k + at.INVERSE_ROTATION), 0.0))
+
+
+@compiled
+def move_free(bodies, k, bench, sums, part):
+    """Move eight bodies whose fields begin at k by a step, undamped."""
+    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
+    advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_rotation, sums, part)
+
+
+@compiled
+def move_damped(bodies, k, bench, sums, part):
+    """The same with damping."""
+    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
+    rate_x = damp(bodies, k, at.VX, at.MASS, at.INVERSE_X, rate_x, bench, sums, part)
+    rate_z = damp(bodies, k, at.VZ, at.MASS, at.INVERSE_Z, rate_z, bench, sums, part)
+    rate_rotation = damp(bodies, k, at.VROTATION, at.INERTIA, at.INVERSE_ROTATION, rate_rotation, bench, sums, part)
+    advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_rotation, sums, part)
+
+
+@inlined
+def damp(bodies, k, velocity, mass, inverse, rate, bench, sums, part):
+    """Acceleration along one coordinate less its damping, whose power is added to the sums."""
+    dt, old = load(bench, at.STEP), load(bodies, k + velocity)
+    taken = mechanics.damping(old, rate, load(bodies, k + inverse), load(bench, at.ALPHA), load(bench, at.LOCAL))
+    rate = rate - taken
+    add(sums, at.TAKEN + part, load(bodies, k + mass) * taken * (old + 0.5 * dt * rate))
+    return rate
+
+
+@inlined
+def advance(bodies, k, dt, rate_x, rate_z, rate_rotation, sums, part):
+    """Velocities and places of eight bodies a step of dt [s] on with these accelerations."""
+    old_x, old_z = load(bodies, k + at.VX), load(bodies, k + at.VZ)
+    vx, vz, v_rotation = old_x + dt * rate_x, old_z + dt * rate_z, load(bodies, k + at.VROTATION) + dt * rate_rotation
+    mass, free_x, free_z = load(bodies, k + at.MASS), load(bodies, k + at.INVERSE_X), load(bodies, k + at.INVERSE_Z)
+    add(sums, at.SWEPT_X + part, mechanics.work_of_field(mass, free_x, old_x, vx))
+    add(sums, at.SWEPT_Z + part, mechanics.work_of_field(mass, free_z, old_z, vz))
+    add(sums, at.DRIVEN + part, mechanics.power_of_drive(load(bodies, k + at.FX), free_x, vx))
+    add(sums, at.DRIVEN + part, mechanics.power_of_drive(load(bodies, k + at.FZ), free_z, vz))
+    add(sums, at.DRIVEN + part, mechanics.power_of_drive(
+        load(bodies, k + at.MOMENT), load(bodies, k + at.INVERSE_ROTATION), v_rotation))
+    angle = load(bodies, k + at.ROTATION) + dt * v_rotation
+    store(bodies, k + at.VX, vx)
+    store(bodies, k + at.VZ, vz)
+    store(bodies, k + at.VROTATION, v_rotation)
+    add(bodies, k + at.X, dt * vx)
+    add(bodies, k + at.Z, dt * vz)
+    store(bodies, k + at.ROTATION, angle)
+    store(bodies, k + at.FX, 0.0)  # for those of the next places
+    store(bodies, k + at.FZ, 0.0)
+    store(bodies, k + at.MOMENT, 0.0)
+    cos1, sin = mechanics.small_rotation(angle)
+    store(bodies, k + at.COS1, cos1)
+    store(bodies, k + at.SIN, sin)
+    if bits(abs(angle) < mechanics.SMALL) != 255:
+        rotate_far(bodies, k)
+
+
+@inlined
+def rotate_far(bodies, k):
+    """Cosine less one and sine of those of eight bodies whose rotation is not small."""
+    for _ in range(8):
+        angle = bodies[k + at.ROTATION]
+        if abs(angle) >= mechanics.SMALL:
+            bodies[k + at.COS1], bodies[k + at.SIN] = np.cos(angle) - 1.0, np.sin(angle)
+        k += ONE
+
+
+@compiled
+def adapt(tables, blocks, lanes, controls):
+    """`damage.mechanics.step.adapt` of all walls."""
+    bodies, sums = blocks.bodies, blocks.sums
+    clear(sums, at.KINETIC, at.SUMS)
+    block = NONE
+    while block < INDEX(len(bodies)) // at.BODY:
+        add_kinetic_energy(bodies, block * at.BODY, sums, NONE if lanes == 1 else block % WIDTH * WIDTH)
+        block += ONE
+    for lane in range(controls.shape[0]):
+        dt, share, kinetic = controls[lane, 0], controls[lane, 4], total(sums, at.KINETIC, lane, lanes)
+        tables.relaxation[lane, 0] = mechanics.adaptive_damping(kinetic, tables.relaxation[lane, 1], share, dt)
+        tables.relaxation[lane, 1] = kinetic
+
+
+@compiled
+def add_kinetic_energy(bodies, k, sums, part):
+    """Add the kinetic energy [J] of eight bodies."""
+    mass, inertia = load(bodies, k + at.MASS), load(bodies, k + at.INERTIA)
+    add(sums, at.KINETIC + part, mechanics.kinetic_energy(
+        (mass, mass, inertia), (load(bodies, k + at.VX), load(bodies, k + at.VZ), load(bodies, k + at.VROTATION))))

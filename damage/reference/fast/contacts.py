@@ -1,0 +1,174 @@
+"""Contacts of an interface in eight walls at once, to the same bits as `damage.mechanics.contacts` one by one.
+
+Those of a failed interface are copied into a block, change there while all of them stay elastic, and are copied back
+where the joint law is asked and where a sample is taken.
+"""
+
+import numpy as np
+
+from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.eight import add, bits, either, flags_of, load, spread, store
+from damage.mechanics.interfaces import BodyForces, Resultant
+from damage.mechanics.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
+from damage.reference.fast import blocks as at
+from damage.reference.fast.blocks import INDEX
+from damage.reference.fast.interfaces import damp_eight, forces_where, push_in_lanes
+from damage.wall import joint_law
+
+
+@compiled
+def loosen(tables, columns, blocks):
+    """Copy the contacts of all failed interfaces into their blocks; columns: the states as numbers."""
+    blocks.loose[:] = 0
+    for lane in range(tables.interfaces.shape[0]):
+        for p in range(tables.interfaces.shape[1]):
+            if tables.interfaces[lane, p].failed:
+                take(tables, columns, blocks, lane, p)
+
+
+@compiled
+def fasten(tables, columns, blocks):
+    """Copy them back."""
+    for p in range(tables.interfaces.shape[1]):
+        for lane in range(tables.interfaces.shape[0]):
+            if blocks.loose[p] >> lane & 1:
+                give(tables, columns, blocks, lane, p)
+    blocks.loose[:] = 0
+
+
+@compiled
+def take(tables, columns, blocks, lane, p):
+    """Copy the contacts of an interface of one wall into their blocks."""
+    for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
+        k = INDEX(i) * at.LOOSE + INDEX(lane)
+        for n in range(len(at.COLUMNS)):
+            blocks.contacts[k + INDEX(8 * n)] = columns[lane, i, at.COLUMNS[n]]
+        blocks.contacts[k + at.COMPRESSIVE] = tables.contacts[lane, i].compressive_strength
+    blocks.loose[p] |= 1 << lane
+
+
+@compiled
+def give(tables, columns, blocks, lane, p):
+    """Copy what has changed of them back."""
+    for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
+        k = INDEX(i) * at.LOOSE + INDEX(lane)
+        for n in range(at.CHANGED):
+            columns[lane, i, at.COLUMNS[n]] = blocks.contacts[k + INDEX(8 * n)]
+
+
+@inlined
+def intact_springs(contacts, start, stop, motion):
+    """Resultant of an intact interface contact by contact [N, N m]."""
+    normal, shear, couple = spread(0.0), spread(0.0), spread(0.0)
+    for i in range(start, stop):
+        contact = contacts[0, i]
+        sigma = contact.kn * (motion.opening + contact.offset * motion.rotation)
+        normal = normal + sigma
+        shear = shear + contact.ks * motion.shear
+        couple = couple + sigma * contact.offset
+    return Resultant(normal, shear, couple)
+
+
+@inlined
+def read_intact(tables, bench, start, stop, motion, intact):
+    """`damage.mechanics.contacts.read` of an interface in those walls where it is intact (bits), by way of the bench."""
+    readings = tables.readings
+    for i in range(start, stop):
+        contact = tables.contacts[0, i]
+        # Zero is added as a closure and a force of before would be: it takes the sign from what is zero.
+        opening = motion.opening + contact.offset * motion.rotation + 0.0
+        store(bench, at.OPENED, opening)
+        store(bench, at.SHEARED, motion.shear)
+        store(bench, at.SIGMA, contact.kn * opening / contact.area)
+        store(bench, at.TAU, (contact.ks * motion.shear + 0.0) / contact.area)
+        for lane in range(tables.contacts.shape[0]):
+            if intact >> lane & 1:
+                k = INDEX(lane)
+                readings[lane, READ_OPENING, i] = bench[at.OPENED + k]
+                readings[lane, READ_SHEAR, i] = bench[at.SHEARED + k]
+                readings[lane, READ_SIGMA, i] = bench[at.SIGMA + k]
+                readings[lane, READ_TAU, i] = bench[at.TAU + k]
+
+
+@inlined
+def forces_of_loose(tables, blocks, law, p, held, frame, motion, damped):
+    """What an interface does in those walls that are held (bits), where its contacts stay springs: it waits until the
+    intact interfaces have pushed their bodies."""
+    waiting, k, m = blocks.waiting, p * at.WAITING, p * at.LAST
+    start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
+    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, motion, flags_of(held))
+    remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, elastic)
+    if damped:
+        resultant, work = damp_eight(blocks.last, m, load(blocks.bench, at.RATE), motion, resultant, elastic)
+        store(waiting, k + at.WORK, work)
+    forces = forces_where(elastic, frame, resultant)
+    store(waiting, k + at.PUSH_X, forces.x)
+    store(waiting, k + at.PUSH_Z, forces.z)
+    store(waiting, k + at.MOMENT_A, forces.moment_a)
+    store(waiting, k + at.MOMENT_B, forces.moment_b)
+    blocks.waits[p] = bits(elastic)
+
+
+@inlined
+def push_waiting(blocks, p, flags, damped):
+    """Add to its bodies what an interface does in those walls (bits) that wait, which are returned."""
+    waits, waiting, k = flags & int(blocks.loose[p]) & int(blocks.waits[p]), blocks.waiting, INDEX(p) * at.WAITING
+    if waits:
+        push_in_lanes(blocks.bodies, blocks.first[p], blocks.second[p], BodyForces(
+            load(waiting, k + at.PUSH_X), load(waiting, k + at.PUSH_Z), load(waiting, k + at.MOMENT_A),
+            load(waiting, k + at.MOMENT_B)))
+        if damped:
+            add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), load(waiting, k + at.WORK))
+    return waits
+
+
+@inlined
+def loose_spring(contact, loose, k, motion, plain):
+    """`damage.mechanics.contacts.elastic_trial` in eight walls: opening [m] and normal force [N]; plain: where nothing
+    softens or crushes."""
+    opening = motion.opening + contact.offset * motion.rotation
+    if plain:
+        opening = opening + 0.0  # as a closure of zero would be
+        return opening, contact.kn * opening
+    opening = opening + load(loose, k + at.CLOSURE)
+    return opening, either(opening > 0.0, load(loose, k + at.KT), contact.kn) * opening
+
+
+@inlined
+def loose_springs(contacts, loose, law, start, stop, motion, elastic):
+    """`damage.mechanics.contacts.elastic_resultant` in eight walls, of which it leaves those elastic whose contacts all
+    are."""
+    held = elastic
+    normal, shear, couple = spread(0.0), spread(0.0), spread(0.0)
+    for i in range(start, stop):
+        contact, k = contacts[0, i], INDEX(i) * at.LOOSE
+        opening, sigma = loose_spring(contact, loose, k, motion, law.plain)
+        tau0, shear0, idle = load(loose, k + at.SHEAR_STRESS), load(loose, k + at.SHEAR0), load(loose, k + at.IDLE)
+        tau = tau0 + contact.ks * (motion.shear - shear0)
+        is_open = (opening > 0.0) & (opening <= idle) & (tau0 == 0.0)
+        store(loose, k + at.SHEAR0, either(held & is_open, motion.shear, shear0))
+        within = joint_law.stays_elastic(sigma, tau, load(loose, k + at.TENSILE), load(loose, k + at.COHESION),
+                                         joint_law.friction_left(idle >= 0.0, law.material))
+        if not law.plain:
+            within = within & joint_law.withstands(sigma, load(loose, k + at.COMPRESSIVE))
+        elastic = elastic & (within | is_open)
+        normal = normal + either(is_open, 0.0, sigma)
+        shear = shear + either(is_open, 0.0, tau)
+        couple = couple + either(is_open, 0.0, sigma * contact.offset)
+    return Resultant(normal, shear, couple), elastic
+
+
+@inlined
+def remember_loose(contacts, loose, plain, start, stop, motion, elastic):
+    """`damage.mechanics.contacts.remember` in the walls that are elastic."""
+    for i in range(start, stop):
+        contact, k = contacts[0, i], INDEX(i) * at.LOOSE
+        moves = elastic & (load(loose, k + at.IDLE) >= 0.0)
+        if not plain:
+            compressive, before = load(loose, k + at.COMPRESSIVE), load(loose, k + at.NORMAL_STRESS)
+            _, sigma = loose_spring(contact, loose, k, motion, plain)
+            store(loose, k + at.NORMAL_STRESS, either(elastic & (compressive < np.inf), sigma, before))
+            moves = elastic & ((load(loose, k + at.IDLE) >= 0.0) | (load(loose, k + at.KAPPA) > 0.0))
+        tau0, shear0 = load(loose, k + at.SHEAR_STRESS), load(loose, k + at.SHEAR0)
+        store(loose, k + at.SHEAR_STRESS, either(moves, tau0 + contact.ks * (motion.shear - shear0), tau0))
+        store(loose, k + at.SHEAR0, either(moves, motion.shear, shear0))

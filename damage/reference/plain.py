@@ -1,0 +1,47 @@
+"""A wall moved by the plain step."""
+
+import numpy as np
+
+from damage.index import THRESHOLD
+from damage.mechanics import step as plain
+from damage.mechanics.samples import Samples
+
+
+class Alone:
+    """One wall by itself, with the methods of `damage.reference.lanes.Lanes`."""
+
+    def __init__(self, wall):
+        self.wall, self._law = wall, plain.Law(wall.material, THRESHOLD)
+        self._scratch = plain.Scratch(np.zeros(len(wall.system.interfaces), np.int64), np.zeros((5, plain.PARTS)))
+        self._samples = self._room(0)
+
+    def are_of(self, walls):
+        """Whether this is the wall."""
+        return len(walls) == 1 and walls[0] is self.wall and self.wall.lanes is self
+
+    def run(self, *steps):
+        """Advance by these numbers of steps, one after the other; `told` tells what was after each."""
+        wall = self.wall
+        if wall.adaptive_damping == 0.0:
+            wall.system.relaxation[:] = 0.0
+        if len(steps) > self._samples.totals.shape[1]:
+            self._samples = self._room(len(steps))
+        ends = np.cumsum(steps)
+        plain.run(wall.system, self._law, plain.Controls(*map(float, wall.controls)), wall.field(ends[-1] + 1),
+                  wall.step - wall.first_step, ends, self._scratch, wall.stiffness, self._samples, 0)
+        wall.step += int(ends[-1])
+
+    def told(self, wall, which):
+        """Samples after these of the last run's numbers of steps, a slice."""
+        return self._samples.of(0, which)
+
+    def find_forces(self, singly):
+        """Forces at the present places without damping; and, if `singly`, readings."""
+        self.wall.system.force[:] = 0.0
+        undamped = plain.Controls(self.wall.time_step, 0.0, 0.0, 0.0, 0.0)
+        plain.find_forces(self.wall.system, self._law, undamped, self.wall.step - self.wall.first_step, singly,
+                          self._scratch)
+
+    def _room(self, n_samples):
+        system = self.wall.system
+        return Samples.none(1, n_samples, len(system.contacts), len(self.wall.layout.bodies))
