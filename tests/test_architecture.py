@@ -14,7 +14,7 @@ ROOMS = [
      "damage.start", "damage.version"),
     ("damage.index", "damage.wall", "damage.motion"),
     ("damage.history",),
-    ("damage.measure",),
+    ("damage.measure", "damage.mechanics"),
     ("damage.draw",),
     ("damage.run",),
     ("damage.reference", "damage.laboratory", "damage.studies", "damage.paper"),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.reference.tables import READ_SIGMA
+from damage.mechanics.tables import READ_SIGMA
 from damage.reference.wall import ReferenceWall
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out

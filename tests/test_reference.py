@@ -79,10 +79,7 @@ def test_forces_are_the_gradient_of_the_elastic_energy():
     places += rigid_turn(solver.layout.bodies, 0.3)
 
     def put(values):
-        place = solver.system.place[:-1]
-        place["x"], place["z"], place["turn"] = values.T
-        place["cos1"], place["sin"] = np.cos(values[:, 2]) - 1, np.sin(values[:, 2])
-        solver.refresh()
+        solver.displacement = values
         return solver.elastic_energy()
 
     put(places)
@@ -125,8 +122,8 @@ def test_forces_twice_at_the_same_places_change_nothing():
     settle(solver)
     solver.start(np.tile([8.0, 0.0], (20_000, 1)))
     solver.run(3000)
-    assert solver.system.joints["broken"].sum() > 0
-    tables = solver.system.joints, solver.system.readings, solver.system.contacts, solver.system.place
+    assert solver.system.states["broken"].sum() > 0
+    tables = solver.system.states, solver.system.readings, solver.system.contacts, solver.system.place
     before = [table.copy() for table in tables]
     energy = solver.energy.copy()
     solver.refresh()
@@ -144,7 +141,7 @@ def test_what_is_read_of_the_joints_balances_the_forces_on_the_ground():
         solver.run(2990)
         solver.beta = beta
         solver.run(10)
-        assert (solver.system.joints["broken"].sum() > 0) == (joint is WEAK)
+        assert (solver.system.states["broken"].sum() > 0) == (joint is WEAK)
         contacts, (sigma, tau) = solver.layout.contacts, solver.stresses
         force = np.array([tau @ (contacts.area * (contacts.first == GROUND)),
                           sigma @ (contacts.area * (contacts.first == GROUND))])
@@ -171,8 +168,8 @@ def shaken_mirror_image(sign, perturb=0.0, seed=0):
     forwards or backwards: both change with sign (1 or -1)."""
     left = 0.225 if sign > 0 else 0.675
     solver = small_solver(wall=Wall("door", 1.35, 0.9, [Opening(left, 0.45, 0.6)]), factor=0.6)
-    solver.system.place["x"][:-1] += perturb * np.random.default_rng(seed).normal(size=len(solver.layout.bodies))
-    solver.refresh()
+    solver.displacement += np.outer(perturb * np.random.default_rng(seed).normal(size=len(solver.layout.bodies)),
+                                    [1, 0, 0])
     settle(solver)
     zero = solver.displacement.copy()
     time = np.arange(8000) * solver.time_step
@@ -284,13 +281,10 @@ def test_a_whole_pair_as_one_spring_is_its_contacts_one_by_one():
         shortcut, by_contact = (small_solver(cells=4) for _ in range(2))
         motion = np.random.default_rng(3).normal(0, strain * 2e-6, (len(shortcut.layout.bodies), 3)) * [1, 1, 10]
         for solver, singly in ((shortcut, False), (by_contact, True)):
-            for name, column in zip(("x", "z", "turn"), motion.T):
-                solver.system.place[name][:-1] = column
-            solver.system.place["cos1"][:-1] = np.cos(motion[:, 2]) - 1
-            solver.system.place["sin"][:-1] = np.sin(motion[:, 2])
+            solver.place_bodies(motion)
             solver.lanes.find_forces(singly)
         scale = np.abs(by_contact.force).max(axis=0)
         assert_allclose(shortcut.force / scale, by_contact.force / scale, rtol=0, atol=1e-9)
-        assert np.array_equal(shortcut.system.joints["broken"], by_contact.system.joints["broken"])
-        broke.add(bool(by_contact.system.joints["broken"].any()))
+        assert np.array_equal(shortcut.system.states["broken"], by_contact.system.states["broken"])
+        broke.add(bool(by_contact.system.states["broken"].any()))
     assert broke == {False, True}

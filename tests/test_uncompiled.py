@@ -11,7 +11,6 @@ import pytest
 from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 
-from damage.reference import tables
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
@@ -49,13 +48,13 @@ def damped(solver):
 CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-6}}
 
 
-def all_results():
-    """{case and quantity: array} of all CASES."""
+def all_results(fast):
+    """{case and quantity: array} of all CASES, by the fast step or the plain one."""
     layout = lay_out(WALL)
     results = {}
     step = 0.3 * natural_modes(layout).critical_time_step_s
     for case, options in CASES.items():
-        solver = ReferenceWall(layout, step, **options)
+        solver = ReferenceWall(layout, step, fast=fast, **options)
         case(solver)
         steps, joints, kinds, values = solver.drain_events()
         for name, value in {"place": solver.displacement, "velocity": solver.velocity, "force": solver.force,
@@ -66,13 +65,14 @@ def all_results():
     return results
 
 
-def test_plain_python_gives_what_the_compiled_functions_give(tmp_path):
+@pytest.mark.parametrize("fast", [True, False], ids=["fast", "plain"])
+def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, fast):
     """But for fused multiply-adds, which round once instead of twice."""
-    done = subprocess.run([sys.executable, __file__, tmp_path / "plain.npz"], capture_output=True, text=True,
+    done = subprocess.run([sys.executable, __file__, tmp_path / "plain.npz", "fast" if fast else "plain"], capture_output=True, text=True,
                           env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(
                               [str(REPOSITORY), os.environ.get("PYTHONPATH", "")])})
     assert done.returncode == 0, done.stderr
-    plain, compiled = np.load(tmp_path / "plain.npz"), all_results()
+    plain, compiled = np.load(tmp_path / "plain.npz"), all_results(fast)
     assert set(compiled["shaken_events"][:, 2]) == {1, 2, 3, 4}  # tension, shear, opened, slipped
     for name, value in compiled.items():
         if name.endswith("events"):
@@ -83,10 +83,7 @@ def test_plain_python_gives_what_the_compiled_functions_give(tmp_path):
 
 
 if __name__ == "__main__":
-    for name, table in list(vars(tables).items()):  # rows whose fields are attributes without numba, too
-        if isinstance(table, np.dtype) and table.names:
-            setattr(tables, name, np.dtype((np.record, table)))
-    np.savez(sys.argv[1], **all_results())
+    np.savez(sys.argv[1], **all_results(sys.argv[2] == "fast"))
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
@@ -98,16 +95,16 @@ def test_a_newer_law_is_compiled_anew(tmp_path, elsewhere):
     env = {**os.environ, "PYTHONPATH": str(tmp_path)}
     if elsewhere:
         env["NUMBA_CACHE_DIR"] = str(tmp_path / "kept")
-    told = subprocess.run([sys.executable, "-c", "from damage.reference import cache; print(cache.kept_in())"],
+    told = subprocess.run([sys.executable, "-c", "from damage.mechanics import cache; print(cache.kept_in())"],
                           cwd=tmp_path, check=True, env=env, capture_output=True, text=True).stdout
     folder = Path(told.strip())
-    assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "reference")
-    index = folder / "kernel.spring-1.py311.nbi"
+    assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "mechanics")
+    index = folder / "contacts.spring-1.py311.nbi"
     index.parent.mkdir(parents=True, exist_ok=True)
     index.touch()
-    os.utime(package / "reference" / "tables.py", (0, 0))
+    os.utime(package / "mechanics" / "tables.py", (0, 0))
     law = package / "wall" / "joint_law.py"
     for age_s, kept in ((-10, True), (10, False)):
         os.utime(law, (index.stat().st_mtime + age_s,) * 2)
-        subprocess.run([sys.executable, "-c", "import damage.reference.kernel"], cwd=tmp_path, check=True, env=env)
+        subprocess.run([sys.executable, "-c", "import damage.reference.fast.step"], cwd=tmp_path, check=True, env=env)
         assert index.exists() == kept

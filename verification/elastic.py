@@ -162,9 +162,5 @@ def balance(layout, forces_after):
 
 def _forces_after(wall, move):
     """Forces on the bodies of a ReferenceWall after a move (n_bodies, 3)."""
-    place = wall.system.place[:-1]
-    for name, column in zip(("x", "z", "turn"), move.T):
-        place[name] += column
-    place["cos1"], place["sin"] = np.cos(place["turn"]) - 1, np.sin(place["turn"])
-    wall.refresh()
+    wall.displacement += move
     return wall.force[:-1]

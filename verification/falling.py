@@ -50,8 +50,7 @@ def _stiffness(layout):
 
 def _fall():
     wall = solver_of(one_block(), 0.5)
-    wall.system.place["z"][0] += 10.0
-    wall.refresh()
+    wall.displacement = (0.0, 10.0, 0.0)
     start, steps = wall.displacement[0, 1], round(FALL_S / wall.time_step)
     wall.velocity = (0.0, GRAVITY * wall.time_step / 2, 0.0)  # half a step ago, so that it is at rest now
     wall.run(steps)
@@ -63,8 +62,7 @@ def _fall():
 def _bounce():
     layout = one_block()
     wall = solver_of(layout, 0.01)
-    wall.system.place["z"][0] += HEIGHT
-    wall.refresh()
+    wall.displacement = (0.0, HEIGHT, 0.0)
     wall.velocity = (0.0, GRAVITY * wall.time_step / 2, 0.0)
     steps = round(2.2 * math.sqrt(2 * HEIGHT / GRAVITY) / wall.time_step)
     track, force = np.empty(steps), 0.0

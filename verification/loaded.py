@@ -51,16 +51,13 @@ def loaded_period(layout, gravity=GRAVITY):
 
 def _derivative(wall, body, component):
     """Of minus all bodies' forces by one displacement of one body (3 n_bodies,)."""
-    place, forces = wall.system.place, []
-    rest = {name: place[name][body] for name in ("x", "z", "turn", "cos1", "sin")}
+    rest, forces = wall.displacement, []
     for sign in (1, -1):
-        place[("x", "z", "turn")[component]][body] += sign * _MOVE
-        turn = place["turn"][body]
-        place["cos1"][body], place["sin"][body] = -2 * math.sin(turn / 2) ** 2, math.sin(turn)
-        wall.refresh()
-        forces.append(wall.force[:-1].ravel().copy())
-        for name, value in rest.items():
-            place[name][body] = value
+        moved = rest.copy()
+        moved[body, component] += sign * _MOVE
+        wall.displacement = moved
+        forces.append(wall.force[:-1].ravel())
+    wall.displacement = rest
     return (forces[1] - forces[0]) / (2 * _MOVE)
 
 

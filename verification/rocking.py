@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.integrate import quad
 
-from damage.reference.tables import FRICTION
+from damage.mechanics.tables import FRICTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Joint, ModelOptions, Wall
@@ -127,10 +127,7 @@ def tilted(layout, tilt):
 def tilt_it(wall, tilt):
     """Put the block of a ReferenceWall at a tilt about its right corner, at rest."""
     x, z, sag = tilted(wall.layout, tilt)
-    place = wall.system.place
-    place["x"][0], place["z"][0] = x, z - sag
-    place["turn"][0], place["cos1"][0], place["sin"][0] = -tilt, math.cos(tilt) - 1, -math.sin(tilt)
-    wall.refresh()
+    wall.displacement = (x, z - sag, -tilt)
 
 
 def fall_back(tilt):

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.reference.tables import FRACTURE, FRICTION
+from damage.mechanics.tables import FRACTURE, FRICTION
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import BED, GROUND, lay_out
 from damage.wall.parameters import Joint, ModelOptions, Wall
@@ -103,11 +103,11 @@ def drive(path, fibres=0, **changes):
     layout = pair(fibres, **changes)
     area = layout.contacts.area[between(layout)]
     wall = ReferenceWall(layout, 1e-5)
-    upper, forces = wall.system.place[1], []
+    forces = []
     for opening, shear in path:
-        upper["z"], upper["x"] = opening, shear
+        wall.system.place[1, :2] = shear, opening
         wall.lanes.find_forces(singly=True)
-        forces.append((-upper["fz"], -upper["fx"]))
+        forces.append(-wall.system.force[1, 1::-1])
     energies = wall.energy[FRICTION], wall.energy[FRACTURE], wall.elastic_energy()
     return Driven(path, np.array(forces) / area, np.array(energies) / area)
 

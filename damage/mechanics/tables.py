@@ -6,6 +6,7 @@ area, and returns forces and works.
 
 from typing import NamedTuple
 
+import numba
 import numpy as np
 
 from damage.wall.joint_law import ContactState, ElasticRange
@@ -24,7 +25,8 @@ REAL, INDEX = np.float64, np.uint32
 
 def _row(*fields):
     """The dtype of a table's row from its fields: (name, type, unit, meaning)."""
-    return np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
+    row = np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
+    return np.dtype((np.record, row)) if numba.config.DISABLE_JIT else row  # its fields as attributes in any case
 
 
 INTERFACE = _row(

@@ -42,8 +42,20 @@ class ReferenceWall:
 
     @property
     def displacement(self):
-        """(n_bodies, 3) [m, m, rad] since the wall was built."""
+        """(n_bodies, 3) [m, m, rad] since the wall was built; can be assigned."""
         return self.system.place[:len(self.layout.bodies)].copy()
+
+    @displacement.setter
+    def displacement(self, values):
+        self.place_bodies(values)
+        self.refresh()
+
+    def place_bodies(self, values):
+        """Give the bodies displacements (n_bodies, 3) [m, m, rad], without their forces."""
+        bodies = slice(len(self.layout.bodies))
+        self.system.place[bodies] = values
+        angle = self.system.place[bodies, ROTATION]
+        self.system.trig[bodies, 0], self.system.trig[bodies, 1] = -2 * np.sin(angle / 2)**2, np.sin(angle)
 
     @property
     def velocity(self):
