@@ -12,6 +12,8 @@ from damage.version import VERSION
 HERE = Path(__file__).parent
 MODEL = ("units.py", "wall", "motion", "run/run.py", "run/schedule.py", "run/settings.py", "run/watch.py")
 """What of the package decides the values of any run; the solver's own folder comes to it."""
+BUILT_IN = "mechanics"
+"""What the solver of this package uses besides."""
 UNKNOWN = "unknown"
 
 
@@ -49,14 +51,15 @@ def model_digest(solver_folder):
 
     solver_folder: path of the solver's package, whose modules all count.
     """
-    digest = hashlib.sha256()
-    for path in [path for name in MODEL for path in _modules(HERE / name)] + _modules(Path(solver_folder)):
+    digest, folder = hashlib.sha256(), Path(solver_folder)
+    names = [*MODEL, BUILT_IN] if HERE in folder.parents else MODEL
+    for path in [path for name in names for path in _modules(HERE / name)] + _modules(folder):
         digest.update(f"{path.name}\0{code_of(path)}\0".encode())
     return digest.hexdigest()[:12]
 
 
 def _modules(path):
-    return sorted(path.glob("*.py")) if path.is_dir() else [path]
+    return sorted(path.rglob("*.py")) if path.is_dir() else [path]
 
 
 def code_of(path):

@@ -269,7 +269,7 @@ def test_all_steps_of_a_turn_are_taken_at_once():
 def session(tmp_path, capsys, monkeypatch, at_once):
     """session(*words, **of the Clockwork): a whole run of it from its command line; (status, what it said, History)."""
     def run(*words, **clockwork):
-        def make(layout, time_step):
+        def make(layout, time_step, _settings):
             monkeypatch.setattr(f"{__name__}.DT", time_step)
             return Clockwork(layout, at_once, **clockwork)
 

@@ -237,7 +237,7 @@ class TestRun:
         assert "--dt" in capsys.readouterr().err
 
     def test_a_solver_that_knows_no_softening_refuses(self, tmp_path, capsys):
-        backend = Backend("other", {}, ReferenceSolver, tmp_path)
+        backend = Backend("other", {}, None, tmp_path)
         assert run(tmp_path, backend=backend)[0] == 2
         assert "fracture energies" in capsys.readouterr().err
 

@@ -49,7 +49,8 @@ def _run(make_wall, path):
     if "--quiet" not in sys.argv:
         print(f"YADE {yade.config.version}, bricks are {BRICK_SHAPE}", flush=True)
     versions = {"yade": yade.config.version, "yade_bricks": BRICK_SHAPE}
-    backend = Backend("yade", versions, YadeSolver, Path(__file__).parent, _check, open_view,
+    backend = Backend("yade", versions, lambda layout, time_step, _settings: YadeSolver(layout, time_step),
+                      Path(__file__).parent, _check, open_view,
                       Softening(fibres=FIBRES, beta_s=0.0))
     return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {path}")
 

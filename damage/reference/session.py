@@ -12,8 +12,8 @@ from damage.run.settings import Softening
 from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
-BACKEND = Backend("reference", {"numba": numba.__version__}, ReferenceSolver, Path(__file__).parent,
-                  softening=Softening())
+BACKEND = Backend("reference", {"numba": numba.__version__}, lambda layout, time_step, settings: ReferenceSolver(
+    layout, time_step, fast=settings.step == "fast"), Path(__file__).parent, softening=Softening())
 
 
 def run_reference(arguments):

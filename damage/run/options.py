@@ -12,7 +12,7 @@ from damage.errors import InputError
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
-from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, RunSettings, rayleigh_factors
+from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, STEPS, RunSettings, rayleigh_factors
 from damage.wall.parameters import ModelOptions
 
 
@@ -56,7 +56,7 @@ def parse_run(arguments, prog, solver):
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed,
-        past_collapse_s=getattr(parsed, "past_collapse", 0.0), out=parsed.out, overwrite=parsed.overwrite,
+        past_collapse_s=getattr(parsed, "past_collapse", 0.0), step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
         command=" ".join([prog, *arguments]), model=model_of(parsed))
 
@@ -142,6 +142,9 @@ def _add_run(group, solver):
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     group.add_argument("--quiet", action="store_true", help="print warnings and errors only")
+    if solver == "reference":
+        group.add_argument("--step", choices=STEPS, default=STEPS[0], help="implementation of the time step: fast "
+                           "(default), or plain, the definition that it is tested against; both give the same bits")
     if solver == "yade":
         group.add_argument("--past-collapse", type=float, default=0.0, metavar="S",
                            help="follow the bricks for so long after the first one fell (default 0)")

@@ -37,7 +37,7 @@ class Backend:
     """A solver as a session needs it.
 
     versions: {software: version} beside this software's own; code: the folder of the solver's modules;
-    make(layout, time_step): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
+    make(layout, time_step, settings): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
     open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softening: what it gives joints with fracture energies; None where it does not know them.
     """
@@ -189,7 +189,7 @@ def simulate(prepared, keep_going, settled=None):
     `take_turns`, which returns the exit status; settled: as of Run."""
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
-        solver = prepared.backend.make(layout, prepared.time_step)
+        solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
         run = Run(layout, prepared.settings, solver, writer, keep_going, settled)
         finished = yield from run.settle_under_gravity()
         if finished:

@@ -26,6 +26,8 @@ LOCAL_DAMPING = 0.7
 ADAPTIVE_DAMPING = 1.0
 """Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to rest fastest."""
 RELAXATIONS = ("adaptive", "local")
+STEPS = ("fast", "plain")
+"""Implementations of the reference solver's time step; both give the same bits."""
 OFFSETS_BELOW = 20
 """A bond opens by up to six times the bricks' offsets [m] in a wall of thousands of them; they stay so much below
 f_t / k_n."""
@@ -54,7 +56,7 @@ class RunSettings:
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
     by it the members of an ensemble differ; past_collapse_s: how long bodies are followed after the first brick fell
-    [s]; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors only; command:
+    [s]; step: one of STEPS; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors only; command:
     what asked for it.
     """
 
@@ -70,6 +72,7 @@ class RunSettings:
     scatter: float = 0.0
     seed: int = 0
     past_collapse_s: float = 0.0
+    step: str = "fast"
     out: Path | None = None
     overwrite: bool = False
     pictures: bool = True

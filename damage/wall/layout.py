@@ -19,6 +19,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.units import GRAVITY
+from damage.wall.compliance import lumped_stiffness
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.parameters import ModelOptions, Wall
@@ -366,7 +367,7 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     rows = [row for pair in pairs for row in _contact_rows(options, bodies, cells, *pair)]
     kind, first, second, first_cell, second_cell, x, z, length = (
         np.array(column) for column in zip(*rows))
-    normal, shear = _effective_stiffness(wall, bodies, kind, first, second)
+    normal, shear = lumped_stiffness(wall, bodies, kind, first, second)
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
     middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie on the edges of its courses
@@ -433,22 +434,6 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
     if (options.contacts == "interior" or kind == CAP) and not hinge:
         return [(*head, *((start + end) / 2), length)]
     return [(*head, *start, length / 2), (*head, *end, length / 2)]
-
-
-def _effective_stiffness(wall, bodies, kind, first, second):
-    """Joint stiffness in series with the rigid bricks' own: 1/k_eff = 1/k + h/E, with G in shear.
-
-    h is the distance of the brick centres across the joint, half a brick at the base; caps are
-    glued with the stiffness of a bed joint between bricks.
-    """
-    brick, joint = wall.brick, wall.joint
-    distance = np.full(len(kind), brick.height)
-    distance[first == GROUND] = brick.height / 2
-    head = kind == HEAD
-    distance[head] = bodies.x[second[head]] - bodies.x[first[head]]
-    normal = 1 / (1 / joint.normal_stiffness + distance / brick.young_modulus)
-    shear = 1 / (1 / joint.shear_stiffness + distance / brick.shear_modulus)
-    return normal, shear
 
 
 def _strength_factors(first, second, variation, seed):

@@ -13,15 +13,16 @@ they split in shear, too: the points bear the mean V / (t h), and have 2/3 c, so
 a beam's shear stress in its middle, reaches c, or less where it is pulled: c = f_t is the diagonal tension of a brick
 without vertical compression, which helps and is not seen here.
 
-Head joints have a brick's compliance from centre to centre; the cut takes its share of it over.  Cuts are brittle, have
-the friction of the joints once they are open, and do not crush.
+The cut takes its share of the brick's compliance over from the head joints (`damage.wall.compliance`).  Cuts are
+brittle, have the friction of the joints once they are open, and do not crush.
 """
 
 from dataclasses import fields, replace
 
 import numpy as np
 
-from damage.wall.kinds import CAP, CUT, GROUND, HEAD
+from damage.wall.compliance import lumped_stiffness
+from damage.wall.kinds import CAP, CUT, GROUND
 
 CUT_POINTS = 4
 """Contact points of a cut: bending stiffness 15/16 of the section's, 4/5 of its strength in pure tension."""
@@ -47,12 +48,14 @@ def split_bricks(layout):
     number[n:] += len(whole)
     cells = _on_halves(layout.cells, old, number, right)
     halves, contacts = _halves(old, whole, n), _under_new_numbers(layout.contacts, cells, number)
-    contacts = replace(contacts, **_stiffer_heads(layout.contacts, old, contacts, halves, wall.brick))
     cuts = _cuts(old, whole, right, cells, wall)
     glue = int(np.sum(contacts.kind != CAP))
+    contacts = _with(contacts, np.full(len(cuts["x"]), glue), cuts)
+    normal, shear = lumped_stiffness(wall, halves, contacts.kind, contacts.first, contacts.second)
     return replace(
         layout, bodies=halves, cells=cells, n_bricks=n + len(whole),
-        contacts=_with(contacts, np.full(len(cuts["x"]), glue), cuts), n_joints=layout.n_joints + len(cuts["x"]),
+        contacts=replace(contacts, normal_stiffness=normal, shear_stiffness=shear),
+        n_joints=layout.n_joints + len(cuts["x"]),
         drift_bodies=np.concatenate([number[layout.drift_bodies], right[np.intersect1d(layout.drift_bodies, whole)]]))
 
 
@@ -87,19 +90,6 @@ def _under_new_numbers(contacts, cells, number):
     return replace(contacts, **bodies)
 
 
-def _stiffer_heads(before, bodies, after, halves, brick):
-    """{field: values} of the contacts' stiffnesses: head joints keep of the bricks' compliance, which they had from
-    centre to centre, what does not lie beyond a cut."""
-    head = np.flatnonzero(before.kind == HEAD)
-    apart, apart_now = (of.x[contacts.second[head]] - of.x[contacts.first[head]]
-                        for of, contacts in ((bodies, before), (halves, after)))
-    found = {}
-    for name, modulus in (("normal_stiffness", brick.young_modulus), ("shear_stiffness", brick.shear_modulus)):
-        found[name] = getattr(before, name).copy()
-        found[name][head] = 1 / (1 / found[name][head] - (apart - apart_now) / modulus)
-    return found
-
-
 def _cuts(old, whole, right, cells, wall):
     """{field: values} of the cuts' contact points, upwards in each cut."""
     brick, n = wall.brick, CUT_POINTS * len(whole)
@@ -107,12 +97,11 @@ def _cuts(old, whole, right, cells, wall):
     last, first = ({body: cell for cell, body in order} for order in (
         enumerate(cells.body), reversed(list(enumerate(cells.body)))))
     tensile_strength, cohesion = cut_strengths(brick)
-    distance = brick.length / 2  # of the halves' centres
     values = {
         "kind": CUT, "first": np.repeat(whole, CUT_POINTS), "second": np.repeat(right[whole], CUT_POINTS),
         "x": np.repeat(old.x[whole], CUT_POINTS), "z": np.add.outer(old.z[whole], heights).ravel(),
         "length": brick.height / CUT_POINTS, "area": brick.height / CUT_POINTS * brick.thickness,
-        "normal_stiffness": brick.young_modulus / distance, "shear_stiffness": brick.shear_modulus / distance,
+        "normal_stiffness": np.nan, "shear_stiffness": np.nan,  # of all together, later
         "elastic": False, "tensile_strength": tensile_strength, "cohesion": cohesion, "compressive_strength": np.inf,
         "first_cell": np.repeat([last[body] for body in whole], CUT_POINTS),
         "second_cell": np.repeat([first[right[body]] for body in whole], CUT_POINTS)}

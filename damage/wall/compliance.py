@@ -1,0 +1,25 @@
+"""Compliance of joints and bricks, lumped into the contact points: the only place where it is."""
+
+import numpy as np
+
+from damage.wall.kinds import CUT, GROUND, HEAD
+
+
+def lumped_stiffness(wall, bodies, kind, first, second):
+    """Normal and shear stiffness of contact points between rigid bricks [Pa/m], two arrays (n_contacts,).
+
+    A joint is in series with the bricks on both sides: 1/k = 1/k_joint + d/E, with G in shear; d is the distance of the
+    brick centres across the joint, half a brick at the base.  Rigid top masses are glued with the stiffness of a bed
+    joint between bricks.  A cut through a brick has the stiffness of the brick between the centres of its halves.
+
+    wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of the contact points, as
+    in damage.wall.layout.Contacts.
+    """
+    brick, joint = wall.brick, wall.joint
+    upright = (kind == HEAD) | (kind == CUT)
+    distance = np.full(len(kind), brick.height)
+    distance[first == GROUND] = brick.height / 2
+    distance[upright] = bodies.x[second[upright]] - bodies.x[first[upright]]
+    return tuple(np.where(kind == CUT, modulus / distance, 1 / (1 / stiffness + distance / modulus))
+                 for stiffness, modulus in ((joint.normal_stiffness, brick.young_modulus),
+                                            (joint.shear_stiffness, brick.shear_modulus)))
