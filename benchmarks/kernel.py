@@ -2,11 +2,12 @@
 
     python3 benchmarks/kernel.py                       # against d51e596, before joints could soften
     python3 benchmarks/kernel.py --old COMMIT --rounds 15
+    python3 benchmarks/kernel.py --avx2                # as a processor without AVX-512 would be given
     python3 benchmarks/kernel.py --sizes               # nanoseconds a contact and step against wall size, too
 
 The older package is taken from git into a temporary folder under another name.  The symmetric wall is intact, or
-shaken until it is cracked, by the older kernel and the present one alike; it steps alone and as 4, 8 and 16 walls
-together, and with damping proportional to stiffness.  Times are those of the processor, a wall and step; a ratio is
+shaken until it is cracked, by the older kernel and the present one alike; it steps alone, by the plain step, as 4, 8
+and 16 walls together, and with damping proportional to stiffness.  Times are those of the processor, a wall and step; a ratio is
 the median over the rounds of new to old.
 """
 
@@ -34,7 +35,10 @@ def main():
     parser.add_argument("--old", default=BEFORE_SOFTENING)
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--sizes", action="store_true")
+    parser.add_argument("--avx2", action="store_true")
     asked = parser.parse_args()
+    if asked.avx2:
+        os.environ |= {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": "+avx,+avx2,+bmi,+bmi2,+f16c,+fma,+popcnt"}
     with tempfile.TemporaryDirectory() as folder:
         take_from_git(asked.old, Path(folder))
         os.environ.setdefault("NUMBA_CACHE_DIR", folder)
@@ -89,8 +93,11 @@ def compare(cracked, rounds):
     """Print what a step costs in every way, and its ratio to the older kernel's."""
     from damage.reference.lanes import run_together
 
-    old, new, damped = (make("damage_before", cracked), make("damage", cracked), make("damage", cracked, 1e-6))
-    pieces = {"old, alone": (old.run, 1), "alone": (new.run, 1), "alone, beta": (damped.run, 1)}
+    old, new, plain, damped = (make("damage_before", cracked), make("damage", cracked), make("damage", cracked),
+                               make("damage", cracked, 1e-6))
+    plain.fast = False
+    pieces = {"old, alone": (old.run, 1), "alone": (new.run, 1), "plain, alone": (plain.run, 1),
+              "alone, beta": (damped.run, 1)}
     for number in (4, 8, 16):
         walls = [make("damage", cracked) for _ in range(number)]
         pieces[f"{number} together"] = (lambda steps, walls=walls: run_together(walls, steps), number)

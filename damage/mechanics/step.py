@@ -15,7 +15,7 @@ from damage.mechanics import bodies, contacts, interfaces
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.interfaces import Line, Pose, RelativeMotion, Resultant, Springs
 from damage.mechanics.samples import observe
-from damage.mechanics.tables import DAMPING, INPUT, ROTATION, X, Z
+from damage.mechanics.tables import DAMPING, INPUT, RIGID, ROTATION, X, Z
 from damage.wall.joint_law import Material
 
 PARTS = 8
@@ -73,29 +73,26 @@ def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, 
         observe(system, stiffness, field[step], controls.time_step, samples, w, k)
 
 
-@compiled
+@inlined
 def move(system, controls, field, sums):
     """Central differences of every coordinate of every body; input and damping work [J]."""
-    velocity, force, mass, inverse = system.velocity, system.force, system.mass, system.inverse_mass
     dt, alpha = controls.time_step, controls.alpha + system.relaxation[0]
     sums[:] = 0.0
-    for b in range(len(velocity)):
-        part = b % PARTS
-        for k in range(velocity.shape[1]):
+    for b in range(len(system.place)):
+        part, driven, lost = b % PARTS, 0.0, 0.0
+        for k in range(RIGID):
             backwards = field[0] if k == X else field[1] + field[2] if k == Z else 0.0
-            old, free = velocity[b, k], inverse[b, k]
-            rate = bodies.acceleration(force[b, k], free, backwards)
-            if alpha > 0.0 or controls.local > 0.0:
-                taken = bodies.damping(old, rate, free, alpha, controls.local)
-                rate -= taken
-                sums[TAKEN, part] += mass[b, k] * taken * (old + 0.5 * dt * rate)
-            new = old + dt * rate
+            swept, power, taken = move_coordinate(system, dt, alpha, controls.local, backwards, b, k)
             if k < ROTATION:
-                sums[k, part] += bodies.work_of_field(mass[b, k], free, old, new)
-            sums[DRIVEN, part] += bodies.power_of_drive(force[b, k], free, new)
-            velocity[b, k] = new
-            system.place[b, k] += dt * new
-            force[b, k] = 0.0
+                sums[k, part] += swept
+            driven += power
+            lost += taken
+        for k in range(RIGID, system.place.shape[1]):
+            _, power, taken = move_coordinate(system, dt, alpha, controls.local, 0.0, b, k)
+            driven += power
+            lost += taken
+        sums[DRIVEN, part] += driven
+        sums[TAKEN, part] += lost
         angle = system.place[b, ROTATION]
         if abs(angle) < bodies.SMALL:
             system.trig[b, 0], system.trig[b, 1] = bodies.small_rotation(angle)
@@ -104,6 +101,24 @@ def move(system, controls, field, sums):
     swept = field[0] * total(sums[SWEPT_X]) + field[1] * total(sums[SWEPT_Z])
     system.energy[INPUT] += (total(sums[DRIVEN]) - 0.5 * swept) * dt
     system.energy[DAMPING] += total(sums[TAKEN]) * dt
+
+
+@inlined
+def move_coordinate(system, dt, alpha, local, backwards, b, k):
+    """Velocity and place of coordinate k of body b a step on; its momentum, on which the field does work, and the power
+    of what drives it and of its damping."""
+    old, free, taken = system.velocity[b, k], system.inverse_mass[b, k], 0.0
+    rate = bodies.acceleration(system.force[b, k], free, backwards)
+    if alpha > 0.0 or local > 0.0:
+        resistance = bodies.damping(old, rate, free, alpha, local)
+        rate -= resistance
+        taken = system.mass[b, k] * resistance * (old + 0.5 * dt * rate)
+    new = old + dt * rate
+    driven = bodies.power_of_drive(system.force[b, k], free, new)
+    system.velocity[b, k] = new
+    system.place[b, k] += dt * new
+    system.force[b, k] = 0.0
+    return bodies.work_of_field(system.mass[b, k], free, old, new), driven, taken
 
 
 @compiled
@@ -115,7 +130,7 @@ def total(parts):
     return value
 
 
-@compiled
+@inlined
 def adapt(system, controls, parts):
     """Adaptive damping of the next step, by the kinetic energy of this one."""
     for b in range(len(system.velocity)):
@@ -125,7 +140,7 @@ def adapt(system, controls, parts):
     system.relaxation[1] = kinetic
 
 
-@compiled
+@inlined
 def find_forces(system, law, controls, step, singly, scratch):
     """Forces of all interfaces on the bodies, where they are zero: first those that stay intact, each as one spring,
     then the others contact by contact.

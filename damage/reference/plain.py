@@ -17,7 +17,7 @@ class Alone:
 
     def are_of(self, walls):
         """Whether this is the wall."""
-        return len(walls) == 1 and walls[0] is self.wall and self.wall.lanes is self
+        return len(walls) == 1 and walls[0] is self.wall and self.wall.lanes is self and not self.wall.fast
 
     def run(self, *steps):
         """Advance by these numbers of steps, one after the other; `told` tells what was after each."""

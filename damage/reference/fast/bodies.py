@@ -11,8 +11,8 @@ from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH
 
 
 @compiled
-def move(tables, blocks, lanes, controls, field, step):
-    """`damage.mechanics.step.move` of all walls.
+def move(energy, relaxation, blocks, lanes, controls, field, step):
+    """`damage.mechanics.step.move` of all walls; energy, relaxation: of their tables, all of which a call would copy.
 
     field: (walls, steps, 3) acceleration of the base along x and z and gravity [m/s2].
     """
@@ -20,7 +20,7 @@ def move(tables, blocks, lanes, controls, field, step):
     clear(sums, at.SWEPT_X, at.DAMPED)
     damped = False
     for lane in range(controls.shape[0]):
-        alpha = controls[lane, 2] + tables.relaxation[lane, 0]
+        alpha = controls[lane, 2] + relaxation[lane, 0]
         damped |= alpha > 0.0 or controls[lane, 1] > 0.0
         set_bench(bench, lane, lanes, field[lane, step], controls[lane], alpha)
     block = NONE
@@ -35,9 +35,9 @@ def move(tables, blocks, lanes, controls, field, step):
         dt = controls[lane, 0]
         swept = (field[lane, step, 0] * total(sums, at.SWEPT_X, lane, lanes)
                  + field[lane, step, 1] * total(sums, at.SWEPT_Z, lane, lanes))
-        tables.energy[lane, INPUT] += (total(sums, at.DRIVEN, lane, lanes) - 0.5 * swept) * dt
+        energy[lane, INPUT] += (total(sums, at.DRIVEN, lane, lanes) - 0.5 * swept) * dt
         if damped:
-            tables.energy[lane, DAMPING] += total(sums, at.TAKEN, lane, lanes) * dt
+            energy[lane, DAMPING] += total(sums, at.TAKEN, lane, lanes) * dt
 
 
 @compiled
@@ -86,20 +86,20 @@ def move_free(bodies, k, bench, sums, part):
 def move_damped(bodies, k, bench, sums, part):
     """The same with damping."""
     rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
-    rate_x = damp(bodies, k, at.VX, at.MASS, at.INVERSE_X, rate_x, bench, sums, part)
-    rate_z = damp(bodies, k, at.VZ, at.MASS, at.INVERSE_Z, rate_z, bench, sums, part)
-    rate_rotation = damp(bodies, k, at.VROTATION, at.INERTIA, at.INVERSE_ROTATION, rate_rotation, bench, sums, part)
+    rate_x, power_x = damp(bodies, k, at.VX, at.MASS, at.INVERSE_X, rate_x, bench)
+    rate_z, power_z = damp(bodies, k, at.VZ, at.MASS, at.INVERSE_Z, rate_z, bench)
+    rate_rotation, power = damp(bodies, k, at.VROTATION, at.INERTIA, at.INVERSE_ROTATION, rate_rotation, bench)
+    add(sums, at.TAKEN + part, power_x + power_z + power)
     advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_rotation, sums, part)
 
 
 @inlined
-def damp(bodies, k, velocity, mass, inverse, rate, bench, sums, part):
-    """Acceleration along one coordinate less its damping, whose power is added to the sums."""
+def damp(bodies, k, velocity, mass, inverse, rate, bench):
+    """Acceleration along one coordinate less its damping, and the power of that."""
     dt, old = load(bench, at.STEP), load(bodies, k + velocity)
     taken = mechanics.damping(old, rate, load(bodies, k + inverse), load(bench, at.ALPHA), load(bench, at.LOCAL))
     rate = rate - taken
-    add(sums, at.TAKEN + part, load(bodies, k + mass) * taken * (old + 0.5 * dt * rate))
-    return rate
+    return rate, load(bodies, k + mass) * taken * (old + 0.5 * dt * rate)
 
 
 @inlined
@@ -110,10 +110,10 @@ def advance(bodies, k, dt, rate_x, rate_z, rate_rotation, sums, part):
     mass, free_x, free_z = load(bodies, k + at.MASS), load(bodies, k + at.INVERSE_X), load(bodies, k + at.INVERSE_Z)
     add(sums, at.SWEPT_X + part, mechanics.work_of_field(mass, free_x, old_x, vx))
     add(sums, at.SWEPT_Z + part, mechanics.work_of_field(mass, free_z, old_z, vz))
-    add(sums, at.DRIVEN + part, mechanics.power_of_drive(load(bodies, k + at.FX), free_x, vx))
-    add(sums, at.DRIVEN + part, mechanics.power_of_drive(load(bodies, k + at.FZ), free_z, vz))
-    add(sums, at.DRIVEN + part, mechanics.power_of_drive(
-        load(bodies, k + at.MOMENT), load(bodies, k + at.INVERSE_ROTATION), v_rotation))
+    add(sums, at.DRIVEN + part, (
+        mechanics.power_of_drive(load(bodies, k + at.FX), free_x, vx)
+        + mechanics.power_of_drive(load(bodies, k + at.FZ), free_z, vz)
+        + mechanics.power_of_drive(load(bodies, k + at.MOMENT), load(bodies, k + at.INVERSE_ROTATION), v_rotation)))
     angle = load(bodies, k + at.ROTATION) + dt * v_rotation
     store(bodies, k + at.VX, vx)
     store(bodies, k + at.VZ, vz)
@@ -142,7 +142,7 @@ def rotate_far(bodies, k):
 
 
 @compiled
-def adapt(tables, blocks, lanes, controls):
+def adapt(relaxation, blocks, lanes, controls):
     """`damage.mechanics.step.adapt` of all walls."""
     bodies, sums = blocks.bodies, blocks.sums
     clear(sums, at.KINETIC, at.SUMS)
@@ -152,8 +152,8 @@ def adapt(tables, blocks, lanes, controls):
         block += ONE
     for lane in range(controls.shape[0]):
         dt, share, kinetic = controls[lane, 0], controls[lane, 4], total(sums, at.KINETIC, lane, lanes)
-        tables.relaxation[lane, 0] = mechanics.adaptive_damping(kinetic, tables.relaxation[lane, 1], share, dt)
-        tables.relaxation[lane, 1] = kinetic
+        relaxation[lane, 0] = mechanics.adaptive_damping(kinetic, relaxation[lane, 1], share, dt)
+        relaxation[lane, 1] = kinetic
 
 
 @compiled

@@ -93,9 +93,9 @@ def run(tables, columns, blocks, lanes, law, controls, field, clock, ends, stiff
         while step < ends[k]:
             if lanes > 1 and step == ends[k] - 1:
                 fasten(tables, columns, blocks)
-            move(tables, blocks, lanes, controls, field, step)
+            move(tables.energy, tables.relaxation, blocks, lanes, controls, field, step)
             if adaptive:
-                adapt(tables, blocks, lanes, controls)
+                adapt(tables.relaxation, blocks, lanes, controls)
             step += 1
             all_forces(tables, columns, blocks, lanes, law, clock, step, step == ends[k], damped)
         unpack(tables, blocks, lanes)
@@ -130,19 +130,18 @@ def clear_forces(bodies):
         k += at.BODY
 
 
-@compiled
+@inlined
 def all_forces(tables, columns, blocks, lanes, law, clock, step, at_end, damped):
     """Forces of the contacts on all bodies, into the blocks, where they are zero; at_end: as `singly` of
     `damage.mechanics.step.find_forces`."""
     clear(blocks.sums, at.DAMPED, at.KINETIC)
     if lanes == 1:
         poses_to_rows(blocks)
+    others = at_end
     if not at_end:
-        if lanes == 1:
-            forces_of_one(blocks, damped)
-        else:
-            forces_of_lanes(tables, blocks, law, damped)
-    forces_of_others(tables, columns, blocks, lanes, law, clock, step, at_end, damped)
+        others = forces_of_one(blocks, damped) if lanes == 1 else forces_of_lanes(tables, blocks, law, damped)
+    if others:
+        forces_of_others(tables, columns, blocks, lanes, law, clock, step, at_end, damped)
     if lanes == 1:
         forces_from_rows(blocks)
     if damped:
@@ -152,8 +151,8 @@ def all_forces(tables, columns, blocks, lanes, law, clock, step, at_end, damped)
 
 @compiled
 def forces_of_one(blocks, damped):
-    """Forces of the intact interfaces of one wall: eight of them are a block."""
-    rows, first, second = blocks.rows, blocks.first, blocks.second
+    """Forces of the intact interfaces of one wall: eight of them are a block.  Returns whether there are others."""
+    rows, first, second, any_other = blocks.rows, blocks.first, blocks.second, False
     block = NONE
     while block < INDEX(len(blocks.others)):
         row, p = block * WIDTH, block * at.INTERFACE
@@ -165,18 +164,20 @@ def forces_of_one(blocks, damped):
             resultant, work = damp_eight(blocks.last, block * at.LAST, load(blocks.bench, at.RATE), motion, resultant,
                                          intact)
             add(blocks.sums, at.DAMPED, work)
-        blocks.others[block] = 255 - bits(intact)
+        blocks.others[block] = others = 255 - bits(intact)
+        any_other |= others > 0
         forces = forces_where(intact, frame, resultant)
         add_rows(rows, first, second, row, FORCES, (forces.x, forces.z, forces.moment_a),
                  (-forces.x, -forces.z, -forces.moment_b))
         block += ONE
+    return any_other
 
 
 @compiled
 def forces_of_lanes(tables, blocks, law, damped):
     """Forces of the intact interfaces of several walls: one of them in eight walls is a block; and what the failed ones
-    do where their contacts stay springs, for `forces_of_others`."""
-    bodies, first, second = blocks.bodies, blocks.first, blocks.second
+    do where their contacts stay springs, for `forces_of_others`.  Returns whether there are any."""
+    bodies, first, second, any_other = blocks.bodies, blocks.first, blocks.second, False
     row = NONE
     while row < INDEX(len(blocks.others)):
         a, b, p = first[row], second[row], place_of(row, at.INTERFACE)
@@ -188,11 +189,13 @@ def forces_of_lanes(tables, blocks, law, damped):
                                          intact)
             add(blocks.sums, at.DAMPED + row % WIDTH * WIDTH, work)
         blocks.others[row] = others = 255 - bits(intact)
+        any_other |= others > 0
         push_in_lanes(bodies, a, b, forces_where(intact, frame, resultant))
         held = others & blocks.loose[row]
         if held:
             forces_of_loose(tables, blocks, law, row, held, frame, motion, damped)
         row += ONE
+    return any_other
 
 
 @compiled
