@@ -211,6 +211,16 @@ class ReferenceWall:
         self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity**2 - old**2))
         self.system.velocity[self._held, X] = velocity
 
+    def move_supports(self, velocity):
+        """Prescribe the velocity of the supports, (supports, 3) or one of all [m/s, m/s, rad/s]; their work on the wall
+        is input."""
+        self.system.velocity[len(self.layout.bodies):] = velocity
+
+    @property
+    def support_force(self):
+        """Of the wall on each support, (supports, 3) [N, N, N m]; moments about where the support was at first."""
+        return self.system.force[len(self.layout.bodies):].copy()
+
     def push_force(self):
         """Horizontal force that moves the held bodies [N], NaN where none are held."""
         if self._held is None:
