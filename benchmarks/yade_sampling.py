@@ -60,7 +60,7 @@ def main():
                 run.solver.advance(STEPS, run.sample_steps, run.take_samples)
             times = [[microseconds(run, sampled) for sampled in (True, False)] for _ in range(rounds)]
             with_samples, alone = map(min, zip(*times))
-            broken = int((run.solver.instants().state > 0).sum())
+            broken = int((run.solver.instants().contacts["state"] > 0).sum())
             print(f"{name}, {broken} broken: {with_samples:.0f} us a step as a run goes, {alone:.0f} by steps alone: "
                   f"{100 * (with_samples / alone - 1):.0f} % more; a sample every {run.sample_steps} steps", flush=True)
         run.writer.finish("interrupted")

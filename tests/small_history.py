@@ -54,7 +54,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
         "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": {}})
     for k, stage in enumerate(stages):
         writer.append(stage, {name: values[k] for name, values in columns.items()},
-                      opened[k], slipped[k], away[k], state[k])
+                      {"opening_m": opened[k], "slip_m": slipped[k], "offset_m": away[k], "state": state[k]})
     if snapshots is None:
         snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
     for time, displacement in snapshots.items():

@@ -40,7 +40,8 @@ def write_samples(writer, n, first=0):
     for k in range(first, first + n):
         opening, slip = np.full(LAYOUT.n_joints, 1e-5 * k), np.full(LAYOUT.n_joints, -2e-5 * k)
         state = np.full(LAYOUT.n_joints, BROKEN | AT_LIMIT if k > 2 else 0)
-        writer.append("motion", {"time_s": 0.1 * k, "drift_ratio": 1e-4 * k}, opening, slip, 2 * slip, state)
+        writer.append("motion", {"time_s": 0.1 * k, "drift_ratio": 1e-4 * k},
+                      {"opening_m": opening, "slip_m": slip, "offset_m": 2 * slip, "state": state})
 
 
 def test_round_trip(tmp_path):

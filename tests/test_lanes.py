@@ -39,7 +39,8 @@ def everything(wall):
     parts += [system.place, system.velocity, system.force, system.trig]
     told = system.readings, system.energy, np.array(events, dtype=object).astype(str)
     return [part.tobytes() for part in (*parts, *told)], \
-        [np.asarray(value).tobytes() for value in instant if value is not None]
+        [np.asarray(value).tobytes() for value in (*instant.contacts.values(), *instant)
+         if value is not None and value is not instant.contacts]
 
 
 CASES = [

@@ -48,12 +48,18 @@ def act(wall, push=0.0, to_and_fro=False, vertical=0.0, **damping):
             wall.push(-push if to_and_fro and sample % 4 > 1 else push)
         wall.run(30, 20)
         yield wall.drain_events()
-        yield wall.instants()
+        yield from_instants(wall.instants())
     yield [table for table in wall.system if table is not wall.system.last]
 
 
+def from_instants(instants):
+    """All arrays of Instants."""
+    contacts = instants.contacts
+    return [*contacts.values(), *(value for value in instants if value is not contacts and value is not None)]
+
+
 def as_bytes(parts):
-    return [np.ascontiguousarray(part).tobytes() for part in parts if part is not None and not isinstance(part, slice)]
+    return [np.ascontiguousarray(part).tobytes() for part in parts if not isinstance(part, slice)]
 
 
 @pytest.mark.parametrize("action", ACTIONS)

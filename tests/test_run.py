@@ -80,9 +80,9 @@ class Clockwork:
         if self.falls_at_step is not None and self.clock >= self.falls_at_step:
             displacement[0, 1] = -1.0
         return Instants.one(
-            clock=self.clock, displacement=displacement, joints=slice(None), opening=np.zeros(n),
-            slip=np.full(n, self.slip_m(self.clock)), offset=np.full(n, self.offset_m(self.clock)),
-            state=np.zeros(n, int), base_shear_n=0.0, top_force_n=np.nan, kinetic_j=self.kinetic_j(self.clock),
+            clock=self.clock, displacement=displacement, joints=slice(None), contacts={
+                "opening_m": np.zeros(n), "slip_m": np.full(n, self.slip_m(self.clock)),
+                "offset_m": np.full(n, self.offset_m(self.clock)), "state": np.zeros(n, int)}, base_shear_n=0.0, top_force_n=np.nan, kinetic_j=self.kinetic_j(self.clock),
             elastic_j=0.0, input_j=self.input_j(self.clock), friction_j=0.0, fracture_j=0.0, damping_j=self.damping_j)
 
     def forces(self):
@@ -100,8 +100,12 @@ class Clockwork:
 
 def together(instants):
     """Instants of several."""
-    return Instants(*(values[0] if name == "joints" or values[0] is None else np.concatenate(values)
-                      for name, values in zip(Instants._fields, zip(*instants))))
+    def joined(values):
+        if isinstance(values[0], dict):
+            return {name: joined([one[name] for one in values]) for name in values[0]}
+        return values[0] if isinstance(values[0], slice) or values[0] is None else np.concatenate(values)
+
+    return Instants(*map(joined, zip(*instants)))
 
 
 @pytest.fixture(params=[1, 7])

@@ -121,7 +121,7 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
                    "m8": {"backend": replace(prepared.backend, make=make_none)}}
         return simulate_as_before(replace(prepared, **changed.get(prepared.writer.path.stem, {})), *more)
 
-    def make_none(layout, time_step):
+    def make_none(layout, time_step, _settings):
         raise MemoryError
 
     simulate_as_before = together.simulate

@@ -219,9 +219,9 @@ class YadeSolver(Solver):
         friction = tracker.friction_energy if summed is None else summed + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
-            clock=self.clock, displacement=self.scene.motion(), joints=slice(None), opening=tracker.opening,
-            slip=tracker.slip, offset=tracker.offset,
-            state=BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed,
+            clock=self.clock, displacement=self.scene.motion(), joints=slice(None), contacts={
+                "opening_m": tracker.opening, "slip_m": tracker.slip, "offset_m": tracker.offset,
+                "state": BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed},
             base_shear_n=self.scene.base_shear(), top_force_n=np.nan if self._held is None else self._push_force(),
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
             elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy, friction_j=friction,

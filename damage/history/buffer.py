@@ -17,30 +17,32 @@ class Buffer:
         # Of series and frames whole columns, of the other groups rows in the order of theirs.
         self._rows = {"events": [], "snapshots": []}
         self._series = {name: np.empty(CHUNK, column.dtype) for name, column in schema.SERIES.items()}
-        self._frames = [np.zeros((CHUNK, layout.n_joints), column.dtype) for column in schema.FRAMES.values()]
+        self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
+                        for name, column in schema.FRAMES.items()}
         self._count = 0
 
-    def append(self, stage, row, opening, slip, offset, state):
+    def append(self, stage, row, contacts):
         """Add one sample.
 
-        stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN;
-        opening, slip, offset [m], state (bits BROKEN, AT_LIMIT, CRUSHED): arrays (n_joints,).
+        stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN; contacts: {column of FRAMES:
+        (n_joints,)}, missing ones become zero.
         """
         self.extend(stage, {name: np.array([value]) for name, value in row.items()}, slice(None),
-                    *(np.asarray(values)[np.newaxis] for values in (opening, slip, offset, state)))
+                    {name: np.asarray(values)[np.newaxis] for name, values in contacts.items()})
 
-    def extend(self, stage, rows, joints, opening, slip, offset, state):
-        """Add n samples, as `append` one: rows: {column: (n,)}, of one length; opening, slip, offset, state: (n,
-        n_told) of these joints, zero elsewhere."""
-        rows = {"stage": np.full(len(opening), schema.STAGES.index(stage)), **rows}
+    def extend(self, stage, rows, joints, contacts):
+        """Add n samples, as `append` one: rows: {column: (n,)}, of one length; contacts: {column: (n, n_active)} of
+        these joints, zero in all others."""
+        count = len(next(iter(contacts.values())))
+        rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
         first = 0
-        while first < len(opening):
-            stop = min(len(opening), first + CHUNK - self._count)
+        while first < count:
+            stop = min(count, first + CHUNK - self._count)
             taken, given = slice(first, stop), slice(self._count, self._count + stop - first)
             for name, column in self._series.items():
                 column[given] = rows[name][taken] if name in rows else np.nan
-            for column, values in zip(self._frames, (opening, slip, offset, state), strict=True):
-                column[given, joints] = values[taken]
+            for name, values in contacts.items():
+                self._frames[name][given, joints] = values[taken]
             self._count, first = given.stop, stop
             if self._count == CHUNK:
                 self.flush()
@@ -61,11 +63,11 @@ class Buffer:
                    for group, rows in self._rows.items() if rows}
         if self._count > 0:
             columns["series"] = [column[:self._count].copy() for column in self._series.values()]
-            columns["frames"] = [column[:self._count] for column in self._frames]
+            columns["frames"] = [column[:self._count] for column in self._frames.values()]
         self.store(columns)
         for rows in self._rows.values():
             rows.clear()
-        for column in self._frames:
+        for column in self._frames.values():
             column[:self._count] = 0
         self._count = 0
 

@@ -16,6 +16,11 @@ BASE_SHEAR, KINETIC, TOTALS = 0, 1, 6
 """Of the totals the horizontal force on the supports [N], kinetic energy [J], and from there on `System.energy`."""
 
 
+FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)
+FIELD_NAMES = "opening_m", "slip_m", "offset_m", "state"
+"""Of the contact data: columns of the history's FRAMES."""
+
+
 class Stiffness(NamedTuple):
     """Of the contacts area [m2], normal and shear stiffness [Pa/m], (contacts,)."""
 
@@ -27,14 +32,10 @@ class Stiffness(NamedTuple):
 class Samples(NamedTuple):
     """Samples of some walls, one after the other.
 
-    opening, slip, offset [m], state (bits): (walls, samples, contacts); stored: elastic energy [J] of each contact;
-    displacement: (walls, samples, bodies, 3) [m, m, rad] without the supports; totals: (walls, samples, TOTALS).
+    contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement: (walls, samples, bodies, 3) [m, m, rad] without the supports; totals: (walls, samples, TOTALS).
     """
 
-    opening: np.ndarray
-    slip: np.ndarray
-    offset: np.ndarray
-    state: np.ndarray
+    contacts: np.ndarray
     stored: np.ndarray
     displacement: np.ndarray
     totals: np.ndarray
@@ -42,8 +43,7 @@ class Samples(NamedTuple):
     @classmethod
     def none(cls, n_walls, n_samples, n_contacts, n_bodies):
         """Zero throughout, as of intact walls."""
-        shape = n_walls, n_samples, n_contacts
-        return cls(np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape, "u1"), np.zeros(shape),
+        return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
                    np.zeros((n_walls, n_samples, n_bodies, 3)), np.zeros((n_walls, n_samples, TOTALS)))
 
     def of(self, wall, which):
@@ -91,10 +91,11 @@ def observe_contact(system, ks, samples, w, k, c):
     force = readings[READ_SIGMA, c] * contact.area
     opening = wide if broken else wide - force / contact.kn
     opens = broken or (softened and wide > 0.0)
-    samples.opening[w, k, c] = 0.0 if not opens or opening <= 0.0 else opening  # and what is not finite stays so
-    samples.slip[w, k, c] = state.slip
-    samples.offset[w, k, c] = readings[READ_SHEAR, c] - readings[READ_TAU, c] / ks if broken or softened else 0.0
-    samples.state[w, k, c] = (BROKEN if broken else 0) | (AT_LIMIT if state.at_limit > 0.0 else 0) | (
+    fields = samples.contacts
+    fields[w, k, OPENING, c] = 0.0 if not opens or opening <= 0.0 else opening  # and what is not finite stays so
+    fields[w, k, SLIP, c] = state.slip
+    fields[w, k, OFFSET, c] = readings[READ_SHEAR, c] - readings[READ_TAU, c] / ks if broken or softened else 0.0
+    fields[w, k, STATE, c] = (BROKEN if broken else 0) | (AT_LIMIT if state.at_limit > 0.0 else 0) | (
         CRUSHED if state.closure > 0.0 else 0)
     if state.elastic_tension_stiffness != contact.kn and wide > 0.0:
         samples.stored[w, k, c] += force * (wide - force / contact.kn) / 2

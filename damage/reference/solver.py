@@ -66,9 +66,7 @@ class ReferenceSolver(ReferenceWall, Solver):
     def _instants(self, clock, samples):
         """Instants of Samples at these steps; the top is held of the last one, which is the only one then."""
         totals, joints = samples.totals, self.joints_told()
-        return Instants(clock, samples.displacement, joints, *(
-            self.of_joints(values)[:, joints] for values in (samples.opening, samples.slip, samples.offset)),
-            self.state_of_joints(samples.state)[:, joints], totals[:, BASE_SHEAR],
+        return Instants(clock, samples.displacement, joints, self.contact_data(samples, joints), totals[:, BASE_SHEAR],
             np.full(len(clock), self.push_force()), totals[:, KINETIC], np.add.reduce(samples.stored, axis=1),
             *totals[:, KINETIC + 1:].T)
 

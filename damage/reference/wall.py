@@ -10,7 +10,7 @@ import numpy as np
 from damage.index import THRESHOLD
 from damage.mechanics import tables
 from damage.mechanics.build import CAPACITY, build, contact_rows, sum_springs
-from damage.mechanics.samples import KINETIC, Samples, Stiffness, observe
+from damage.mechanics.samples import FIELD_NAMES, KINETIC, Samples, Stiffness, observe
 from damage.mechanics.tables import ROTATION, X
 from damage.reference.lanes import bind, run_together
 from damage.units import GRAVITY
@@ -74,7 +74,7 @@ class ReferenceWall:
     @property
     def opening(self):
         """Inelastic opening (n_joints,) [m]: past the broken bond, or what a softened one has given way."""
-        return self.of_joints(self.told_now().opening[0])
+        return self.contact_data(self.told_now())["opening_m"][0]
 
     @property
     def slip(self):
@@ -85,12 +85,12 @@ class ReferenceWall:
     def offset(self):
         """Shear displacement less its elastic part (n_joints,) [m] of what has broken or softened, zero elsewhere; of
         fibres by their shares, each with its own stress."""
-        return self.of_joints(self.told_now().offset[0])
+        return self.contact_data(self.told_now())["offset_m"][0]
 
     @property
     def state(self):
         """Bits BROKEN, AT_LIMIT and CRUSHED (n_joints,)."""
-        return self.state_of_joints(self.told_now().state[0])
+        return self.contact_data(self.told_now())["state"][0]
 
     @property
     def energy(self):
@@ -129,10 +129,15 @@ class ReferenceWall:
             self._told = count, np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"]))
         return self._told[1]
 
-    def state_of_joints(self, state):
-        """Bits of the kernel's contacts as those of the joints (..., n_joints): fibres by the last of each."""
-        return (state if self.layout.fibres is None else state[..., self.layout.fibres.last])[
-            ..., :self.layout.n_joints]
+    def contact_data(self, samples, joints=slice(None)):
+        """{name of FIELD_NAMES: (n, n_selected)} of Samples of this wall, at these joints; parallel elements by their
+        shares, and the state by the last of each that fails."""
+        fibres, n, found = self.layout.fibres, self.layout.n_joints, {}
+        for name, values in zip(FIELD_NAMES, np.moveaxis(samples.contacts, 1, 0)):
+            of_joints = values if fibres is None else values[:, fibres.last] if name == "state" else fibres.mean(values)
+            found[name] = of_joints[:, :n][:, joints]
+        found["state"] = found["state"].astype("u1")
+        return found
 
     def of_joints(self, values):
         """Values of the kernel's contacts as those of the joints (..., n_joints): fibres by their shares."""

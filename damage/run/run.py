@@ -56,7 +56,8 @@ class Run:
         """The damage index now."""
         now = self.solver.instants()
         drift = self._top(self._motion(now))[-1] / self.layout.drift_height
-        return index_now(self.layout, drift, now.joints, now.opening[-1], now.offset[-1])
+        return index_now(self.layout, drift, now.joints, now.contacts["opening_m"][-1],
+                         now.contacts["offset_m"][-1])
 
     @property
     def energy_error(self):
@@ -85,7 +86,7 @@ class Run:
         events, now = solver.drain_events(), solver.instants()
         self.writer.static_stage(
             base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
-            unbalanced_force=self._unbalanced_force(), broken_joints=int(np.sum(now.state > 0)),
+            unbalanced_force=self._unbalanced_force(), broken_joints=int(np.sum(now.contacts["state"] > 0)),
             duration_s=self.time)
         self._write_events(events, first_step=-solver.clock)
         return True
@@ -189,7 +190,7 @@ class Run:
             "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
             "base_shear_n": now.base_shear_n, **self._energies(now, motion)}
         problem, end = self._first_not_finite(rows, {
-            "motion": motion, "opening": now.opening, "slip": now.slip, "offset": now.offset})
+            "motion": motion, **now.contacts})
         fell = np.flatnonzero(have_fallen(motion[:end], self._lowest))
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
@@ -203,8 +204,7 @@ class Run:
     def _write(self, rows, motion, now, end):
         """Write the first samples, up to this one, with their snapshots and events."""
         rows = {name: values[:end] for name, values in rows.items()}
-        self.writer.extend(self.stage, rows, now.joints, *(
-            values[:end] for values in (now.opening, now.slip, now.offset, now.state)))
+        self.writer.extend(self.stage, rows, now.joints, {name: values[:end] for name, values in now.contacts.items()})
         if self.stage != "settling" and end > 0:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):

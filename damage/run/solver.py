@@ -12,8 +12,8 @@ class Instants(NamedTuple):
     """A wall at some instants, one after the other; positions and forces are of the same time.
 
     clock: (n,) steps since `start`; displacement: (n, n_bodies, 3) since the wall was built [m, m, rad];
-    joints: (n_told,) indices of those that something may be told of, or a slice; opening, slip, offset:
-    (n, n_told) [m], zero in all other joints; state: (n, n_told) bits BROKEN, AT_LIMIT and CRUSHED, so too;
+    joints: (n_active,) indices of the active contact points, or a slice; contacts: {column of the history's FRAMES:
+    (n, n_active)} of these, zero in all others; a solver leaves out a column that it does not know;
     base_shear_n, top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
     that came in or were dissipated since `start`;
     damping_j: None where the solver cannot tell it: then the run infers it from the balance.
@@ -22,10 +22,7 @@ class Instants(NamedTuple):
     clock: np.ndarray
     displacement: np.ndarray
     joints: np.ndarray | slice
-    opening: np.ndarray
-    slip: np.ndarray
-    offset: np.ndarray
-    state: np.ndarray
+    contacts: dict[str, np.ndarray]
     base_shear_n: np.ndarray
     top_force_n: np.ndarray
     kinetic_j: np.ndarray
@@ -38,7 +35,12 @@ class Instants(NamedTuple):
     @classmethod
     def one(cls, **values):
         """Of the values of a single one, and `joints`."""
-        return cls(**{name: value if name == "joints" or value is None else np.asarray(value)[np.newaxis]
+        def along(value):
+            if isinstance(value, dict):
+                return {name: along(one) for name, one in value.items()}
+            return np.asarray(value)[np.newaxis]
+
+        return cls(**{name: value if name == "joints" or value is None else along(value)
                       for name, value in values.items()})
 
 
