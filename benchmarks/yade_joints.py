@@ -1,6 +1,6 @@
 """Inside YADE: microseconds a step of the intact symmetric wall, joints by face beside joints between centres.
 
-    yade -n -j1 benchmarks/yade_joints.py [--rounds 4]
+    ./yade -n -j1 benchmarks/yade_joints.py [--rounds 4]
 
 By engine and in all; the two models take turns, the least of all rounds counts.  Where YADE has no polyhedra there is
 one model alone.

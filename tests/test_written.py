@@ -17,6 +17,7 @@ from conftest import REPOSITORY, run_command, without_progress
 from small_history import make_history
 
 import damage
+from yade_scripts import COMMAND
 
 SMALL = "benchmarks/small_wall.py"
 DAMAGE = (sys.executable, "-m", "damage")
@@ -227,7 +228,7 @@ class TestSignals:
         if shutil.which("yade") is None:
             pytest.skip("YADE is not installed")
         out = tmp_path / "a.h5"
-        process = subprocess.Popen(["yade", "-n", "-j1", SMALL, "--harmonic", "0.1", "0.2", "--no-pictures", "--out",
+        process = subprocess.Popen([*COMMAND, SMALL, "--harmonic", "0.1", "0.2", "--no-pictures", "--out",
                                     str(out)], cwd=REPOSITORY, text=True, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE)
         while not out.exists() and process.poll() is None:

@@ -1,6 +1,6 @@
 """Inside YADE: the problems of this package, one a process.
 
-    yade -n -j1 verification/yade_case.py CASE [NUMBERS]
+    ./yade -n -j1 verification/yade_case.py CASE [NUMBERS]
 
 prints "result NUMBER".  The models are those of yade_scripts; what moves them is set in every step.
 """

@@ -1,4 +1,4 @@
-"""Run one wall in YADE from the command line of `yade walls/NAME.py`."""
+"""Run one wall in YADE from the command line of `./yade walls/NAME.py`."""
 
 from damage.memory import YADE
 from damage.start import begin
