@@ -8,8 +8,8 @@ Every 20 ms /proc tells on which addresses the process listens.  The attack, thr
 the run: it connects to YADE's first ports again and again and stays idle on most connections; on one it gives the
 cookie that it reads in what YADE prints, and then sends code.  A port on which another program listens is left alone.
 Exit status 1 where a run listened beyond loopback, executed code, did not end well, or was delayed by more than 2 s:
-the least and the median of the attacked runs over those of the quiet ones, less the time for which the run's main
-thread waited for a processor, which others use, too.
+the least and the median of what the main thread slept in the attacked runs over those in the quiet ones.  The time that
+it ran or waited for a processor does not count: it is longer where other programs use the machine, as the attack does.
 """
 
 import argparse
@@ -102,7 +102,7 @@ def start(program, folder, attacked):
     attack = Attack(log.read_text, marker)
     if attacked:
         attack.start()
-    seen, last, waited_s, began = set(), None, 0.0, time.time()
+    seen, last, slept_s, began = set(), None, 0.0, time.time()
     with log.open("w") as file, subprocess.Popen([program, "-n", "-j1", wall, *MOTION, folder / "run.h5"],
                                                  cwd=ROOT, stdout=file, stderr=subprocess.STDOUT) as run:
         while run.poll() is None:
@@ -112,14 +112,15 @@ def start(program, folder, attacked):
                 now = listening(run.pid)
                 seen |= now
                 last = time.time() if now else last
-                waited_s = int(Path(f"/proc/{run.pid}/task/{run.pid}/schedstat").read_text().split()[1]) / 1e9
+                ran, waited, _ = map(int, Path(f"/proc/{run.pid}/task/{run.pid}/schedstat").read_text().split())
+                slept_s = time.time() - began - (ran + waited) / 1e9
             time.sleep(LOOK_S)
     ended = time.time()
     attack.stopped.set()
     if attacked:
         attack.join()
     executed = [float(line) for line in marker.read_text().split()] if marker.exists() else []
-    return {"status": run.returncode, "seconds": ended - began, "busy_s": ended - began - waited_s,
+    return {"status": run.returncode, "seconds": ended - began, "slept_s": slept_s,
             "connections": len(attack.connections),
             "abroad": {f"{address}:{port}" for address, port in seen if address not in LOOPBACK},
             "listened": 0.0 if last is None else last - began, "executed": len(executed),
@@ -141,11 +142,11 @@ def main():
                 runs[attacked].append(told)
                 until = f" until {told['listened']:.2f} s" if told["listened"] else ""
                 print(f"{number + 1} {'attacked' if attacked else 'quiet   '}  status {told['status']}  "
-                      f"{told['seconds']:5.1f} s, but for waiting for a processor {told['busy_s']:5.1f} s  listened "
-                      f"beyond loopback: {', '.join(sorted(told['abroad'])) or '-'}{until}  connections "
+                      f"{told['seconds']:5.1f} s, asleep {told['slept_s']:4.1f} s  listened beyond "
+                      f"loopback: {', '.join(sorted(told['abroad'])) or '-'}{until}  connections "
                       f"{told['connections']}  executed {told['executed']}, {told['later']} of it after the ports were "
                       f"closed", flush=True)
-    delays = [how(run["busy_s"] for run in runs[True]) - how(run["busy_s"] for run in runs[False])
+    delays = [how(run["slept_s"] for run in runs[True]) - how(run["slept_s"] for run in runs[False])
               for how in (min, statistics.median)]
     both = runs[False] + runs[True]
     print(f"delay by the attack: least {delays[0]:.1f} s, median {delays[1]:.1f} s; cookie printed in "

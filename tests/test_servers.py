@@ -104,8 +104,9 @@ def test_a_client_on_its_way_is_refused(monkeypatch):
             assert is_closed(ours)
 
 
-def test_a_server_s_thread_that_does_not_end_is_left(monkeypatch):
-    """Its handler works on and reads nothing."""
+@pytest.mark.parametrize("kind", [socketserver.TCPServer, socketserver.ThreadingTCPServer])
+def test_a_thread_that_does_not_end_is_left(monkeypatch, kind):
+    """Its handler works on and reads nothing: in the server's only thread, or in one of its own."""
     monkeypatch.setattr(servers, "PATIENCE_S", 0.05)
     busy, over = threading.Event(), threading.Event()
 
@@ -114,7 +115,7 @@ def test_a_server_s_thread_that_does_not_end_is_left(monkeypatch):
             busy.set()
             over.wait(2 * AT_MOST_S)
 
-    with socketserver.TCPServer(("127.0.0.1", 0), Busy) as server:
+    with kind(("127.0.0.1", 0), Busy) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         with connect(server) as client:
             assert busy.wait(AT_MOST_S)

@@ -192,8 +192,9 @@ import sys, time
 from pathlib import Path
 sys.path[:0] = [{tests!r}, {repository!r}]
 from small_history import make_history
-words = sys.argv[1:]
-assert words[:2] == ["-n", "-j1"] and words[-2:] == ["--overwrite", "--no-pictures"], words
+launched, words = sys.argv[1:3], sys.argv[3:]
+assert launched == ["-L", "without_servers"] and words[:2] == ["-n", "-j1"], sys.argv
+assert words[-2:] == ["--overwrite", "--no-pictures"], words
 with open({calls!r}, "a") as calls:
     calls.write(" ".join(words[3:-4]) + "\\n")
 rest = float(words[words.index("--rest") + 1])
