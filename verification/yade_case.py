@@ -22,9 +22,8 @@ from damage.wall.modes import natural_modes
 from verification import crushing, elastic, falling, rocking, sliding, splitting
 from verification.block import one_block
 from yade_scripts.crushing import Crushing
-from yade_scripts.face_model import TIP
 from yade_scripts.leaving import run_and_leave
-from yade_scripts.model import build
+from yade_scripts.model import TIP, build
 from yade_scripts.scene import SceneReader
 
 

@@ -55,20 +55,6 @@ def _run(make_wall, path):
 
 
 def _check(settings):
-    import yade
-
-    from yade_scripts.shapes import HAS_POLYHEDRA
-
     if settings.beta_s > 0:
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")
-    model = settings.model
-    if model.joints == "centres" and model.fibres:
-        raise InputError("--joints centres: its joints are brittle; expected --joints face where they have fracture "
-                         "energies, or leave those out")
-    if model.joints == "centres" and not HAS_POLYHEDRA:
-        raise InputError(f"--joints centres: needs polyhedra, which YADE {yade.config.version} was built without; "
-                         "expected --joints face here, or YADE of Debian 12")
-    if model.joints == "centres" and model.contacts != "interior":
-        raise InputError(f"--joints centres with --contacts {model.contacts}: cells have their contact points inside; "
-                         "expected --contacts interior, or --joints face")

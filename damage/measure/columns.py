@@ -67,6 +67,8 @@ PARAMETERS = {
     "shocks": Column("1", "how many, of a sequence"),
     "motion_duration_s, rest_s": Column("s", "of the base's motion, and of the free vibration after it"),
     **_model(seeds=False),
+    "joints": Column("", "face: joints keep their face's normal; centres: they lean with the centres of cells, in YADE "
+                     "before 0.2"),
     "alpha_1_s, beta_s": Column("1/s, s", "damping proportional to mass, and to stiffness"),
     "perturb_m": Column("m", "size of the bricks' random offsets"),
     "scatter": Column("1", "coefficient of variation of the strengths, by which the members of an ensemble differ"),

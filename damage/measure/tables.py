@@ -39,7 +39,8 @@ def summary_row(history, run="", point=""):
         del numbers[key]  # status and the columns say it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
-    row |= _motion_columns(history) | asdict(history.model) | {name: history.parameters.get(name) for name in (
+    row |= _motion_columns(history) | asdict(history.model) | {"joints": history.joint_normals}
+    row |= {name: history.parameters.get(name) for name in (
         "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "time_step_s", "eigen_period_s")}
     joint = history.masonry_wall.joint
     row |= {f"{name}_j_m2": getattr(joint, name) or 0.0

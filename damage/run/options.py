@@ -116,8 +116,19 @@ def model_of(parsed):
     return ModelOptions(**{one.name: getattr(parsed, one.name) for one in fields(ModelOptions) if one.name in parsed})
 
 
+def _face(word):
+    """The type of --joints, which had a second choice until version 0.2."""
+    if word != "face":
+        raise argparse.ArgumentTypeError(f"{word}: expected face; joints between the centres of cells were removed in "
+                                         "version 0.2, version 0.1 has them; leave the option out")
+    return word
+
+
 def _add_model(group, solver):
-    add_model_options(group, [one.name for one in fields(ModelOptions) if solver in one.metadata["solvers"]])
+    add_model_options(group, [one.name for one in fields(ModelOptions)])
+    if solver == "yade":
+        group.add_argument("--joints", default="face", type=_face, metavar="face",
+                           help="joints keep their face's normal: since version 0.2 the only choice")
     group.add_argument("--beta", type=float, metavar="S", help="stiffness-proportional damping (default 0, and "
                        f"{SOFTENING_BETA_S:g} where joints soften)")
     if solver == "reference":
