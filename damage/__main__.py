@@ -18,7 +18,16 @@ from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
 from damage.provenance import commit
-from damage.run.options import OneLineParser, add_model_options, file_path, make_parser, model_of, number_from
+from damage.run.options import (
+    OneLineParser,
+    add_model_options,
+    add_preparation,
+    file_path,
+    make_parser,
+    model_of,
+    number_from,
+    recorded,
+)
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
@@ -225,12 +234,12 @@ def _modes(asked):
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
 
 
-@_command("intensity measures of a ground-motion record", _path("record", "FILE"), _JSON)
+@_command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
+          "unless --band is given", _path("record", "FILE"), _JSON, add_preparation)
 def _record(asked):
-    from damage.motion.formats import read_record
-    from damage.motion.intensity import describe, summary
+    from damage.motion.intensity import describe, motion_summary
 
-    _tell(asked, summary(read_record(asked.record)), describe)
+    _tell(asked, motion_summary(recorded(asked)), describe)
 
 
 @_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))

@@ -78,16 +78,21 @@ def _add_motion(group):
                        "drift of --cyclic (default 2)")
     group.add_argument("--record", type=file_path, metavar="FILE",
                        help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
-    group.add_argument("--scale", type=float, help="factor on the record (default 1)")
-    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
+    add_preparation(group)
     group.add_argument("--vertical", type=file_path, metavar="FILE", help="the record's vertical component")
-    group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
-    group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
-                       help="band-pass the record, 4th order Butterworth, zero phase")
     group.add_argument("--free-vibration", action="store_true", default=None,
                        help="no base motion: start in the first mode with 1 mm/s at the top")
     group.add_argument("--sequence", metavar="F,F,...", help="shake the same wall again and again: the harmonic "
                        "or recorded motion times each factor, with rest and settling after each (default 1)")
+
+
+def add_preparation(group):
+    """Add the options that prepare a record to a parser, or a group of one; `recorded` reads them."""
+    group.add_argument("--scale", type=float, help="factor on the record (default 1)")
+    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
+    group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
+    group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
+                       help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)")
 
 
 def _add_push(group):
@@ -166,7 +171,7 @@ def _loading(parsed):
         if getattr(parsed, option) is not None and motion not in owners:
             raise InputError(f"--{option} belongs to --{' or --'.join(owners)}, not to "
                              f"--{motion.replace('_', '-')}; leave it out")
-    return {"harmonic": _harmonic, "record": _recorded, "free_vibration": lambda parsed: FreeVibration(),
+    return {"harmonic": _harmonic, "record": recorded, "free_vibration": lambda parsed: FreeVibration(),
             "pushover": _pushed, "cyclic": _pushed}[motion](parsed)
 
 
@@ -209,10 +214,11 @@ def _pushed(parsed):
                            **_given(cycles=parsed.cycles), **more)
 
 
-def _recorded(parsed):
-    record = read_record(parsed.record)
+def recorded(parsed):
+    """The Recorded motion of parsed options: `record`, those of `add_preparation`, and `vertical` where offered."""
+    record, vertical = read_record(parsed.record), getattr(parsed, "vertical", None)
     return Recorded(
-        record, vertical=aligned_with(read_record(parsed.vertical), record) if parsed.vertical else None,
+        record, vertical=aligned_with(read_record(vertical), record) if vertical else None,
         **_given(scale=parsed.scale, window_s=parsed.window and tuple(parsed.window), baseline_order=parsed.baseline,
                  band_hz=parsed.band and tuple(parsed.band)))
 
