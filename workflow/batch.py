@@ -31,7 +31,7 @@ from shards import RUNS_AN_HOUR, shard_of, write_shards
 from shared import MARK, ROOT, Log, end_with_parent
 
 from damage.errors import InputError
-from damage.files import whole_or_nothing
+from damage.files import plain_file, whole_or_nothing
 from damage.measure.tables import describe_table
 from damage.studies.definition import load_study
 from damage.studies.members import most_members
@@ -131,7 +131,7 @@ def claim(folder, study):
     try:
         folder.mkdir(parents=True, exist_ok=True)
         check_room(folder)
-        lock = open(folder / ".lock", "w")  # noqa: SIM115, open as long as the batch lives
+        lock = open(folder / ".lock", "a", opener=plain_file)  # noqa: SIM115, open as long as the batch lives
         _lock(lock, folder)
         owner = load_name(kept)
         if owner not in (None, study.name):

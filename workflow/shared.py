@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from damage.errors import InputError
+from damage.files import plain_file
 
 ROOT = Path(__file__).resolve().parents[1]
 MARK = "@@ "
@@ -23,7 +24,7 @@ class Log:
     def __init__(self, path):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = open(path, "ab", buffering=0)  # noqa: SIM115, open as long as this process
+            self._file = open(path, "ab", buffering=0, opener=plain_file)  # noqa: SIM115, open as long as this process
         except OSError as error:
             raise InputError(f"cannot write {path}: {error.strerror}; expected a folder that can be written to, make "
                              "room or choose another --out") from error

@@ -137,6 +137,8 @@ def _check_taken(path, overwrite):
     """Raise InputError where something is at `path` that stays there."""
     if path.is_dir():
         raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
+    if path.suffix != ".h5":  # the pictures' folder has the name without it, so that no two runs share one
+        raise InputError(f"--out {path}: expected a name that ends in .h5; give --out {path}.h5")
     if not path.exists():
         return
     if not overwrite:

@@ -141,7 +141,7 @@ def _add_model(group, solver):
 def _add_run(group, solver):
     group.add_argument("--out", type=file_path, metavar="FILE.h5", help="the history "
                        "(default: a free name below results/)")
-    group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5")
+    group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
     group.add_argument("--rest", type=float, default=2.0, metavar="S",
                        help="free vibration after the motion (default 2)")
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
@@ -233,6 +233,11 @@ def free_name(wall, settings, solver, folder="results"):
         stem = f"{stem[:_LONGEST_STEM // 4 - 9]}_{hashlib.sha256(stem.encode()).hexdigest()[:8]}"
     while True:
         path = Path(folder) / f"{stem}{'' if count == 1 else f'_{count}'}.h5"
-        if not path.exists():
+        if not path.exists() and not (settings.pictures and pictures_folder(path).exists()):
             return path
         count += 1
+
+
+def pictures_folder(path):
+    """Folder for the pictures of a run whose history is FILE.h5: FILE beside it."""
+    return path.with_suffix("")
