@@ -17,7 +17,7 @@ from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
-from damage.provenance import commit
+from damage.provenance import commit, shown_path
 from damage.run.options import (
     OneLineParser,
     add_model_options,
@@ -396,7 +396,7 @@ def _cracks(asked):
         from damage.laboratory.crack_picture import crack_pictures
 
         _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
-              f"cracks of {asked.source or asked.dic}")
+              f"cracks of {shown_path(asked.source or asked.dic)}")
     _tell(asked, report, describe)
 
 
@@ -429,7 +429,7 @@ def _fragility(asked):
         print(write_table(table, asked.out / f"fragility_after_damage_{asked.intensity}.csv"))
         figures = [(f"fragility_after_damage_{wall}_{asked.intensity}", picture_after_damage(
             wall, of_wall, table[table["wall"] == wall], asked.intensity)) for wall, of_wall in shocks.groupby("wall")]
-        _save(figures, asked.out, f"study {asked.study}; {made_by_words(runs)}")
+        _save(figures, asked.out, f"study {shown_path(asked.study)}; {made_by_words(runs)}")
         return
     fits = fit_all(runs, asked.intensity, asked.replicates)
     table = fragility_table(fits, asked.intensity).assign(slip=" or ".join(slip_criteria(runs)))
@@ -442,7 +442,7 @@ def _fragility(asked):
         from damage.export.curves import write_curves
 
         print(*write_curves(fits, asked.export, runs.groupby("wall")["eigen_period_s"].median()), sep="\n")
-    _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
+    _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {shown_path(asked.study)}; {made_by_words(runs)}")
 
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),

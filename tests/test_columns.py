@@ -3,7 +3,7 @@
 import h5py
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, one_line_error
 from small_history import make_history
 
 from damage.history.schema import TABLES, markdown
@@ -41,3 +41,12 @@ def test_a_history_has_these_datasets_with_their_units(tmp_path):
         for group, table in TABLES.items():
             assert {name: data.attrs["unit"] for name, data in file[group].items()} == {
                 name: column.unit for name, column in table.items()}
+
+
+@pytest.mark.parametrize("column", ["run", "point", "wall"])
+@pytest.mark.parametrize("name", ["../../elsewhere", "/etc/x", "a\x01b", "a\x9bb"])
+def test_a_name_that_would_lead_elsewhere_or_spoil_a_file_is_refused(column, name, tmp_path):
+    """Pictures and curves are named after walls, histories are looked for by runs' names."""
+    path = tmp_path / "summary.csv"
+    pd.DataFrame({"run": ["r"], "point": ["p"], "wall": ["w"], column: [name]}).to_csv(path, index=False)
+    assert f"{column} {name!r}: expected a name without slashes" in one_line_error(columns.read_table, path)

@@ -1,6 +1,7 @@
 """What the programs of a batch share."""
 
 import ctypes
+import os
 import sys
 from pathlib import Path
 
@@ -43,6 +44,12 @@ class Log:
     def clear(self):
         """Drop what is in the file."""
         self._file.truncate(0)
+
+
+def python_path():
+    """PYTHONPATH for what a batch starts, in any folder: the repository, then what the user had, as obspy's folder."""
+    given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    return os.pathsep.join(dict.fromkeys([str(ROOT), *(os.path.abspath(folder) for folder in given if folder)]))
 
 
 def tell(text):

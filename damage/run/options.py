@@ -12,6 +12,7 @@ from damage.errors import InputError
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
+from damage.provenance import shown_command
 from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, RunSettings, rayleigh_factors
 from damage.wall.parameters import ModelOptions
 
@@ -58,7 +59,7 @@ def parse_run(arguments, prog, solver):
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed,
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
-        command=" ".join([prog, *arguments]), model=model_of(parsed))
+        command=f"{prog} {shown_command(arguments)}".strip(), model=model_of(parsed))
 
 
 def make_parser(prog, solver):
