@@ -19,6 +19,7 @@ from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
 from damage.provenance import commit, shown_path
 from damage.run.options import (
+    WALLS_ARE_CODE,
     OneLineParser,
     add_model_options,
     add_preparation,
@@ -208,7 +209,7 @@ def _laboratory(asked):
     print(*save(map(read_history, asked.histories), asked.out), sep="\n")
 
 
-@_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py"), _JSON,
+@_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py", WALLS_ARE_CODE), _JSON,
           lambda command: add_model_options(command, ("top", "load", "cells", "contacts")),
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
@@ -378,7 +379,7 @@ def _readings(asked):
 @_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
           _path("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
           _path("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
-          _path("--wall", "walls/NAME.py", "the wall of a crack file or a field"),
+          _path("--wall", "walls/NAME.py", f"the wall of a crack file or a field. {WALLS_ARE_CODE}"),
           _path("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
           _arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
           _threshold("opening, slip and width"), _PSI_FROM, _DRIFT_LIMIT,

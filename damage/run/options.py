@@ -17,6 +17,10 @@ from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, RunSettings, rayl
 from damage.wall.parameters import ModelOptions
 
 
+WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someone else before you use it."
+"""For the help of every command that takes one."""
+
+
 class OneLineParser(argparse.ArgumentParser):
     """An argument parser that raises its complaint as InputError instead of printing the usage."""
 
@@ -65,7 +69,7 @@ def parse_run(arguments, prog, solver):
 def make_parser(prog, solver):
     """The parser of a run's command line."""
     parser = OneLineParser(prog=prog, allow_abbrev=False, description=(
-        f"Shake one wall ({solver} solver) and write its history, summary and pictures."))
+        f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
     _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
     _add_model(parser.add_argument_group("model"), solver)

@@ -35,9 +35,9 @@ def report(history, pictures=True):
 def check_pictures(path, overwrite=False):
     """Raise InputError where pictures of a new run with the history `path` would go among what is there already."""
     folder = pictures_folder(path)
-    if not overwrite and folder.exists() and not (folder.is_dir() and next(folder.iterdir(), None) is None):
-        raise InputError(f"{folder} exists and is not an empty folder, and the pictures of {path.name} would go there: "
-                         "give another --out, --no-pictures, or --overwrite to replace what has their names")
+    if not overwrite and folder.is_dir() and next(folder.iterdir(), None) is not None:
+        raise InputError(f"{folder} is not empty, and the pictures of {path.name} would go there: give another --out, "
+                         "--no-pictures, or --overwrite to replace what has their names")
 
 
 def warn(warnings):
