@@ -9,6 +9,7 @@ from small_history import make_history
 from damage.history.schema import TABLES, markdown
 from damage.measure import columns
 from damage.measure.tables import summary_row
+from damage.studies.fragility import LEVELS, load_runs
 from damage.studies.tables import points_of
 
 SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": columns.MADE_BY, **columns.MEASURES}
@@ -43,10 +44,15 @@ def test_a_history_has_these_datasets_with_their_units(tmp_path):
                 name: column.unit for name, column in table.items()}
 
 
-@pytest.mark.parametrize("column", ["run", "point", "wall"])
+@pytest.mark.parametrize("column", ["run", "wall"])
 @pytest.mark.parametrize("name", ["../../elsewhere", "/etc/x", "a\x01b", "a\x9bb"])
 def test_a_name_that_would_lead_elsewhere_or_spoil_a_file_is_refused(column, name, tmp_path):
     """Pictures and curves are named after walls, histories are looked for by runs' names."""
-    path = tmp_path / "summary.csv"
-    pd.DataFrame({"run": ["r"], "point": ["p"], "wall": ["w"], column: [name]}).to_csv(path, index=False)
-    assert f"{column} {name!r}: expected a name without slashes" in one_line_error(columns.read_table, path)
+    table = pd.DataFrame({"run": ["r"], "point": ["p"], "wall": ["w"], column: [name]})
+    said = f"summary.csv: {column} {name!r}: expected a name without slashes"
+    assert said in one_line_error(columns.check_names, table, "summary.csv")
+    runs = {"strength_cov": [0.3], "strength_seed": [1], "pga_g": [0.1], "status": ["complete"],
+            **dict.fromkeys(LEVELS, [0.1])}
+    (tmp_path / "tables").mkdir()
+    table.assign(**runs).to_csv(tmp_path / "tables" / "summary.csv", index=False)
+    assert said in one_line_error(load_runs, tmp_path)

@@ -236,9 +236,13 @@ def read_table(path, needed=()):
     if lacking:
         raise InputError(f"{path} has no column {lacking[0]}; expected the tables of a study of this version, run it "
                          "again with ./run_all.sh, or make them anew: python3 -m damage tables summary")
-    for name in sorted({"run", "point", "wall"} & set(table)):  # files are named after them
+    return table
+
+
+def check_names(table, path):
+    """Raise InputError where a run or a wall of a table has a name that files cannot be called after; path: of it."""
+    for name in sorted({"run", "wall"} & set(table)):
         odd = [word for word in table[name].dropna().astype(str).unique() if not is_plain_name(word)]
         if odd:
             raise InputError(f"{path}: {name} {odd[0]!r:.80}: expected a name without slashes and control characters; "
                              "take another copy of the table")
-    return table
