@@ -443,7 +443,8 @@ def _fragility(asked):
         from damage.export.curves import write_curves
 
         print(*write_curves(fits, asked.export, runs.groupby("wall")["eigen_period_s"].median()), sep="\n")
-    _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {shown_path(asked.study)}; {made_by_words(runs)}")
+    _save(fragility_pictures(runs, fits, asked.intensity), asked.out,
+          f"study {shown_path(asked.study)}; {made_by_words(runs)}")
 
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),

@@ -97,7 +97,6 @@ class TestInterpreter:
                 "PYTHONNOUSERSITE=1"} <= set(done.stdout.splitlines())
         assert "PYTHONHOME" not in done.stdout
 
-
     def test_what_the_user_has_in_pythonpath_comes_behind_the_repository(self, machine):
         """Once each, and relative to the folder that the user is in: batches work in others."""
         done = machine.source(then="cd /; echo $PYTHONPATH", PYTHONPATH=f"a b::{machine.repository}:/c:/c:")

@@ -190,8 +190,8 @@ class TestSpectrum:
 class TestZeerijpRecords:
     """The measured values that came with the data; tolerance: half a unit of their last digit."""
 
-    # Record, PGA [g] as it is; PGV [cm/s], Arias [m/s], D5-75 [s], D5-95 [s] after a band-pass of 0.1-40 Hz.  PGV came as
-    # the sum of the samples times their step, which is up to 1 % from the velocity's peak at 200 samples a second.
+    # Record, PGA [g] as it is; PGV [cm/s], Arias [m/s], D5-75 [s], D5-95 [s] after a band-pass of 0.1-40 Hz.  PGV came
+    # as the sum of the samples times their step, up to 1 % from the velocity's peak at 200 samples a second.
     PEAKS = (
         ("BGAR_HGE", 0.1107, 3.22, 0.0164, 0.43, 3.3),
         ("NL.BGAR..HGE", 0.1107, 3.22, 0.0164, 0.43, 3.3),

@@ -171,3 +171,11 @@ def test_what_a_batch_writes_at_a_known_name_goes_through_no_link(name, kind, wo
     with pytest.raises(InputError, match=f"{name} is a symbolic link, a pipe or a device"):
         Log(there) if name.endswith(".log") else batch.claim(tmp_path / "out", SimpleNamespace(name="s", path=study))
     assert mine.read_text() == "mine"
+
+
+def test_what_a_batch_starts_finds_what_the_user_has_in_pythonpath(workflow, monkeypatch):
+    """Behind the repository, and from any working folder."""
+    import shared
+
+    monkeypatch.setenv("PYTHONPATH", f"mine:{REPOSITORY}::/obspy")
+    assert shared.python_path() == f"{REPOSITORY}:{os.getcwd()}/mine:/obspy"

@@ -16,7 +16,6 @@ from damage.provenance import shown_command
 from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, RunSettings, rayleigh_factors
 from damage.wall.parameters import ModelOptions
 
-
 WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someone else before you use it."
 """For the help of every command that takes one."""
 
