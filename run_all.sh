@@ -33,6 +33,8 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --dry-run      make nothing: say which runs are there, which are to be made, expected time and disk
   -h, --help     this help
 
+A wall file is Python and is executed: read a study's walls before you run what someone else sent.
+
 DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
 runs), pictures/ where the study asks for them, and logs/.  docs/batches.md describes studies.
 What is done is not done again: the same command goes on where an interrupted one stopped, and

@@ -17,8 +17,18 @@ from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
-from damage.provenance import commit
-from damage.run.options import OneLineParser, add_model_options, file_path, make_parser, model_of, number_from
+from damage.provenance import commit, shown_path
+from damage.run.options import (
+    WALLS_ARE_CODE,
+    OneLineParser,
+    add_model_options,
+    add_preparation,
+    file_path,
+    make_parser,
+    model_of,
+    number_from,
+    recorded,
+)
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
@@ -199,7 +209,7 @@ def _laboratory(asked):
     print(*save(map(read_history, asked.histories), asked.out), sep="\n")
 
 
-@_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py"), _JSON,
+@_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py", WALLS_ARE_CODE), _JSON,
           lambda command: add_model_options(command, ("top", "load", "cells", "contacts")),
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
@@ -225,12 +235,12 @@ def _modes(asked):
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
 
 
-@_command("intensity measures of a ground-motion record", _path("record", "FILE"), _JSON)
+@_command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
+          "unless --band is given", _path("record", "FILE"), _JSON, add_preparation)
 def _record(asked):
-    from damage.motion.formats import read_record
-    from damage.motion.intensity import describe, summary
+    from damage.motion.intensity import describe, motion_summary
 
-    _tell(asked, summary(read_record(asked.record)), describe)
+    _tell(asked, motion_summary(recorded(asked)), describe)
 
 
 @_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))
@@ -369,7 +379,7 @@ def _readings(asked):
 @_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
           _path("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
           _path("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
-          _path("--wall", "walls/NAME.py", "the wall of a crack file or a field"),
+          _path("--wall", "walls/NAME.py", f"the wall of a crack file or a field. {WALLS_ARE_CODE}"),
           _path("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
           _arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
           _threshold("opening, slip and width"), _PSI_FROM, _DRIFT_LIMIT,
@@ -387,7 +397,7 @@ def _cracks(asked):
         from damage.laboratory.crack_picture import crack_pictures
 
         _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
-              f"cracks of {asked.source or asked.dic}")
+              f"cracks of {shown_path(asked.source or asked.dic)}")
     _tell(asked, report, describe)
 
 
@@ -420,7 +430,7 @@ def _fragility(asked):
         print(write_table(table, asked.out / f"fragility_after_damage_{asked.intensity}.csv"))
         figures = [(f"fragility_after_damage_{wall}_{asked.intensity}", picture_after_damage(
             wall, of_wall, table[table["wall"] == wall], asked.intensity)) for wall, of_wall in shocks.groupby("wall")]
-        _save(figures, asked.out, f"study {asked.study}; {made_by_words(runs)}")
+        _save(figures, asked.out, f"study {shown_path(asked.study)}; {made_by_words(runs)}")
         return
     fits = fit_all(runs, asked.intensity, asked.replicates)
     table = fragility_table(fits, asked.intensity).assign(slip=" or ".join(slip_criteria(runs)))
@@ -433,7 +443,8 @@ def _fragility(asked):
         from damage.export.curves import write_curves
 
         print(*write_curves(fits, asked.export, runs.groupby("wall")["eigen_period_s"].median()), sep="\n")
-    _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
+    _save(fragility_pictures(runs, fits, asked.intensity), asked.out,
+          f"study {shown_path(asked.study)}; {made_by_words(runs)}")
 
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),

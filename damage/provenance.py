@@ -35,6 +35,27 @@ def versions(solver_folder):
     return {"masonry-damage": VERSION, "commit": commit(), "model": model_digest(solver_folder)}
 
 
+def shown_path(path):
+    """A path as a file that may be sent keeps it: relative below the working folder, otherwise the name alone.
+
+    Where a home folder lies is nobody's business.
+    """
+    path = Path(path)
+    if path.is_relative_to(Path.cwd()):
+        path = path.relative_to(Path.cwd())
+    return path.name if path.is_absolute() or ".." in path.parts else path.as_posix()
+
+
+def shown_command(words):
+    """The words of a command line in one line, every path as `shown_path` has it.
+
+    >>> shown_command(["--record", "/home/me/a.csv", "--out=/tmp/b.h5", "--window", "1", "2"])
+    '--record a.csv --out=b.h5 --window 1 2'
+    """
+    parts = [word.rpartition("=") if word.startswith("--") else ("", "", word) for word in words]
+    return " ".join(f"{option}{sign}{shown_path(word) if '/' in word else word}" for option, sign, word in parts)
+
+
 def file_origin(path):
     """{"file": name without its folder, which differs by machine, "sha256"} of a file that a run is made from."""
     try:

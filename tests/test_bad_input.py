@@ -128,11 +128,25 @@ def test_output_that_is_a_folder(refused, tmp_path):
     refused("is a folder", SYMMETRIC, "--out", tmp_path)
 
 
-def test_output_that_is_there_already(refused, tmp_path):
-    out = tmp_path / "out.hdf5"
+def test_output_that_is_there_already(refused, tmp_path_factory):
+    out = tmp_path_factory.mktemp("earlier") / "out.h5"
     out.write_bytes(b"of an earlier run")
     refused("--overwrite", SYMMETRIC, "--out", out)
     assert out.read_bytes() == b"of an earlier run"
+
+
+@pytest.mark.parametrize("name", ["first.txt", "first", ".h5", "first.h5.txt", "first.H5"])
+def test_a_history_whose_name_does_not_end_in_h5(name, refused, tmp_path):
+    refused(r"expected a name that ends in \.h5", SYMMETRIC, "--out", tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pictures_of_another_run_stay(refused, tmp_path):
+    picture = tmp_path / "first" / "wall.png"
+    picture.parent.mkdir()
+    picture.write_bytes(b"of another run")
+    refused("the pictures of first.h5 would go there", SYMMETRIC, "--out", tmp_path / "first.h5")
+    assert [path.name for path in tmp_path.iterdir()] == ["first"] and picture.read_bytes() == b"of another run"
 
 
 @pytest.mark.yade

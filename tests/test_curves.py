@@ -57,6 +57,13 @@ def test_a_discrete_model_interpolates_to_the_curves(tmp_path):
         assert_allclose(np.interp(between, x, poes), one.probability(between), atol=5e-3)
 
 
+def test_a_wall_of_any_name_is_well_formed(tmp_path):
+    name = "a<b> & \"c\" 'd' ]]> -->"
+    path = write_nrml(name, [MILD, GRAVE], tmp_path / "odd.xml", "continuous")
+    model = ElementTree.parse(path).getroot()[0]
+    assert model.get("id") == f"{name}_max_DI" and name in model[0].text
+
+
 def test_velocities_are_in_centimetres_a_second(tmp_path):
     fit = made(0.02, 0.05, 0.3, "pgv_m_s")
     _, model = written(tmp_path, "continuous", [fit])

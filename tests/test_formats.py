@@ -146,6 +146,16 @@ class TestPeerAt2:
         expected = GRAVITY * np.array([0.01, -0.02, 0.03, 0.04, 0.05])
         assert_allclose(record.acceleration_m_s2, expected, rtol=ROUND_OFF)
 
+    def test_one_motion_is_the_same_in_g_and_in_m_s2(self, tmp_path):
+        values_g = [float(cell) for cell in self.VALUES.split()]
+        csv = {unit: f"time_s,acc_{unit}\n" + "\n".join(f"{0.005 * k:.3f},{factor * value!r}"
+                                                        for k, value in enumerate(values_g))
+               for unit, factor in (("g", 1.0), ("m_s2", 9.81))}
+        files = {"motion.AT2": AT2_TITLES + "NPTS= 5, DT= .005 SEC\n" + self.VALUES,
+                 "g.csv": csv["g"], "m_s2.csv": csv["m_s2"]}
+        records = [read_record(write(tmp_path, text, name)) for name, text in files.items()]
+        assert len({record.acceleration_m_s2.tobytes() for record in records}) == 1
+
     @pytest.mark.parametrize(
         ("text", "says"),
         [

@@ -37,6 +37,8 @@ def test_every_option_of_a_solver_is_on_its_command_line(solver):
 def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
     settings = RunSettings(Harmonic(0.2, 0.05), ModelOptions(**options))
     assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path) == tmp_path / name
+    (tmp_path / name.removesuffix(".h5")).mkdir()  # pictures, whose history is gone
+    assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path).name == name.replace(".h5", "_2.h5")
 
 
 def test_figures_and_evidence_know_every_choice():

@@ -98,7 +98,8 @@ class TestVtkhdf:
 
 class TestVtu:
     def test_a_file_a_snapshot_and_one_that_lists_them(self, history, tmp_path):
-        listed = ElementTree.parse(write_vtu(history, tmp_path)).findall(".//DataSet")
+        odd = replace(history, path=history.path.with_name("a<b> & \"c\" ]]>.h5"))
+        listed = ElementTree.parse(write_vtu(odd, tmp_path)).findall(".//DataSet")
         assert [float(one.get("timestep")) for one in listed] == [0.0, 0.1, 0.2]
         grid = ElementTree.parse(tmp_path / listed[2].get("file"))
         array = grid.find(".//CellData/DataArray[@Name='opening_m']")

@@ -12,6 +12,7 @@ import pytest
 from conftest import REPOSITORY, contents
 from small_history import make_history
 
+from damage.errors import InputError
 from damage.studies.definition import StudyRun
 from damage.studies.records import add_record, all_records, read_records, record_of
 
@@ -154,3 +155,27 @@ def test_with_histories_of_a_sample_alone_the_tables_are_the_same_and_any_run_ca
     assert before == {path: path.stat().st_mtime_ns for path in before}
     assert len(pd.read_csv(summary / "tables" / "summary.csv")) == 15
     assert (summary / "logs" / "shard_0000.log").read_text().count("history: ") == 2
+
+
+@pytest.mark.parametrize("name", [".lock", "logs/snakemake.log"])
+@pytest.mark.parametrize("kind", ["link", "pipe"])
+def test_what_a_batch_writes_at_a_known_name_goes_through_no_link(name, kind, workflow, tmp_path):
+    import batch
+    from shared import Log
+
+    mine, there, study = tmp_path / "mine", tmp_path / "out" / name, tmp_path / "s.toml"
+    mine.write_text("mine")
+    study.write_text('name = "s"')
+    there.parent.mkdir(parents=True)
+    there.symlink_to(mine) if kind == "link" else os.mkfifo(there)
+    with pytest.raises(InputError, match=f"{name} is a symbolic link, a pipe or a device"):
+        Log(there) if name.endswith(".log") else batch.claim(tmp_path / "out", SimpleNamespace(name="s", path=study))
+    assert mine.read_text() == "mine"
+
+
+def test_what_a_batch_starts_finds_what_the_user_has_in_pythonpath(workflow, monkeypatch):
+    """Behind the repository, and from any working folder."""
+    import shared
+
+    monkeypatch.setenv("PYTHONPATH", f"mine:{REPOSITORY}::/obspy")
+    assert shared.python_path() == f"{REPOSITORY}:{os.getcwd()}/mine:/obspy"

@@ -214,12 +214,12 @@ class Batches:
     """
 
     def __init__(self, folder):
-        self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of it"
+        self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of {it}"
         (folder / "bin").mkdir()
         (folder / "yade.py").write_text(FAKE_YADE.format(
             tests=str(REPOSITORY / "tests"), repository=str(REPOSITORY), calls=str(self.calls)))
         yade = folder / "bin" / "yade"
-        yade.write_text(f'#!/bin/sh\nexec {sys.executable} {folder / "yade.py"} "$@"\n')
+        yade.write_text(f'#!/bin/sh\nexec {sys.executable} "{folder / "yade.py"}" "$@"\n')
         yade.chmod(0o755)
 
     def study(self, pictures="none", **rests):  # pictures take longer than all else
@@ -266,7 +266,8 @@ def running(folder):
 @pytest.fixture
 def batches(tmp_path):
     pytest.importorskip("snakemake")
-    return Batches(tmp_path)
+    (tmp_path / "a {b}").mkdir()  # braces are wildcards to Snakemake
+    return Batches(tmp_path / "a {b}")
 
 
 @pytest.mark.slow
@@ -282,7 +283,7 @@ class TestBatch:
         pictures = (batches.out / "pictures" / "a_yade").glob("[!.]*")
         assert {path.suffix for path in pictures} == {".png", ".pdf"}
         assert sorted(path.name for path in batches.folder.iterdir()) == [
-            "bin", "calls", "out of it", "study.toml", "yade.py"]
+            "bin", "calls", "out of {it}", "study.toml", "yade.py"]
         again, calls = batches.run(study)
         assert (again.returncode, calls) == (0, []), again.stderr
         assert "a_yade" in again.stdout
@@ -350,20 +351,20 @@ class TestBatch:
 @pytest.mark.yade
 @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
 def test_a_study_with_both_solvers(tmp_path):
-    (tmp_path / "tiny.py").write_text(
+    (tmp_path / "t{in}y.py").write_text(
         "import sys\n"
         f"sys.path.insert(0, {str(REPOSITORY)!r})\n"
         "from damage import Wall\n"
         "def wall():\n    return Wall(name='tiny', length=0.45, height=0.15)\n"
         "if __name__ == '__main__':\n    from yade_scripts.run import main\n    main(wall)\n")
-    study = write_study(tmp_path, 'name = "tiny"\n[[runs]]\nwall = "tiny.py"\n'
+    study = write_study(tmp_path, 'name = "tiny"\n[[runs]]\nwall = "t{in}y.py"\n'
                         'options = { harmonic = [0.05, 0.05], cycles = 1, rest = 0.05 }\n')
     done = subprocess.run([REPOSITORY / "run_all.sh", study, "--solver", "both", "--out", tmp_path / "out"],
                           timeout=300,
                           capture_output=True, text=True, env={**os.environ, "PYTHON": sys.executable})
     assert done.returncode == 0, done.stderr
     summary = pd.read_csv(tmp_path / "out" / "tables" / "summary.csv")
-    name = "tiny_harmonic-0.05-0.05_cycles-1_rest-0.05"
+    name = "t-in-y_harmonic-0.05-0.05_cycles-1_rest-0.05"
     assert list(summary["run"]) == [f"{name}_yade", f"{name}_reference"]
     assert list(summary["solver"]) == ["yade", "reference"] and set(summary["status"]) == {"complete"}
     drifts = summary["max_drift_ratio"]

@@ -28,10 +28,10 @@ import pandas as pd
 import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
 from shards import RUNS_AN_HOUR, shard_of, write_shards
-from shared import MARK, ROOT, Log, end_with_parent
+from shared import MARK, ROOT, Log, end_with_parent, python_path
 
 from damage.errors import InputError
-from damage.files import whole_or_nothing
+from damage.files import plain_file, whole_or_nothing
 from damage.measure.tables import describe_table
 from damage.studies.definition import load_study
 from damage.studies.members import most_members
@@ -84,7 +84,7 @@ def conclude(study, folder):
     document = folder / "tables" / f"{study.conclusion}.md"
     print(f"{study.conclusion}: {document}", flush=True)
     return subprocess.run([sys.executable, "-m", "damage", study.conclusion, str(folder), "--markdown", str(document)],
-                          env={**os.environ, "PYTHONPATH": str(ROOT)}, check=False).returncode
+                          env={**os.environ, "PYTHONPATH": python_path()}, check=False).returncode
 
 
 def _parse():
@@ -116,7 +116,7 @@ def make_again(name, study, folder):
     done = subprocess.run(
         [sys.executable, ROOT / "workflow" / "simulate.py", name, "--solver", run.solver, "--out", history, "--log",
          folder / "logs" / f"{name}.log", "--", *run.command(number)],
-        env={**os.environ, "PYTHONPATH": str(ROOT)}, stderr=subprocess.PIPE, text=True)
+        env={**os.environ, "PYTHONPATH": python_path()}, stderr=subprocess.PIPE, text=True)
     print(done.stderr.replace(MARK, ""), end="")
     return done.returncode
 
@@ -131,7 +131,7 @@ def claim(folder, study):
     try:
         folder.mkdir(parents=True, exist_ok=True)
         check_room(folder)
-        lock = open(folder / ".lock", "w")  # noqa: SIM115, open as long as the batch lives
+        lock = open(folder / ".lock", "a", opener=plain_file)  # noqa: SIM115, open as long as the batch lives
         _lock(lock, folder)
         owner = load_name(kept)
         if owner not in (None, study.name):
@@ -238,7 +238,7 @@ class Batch:
     def _environment(self):
         """This process's, with what Snakemake, matplotlib and YADE's IPython keep inside the folder."""
         inside = self.folder / ".snakemake"
-        return {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg",
+        return {**os.environ, "PYTHONPATH": python_path(), "MPLBACKEND": "Agg",
                 "XDG_CACHE_HOME": str(inside / "cache"), "MPLCONFIGDIR": str(inside / "matplotlib"),
                 "IPYTHONDIR": str(inside / "ipython")}
 

@@ -35,6 +35,7 @@ def _run(make_wall, path):
     try:
         import yade
 
+        from damage.provenance import shown_path
         from damage.run.session import Backend, run_session
         from damage.run.settings import Softening
         from damage.wall.file import wall_of
@@ -51,7 +52,7 @@ def _run(make_wall, path):
     versions = {"yade": yade.config.version, "yade_bricks": BRICK_SHAPE}
     backend = Backend("yade", versions, YadeSolver, Path(__file__).parent, _check, open_view,
                       Softening(fibres=FIBRES, beta_s=0.0))
-    return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {path}")
+    return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {shown_path(path)}")
 
 
 def _check(settings):

@@ -12,7 +12,7 @@ import pandas as pd
 
 from damage.checks import check_choice, check_file, record_from
 from damage.errors import InputError
-from damage.history.apart import apart
+from damage.history.apart import apart, bounded
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
 from damage.history.moments import moving
 from damage.history.schema import (
@@ -243,7 +243,8 @@ def read_history(path):
     if head is None or not head.sealed:
         return apart(path, _open)
     check_seal(path, head)
-    return _open(path)
+    with bounded() as believe:
+        return _open(path, believe)
 
 
 def _open(path, believe=lambda n_bytes: None):

@@ -16,6 +16,7 @@ from damage.html.tables import cell
 from damage.measure.columns import read_table, slip_criteria
 from damage.paper.report import overview_table
 from damage.paper.verdict import HOLDS, UNJUDGED, judge
+from damage.provenance import shown_path
 from damage.studies.definition import load_study
 from damage.studies.fragility import fit_all, fragility_table, load_runs
 from damage.studies.fragility_picture import fragility_pictures
@@ -72,7 +73,7 @@ def study_part(folder, letters):
              for name in told]
     about = _about(folder)
     return {"name": str(about.get("name") or folder.resolve().name), "title": str(about.get("title") or ""),
-            "folder": folder.as_posix(), "shared": [(name, cell(_plain(points[name].iloc[0]))[0]) for name in shared],
+            "folder": shown_path(folder), "shared": [(name, cell(_plain(points[name].iloc[0]))[0]) for name in shared],
             "first": said_first(folder, summary, points), "heads": heads,
             "rows": [_point(row, told, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
             "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder)}

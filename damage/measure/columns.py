@@ -10,7 +10,7 @@ from dataclasses import fields
 
 import pandas as pd
 
-from damage.checks import check_file
+from damage.checks import check_file, is_plain_name
 from damage.errors import InputError
 from damage.files import LONGEST_LINE
 from damage.history.schema import Column
@@ -239,3 +239,12 @@ def read_table(path, needed=()):
         raise InputError(f"{path} has no column {lacking[0]}; expected the tables of a study of this version, run it "
                          "again with ./run_all.sh, or make them anew: python3 -m damage tables summary")
     return table
+
+
+def check_names(table, path):
+    """Raise InputError where a run or a wall of a table has a name that files cannot be called after; path: of it."""
+    for name in sorted({"run", "wall"} & set(table)):
+        odd = [word for word in table[name].dropna().astype(str).unique() if not is_plain_name(word)]
+        if odd:
+            raise InputError(f"{path}: {name} {odd[0]!r:.80}: expected a name without slashes and control characters; "
+                             "take another copy of the table")

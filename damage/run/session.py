@@ -19,7 +19,7 @@ from damage.motion.intensity import applied_measures
 from damage.provenance import file_origin, versions
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
-from damage.run.report import report
+from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, choose_time_step, softening_warnings
 from damage.run.settings import RunSettings, Softening
@@ -136,6 +136,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
+    if settings.pictures:
+        check_pictures(out, settings.overwrite)
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
     settings.check_offsets(layout.contacts)
     modes = natural_modes(layout)

@@ -19,7 +19,7 @@ from scipy.special import log_ndtr, ndtr, ndtri
 from scipy.stats import t as student
 
 from damage.errors import InputError
-from damage.measure.columns import read_table
+from damage.measure.columns import check_names, read_table
 
 LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}
 """Levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
@@ -220,6 +220,7 @@ def load_runs(folder):
         raise InputError(f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
                          "./run_all.sh fragility --solver reference")
     runs = read_table(path, (*LEVELS, "pga_g", "strength_cov", "strength_seed"))
+    check_names(runs, path)
     runs = runs[(runs["strength_cov"] > 0) & (runs["status"] == "complete")]
     if len(runs) == 0:
         raise InputError(f"{path} holds no finished run with scattered strengths; expected some with strength-cov, "
