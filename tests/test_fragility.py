@@ -203,7 +203,8 @@ class TestNewRecord:
         interval, 0.90 expected of the first, with a standard deviation of 0.02."""
         held = {"new record": [], "mean": []}
         for seed in range(30):
-            one = fragility(recorded(5, 0.3, seed, n_walls=5), "max_DI", 0.1, "pga_g", replicates=20, over=("records",))
+            runs = recorded(5, 0.3, seed, n_walls=5, levels=9)
+            one = fragility(runs, "max_DI", 0.1, "pga_g", replicates=20, over=("records",))
             for name, (low, high) in (("new record", one.new_record.median_bounds()),
                                       ("mean", one.median_bounds("records")[:, 0])):
                 z = np.log(np.array([low, high]) / 0.2) / 0.3  # DI = 0.1 at a harm of 0.2 g
@@ -261,9 +262,14 @@ class TestLeftOut:
 
     def test_runs_of_another_study_are_compared_with_all_records(self):
         runs, other = recorded(4, 0.3, seed=1), recorded(1, 0.3, seed=9).assign(record="new")
-        table = beside_unseen(runs, other, [State("max_DI", 0.1)], ["pga_g"])
+        table = beside_unseen(runs, pd.concat([other, runs]), [State("max_DI", 0.1)], ["pga_g"])
         assert set(table["record"]) == {"new"}
         assert_allclose(table["pooled"], fragility(runs, "max_DI", 0.1, "pga_g", 0).probability(table["value"]))
+
+    def test_a_study_of_the_same_records_is_refused(self):
+        runs = recorded(4, 0.3, seed=1)
+        with pytest.raises(InputError, match="every record of the other study is in this one"):
+            beside_unseen(runs, runs)
 
     def test_three_records_leave_too_few(self):
         with pytest.raises(InputError, match="four records or more"):

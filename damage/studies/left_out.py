@@ -25,18 +25,24 @@ def leave_one_out(runs, states=STATES, intensities=None):
 
     runs: rows of summary.csv; intensities: columns, None for those of INTENSITIES that every run has.
     """
-    return beside_unseen(runs, runs, states, intensities)
+    return _compare(runs, runs, states, intensities)
 
 
 def beside_unseen(runs, unseen, states=STATES, intensities=None):
-    """The same of the runs of another study, `unseen`, beside curves of `runs`; each curve leaves out the record that
-    it is compared with."""
-    intensities = intensities or [name for name in there(runs) if name in there(unseen)]
-    for table in (runs, unseen):
+    """The same of the runs of another study, `unseen`: of its records that `runs` lack, beside curves of all `runs`."""
+    return _compare(runs, unseen[~unseen["record"].isin(runs["record"])], states, intensities)
+
+
+def _compare(runs, left, states, intensities):
+    if left.empty:
+        raise InputError("every record of the other study is in this one, too; expected some that are not; choose "
+                         "another study")
+    intensities = intensities or [name for name in there(runs) if name in there(left)]
+    for table in (runs, left):
         check_states(table, states)
         for name in intensities:
             check_intensity(table, name)
-    rows = [{"wall": wall, **row} for wall, of_wall in unseen.groupby("wall", sort=False)
+    rows = [{"wall": wall, **row} for wall, of_wall in left.groupby("wall", sort=False)
             for record, of_record in of_wall.groupby("record") for state in states for intensity in intensities
             for row in _rows(runs[(runs["wall"] == wall) & (runs["record"] != record)], of_record, state, intensity)]
     if not rows:
