@@ -83,7 +83,7 @@ def test_a_step_is_a_line_between_its_bounds_and_no_lognormal_curve(tmp_path):
     assert_allclose(np.interp((0.35, 0.40, 0.45), x, poes), (0, 0.5, 1), atol=1e-6)
     assert "A step for 0.1: the data bound its median" in model[0].text
     _, model = written(tmp_path, "continuous", (MILD, STEP))
-    assert model.find(STATES).text == "max_DI_over_0p02" and "left out here" in model[0].text
+    assert model.find(STATES).text == "max_DI_over_0p02" and "left out, see the discrete" in model[0].text
     assert write_nrml("solid", [STEP], tmp_path / "none.xml", "continuous") is None
     arrays = np.load(write_arrays([MILD, STEP], tmp_path / "a.npz"))
     assert_allclose(arrays["betas_total"], (0.3, np.nan))

@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
-
 from scipy.special import ndtr
 from scipy.stats import binom
 from scipy.stats import t as student
@@ -331,7 +330,7 @@ class TestOwnStates:
             assert told.startswith("error: ") and told.count("\n") == 1 and complaint in told
 
     def test_a_study_file_with_others_is_refused(self, tmp_path):
-        for text, complaint in (('states = "max_DI > 1"', "expected a list of texts"), ("states = [1]", "list of texts"),
+        for text, complaint in (('states = "max_DI > 1"', "a list of texts"), ("states = [1]", "a list of texts"),
                                 ("intensity = 2", "name of a column"), ('states = ["max_DI"]', "COLUMN > LEVEL"),
                                 ("states = [", "cannot be read")):
             (tmp_path / "study.toml").write_text(text)

@@ -56,7 +56,7 @@ def probability(fit, x):
 
 def levels(fits):
     """Intensities from where the first of the curves begins to where the last has come to its end, increasing (n,)."""
-    x = np.concatenate([fit.step if fit.step else fit.median * np.exp(fit.dispersion * _Z) for fit in fits])
+    x = np.concatenate([fit.step or fit.median * np.exp(fit.dispersion * _Z) for fit in fits])
     return np.unique([float(f"{value:.9g}") for value in x])
 
 
@@ -113,6 +113,6 @@ def _description(wall, fits, name, kind):
              f"{one.n_records} records; masonry-damage."]
     lines += [f"No curve for {', '.join(without)}: none or all of the runs exceed it."] if without else []
     lines += [f"A step for {', '.join(steps)}: the data bound its median and give no dispersion; "
-              + ("a straight line between the bounds." if kind == "discrete" else "left out here, see the discrete model.")
+              + ("a straight line between the bounds." if kind == "discrete" else "left out, see the discrete model.")
               ] if steps else []
     return " ".join(lines)

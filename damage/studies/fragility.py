@@ -24,7 +24,6 @@ from damage.errors import InputError
 from damage.measure.columns import read_table
 from damage.studies.new_record import CONFIDENCE, new_record
 from damage.studies.states import (
-    INTENSITIES,
     LEVELS,
     STATES,
     State,

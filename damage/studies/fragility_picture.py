@@ -18,13 +18,15 @@ _MOST_PANELS = 3
 _BANDS = {"new record": (0.13, "interval of a new record's own curve"),
           "both": (0.35, "interval of the mean curve, walls and records drawn anew"),
           "walls": (0.35, "interval of the mean curve, walls drawn anew, records held")}
-"""What lies in a band: how dark, in words; the wider one first.  That over walls stands in where records are too few."""
+"""What lies in a band: how dark, in words; the wider one first.  That over walls is drawn where there is one record."""
+PSI = tuple(State("max_psi", level) for level in LEVELS["max_psi"])
+"""The states that a figure of the damage before shows by default."""
 _STYLES = ((BLUE, "o", "-"), (GREEN, "s", "--"), (ORANGE, "^", "-."), (VERMILLION, "v", ":"), (BLACK, "x", "-"))
 
 
 def fragility_pictures(runs, fits, intensity=None):
-    """(name, Figure) of every wall; runs, fits: of `damage.studies.fragility`; intensity: that of the fits, None for the
-    first that the runs have."""
+    """(name, Figure) of every wall; runs, fits: of `damage.studies.fragility`; intensity: that of the fits, None for
+    the first that the runs have."""
     intensity = intensity or leading(runs)
     return [(f"fragility_{wall}_{intensity}", fragility_picture(wall, runs[runs["wall"] == wall], ones, intensity))
             for wall, ones in fits.items()]
@@ -101,7 +103,7 @@ def _draw(ax, x, runs, one, style, intensity):
 
 
 @styled
-def picture_after_damage(wall, shocks, table, intensity, states=tuple(State("max_psi", x) for x in LEVELS["max_psi"])):
+def picture_after_damage(wall, shocks, table, intensity, states=PSI):
     """A panel for each State, a curve for each class of the damage before; shocks, table: of one wall, of
     `damage.studies.after_damage`."""
     figure, axes = grid(1, len(states), 3.0)

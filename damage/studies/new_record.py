@@ -1,17 +1,17 @@
-"""What a record that was not used would do: a wall's fragility with an effect of the record.
+"""Fragility for a record that was not used: a wall's curve with a random effect of the record.
 
-Records of equal intensity differ in harm.  The model: a run of a record r at intensity x exceeds the level with
-probability Phi((ln x - ln m_r) / beta), in which m_r is the record's own median and beta the scatter of the walls in one
-record; medians of records are lognormal, ln m_r ~ N(ln theta, tau^2).  A single lognormal curve through the runs of all
-records has no tau of its own and says nothing of the next record.
+Records of equal intensity differ in how much damage they do.  The model: in record r a run at intensity x exceeds the
+level with probability Phi((ln x - ln m_r) / beta).  Here m_r is the record's own median, and beta the scatter of the
+walls within one record.  The medians are lognormal: ln m_r ~ N(ln theta, tau^2).  A single lognormal curve through the
+runs of all records does not know tau and predicts no other record.
 
-Few records leave tau uncertain, so it is not set to its best value: theta, tau and beta are averaged over their
-posterior on a grid, with a prior that is uniform in ln theta and ln beta and goes with 1 / (tau + tau_0).  Where every
-record's median is known exactly, tau_0 is nothing, and the interval of a new median is Student's: mean +- t(n - 1) s
-sqrt(1 + 1 / n) of the n logarithms of medians (A. Gelman and others, 2013, Bayesian Data Analysis, 3rd edition, section
-3.2).  Where a level lies between two intensities of a record, they bound its median, as the likelihood says, and what is
-less than their distance is not known of tau: so tau_0 is the standard deviation of a uniform distribution as wide, in
-ln x, as half of the records have it.  Runs of a record count as independent.
+Few records leave tau uncertain.  So theta, tau and beta are averaged over their posterior on a grid.  The prior is
+uniform in ln theta and in ln beta, and proportional to 1 / (tau + tau_0) in tau.  Where the median of each record is
+known exactly, tau_0 is 0, and the interval of a new median is Student's, mean +- t(n - 1) s sqrt(1 + 1 / n) of the n
+logarithms (A. Gelman and others, 2013, Bayesian Data Analysis, 3rd edition, section 3.2).  Otherwise two neighbouring
+intensities bound a record's median, and the likelihood holds no information on a tau that is much less than their
+distance in ln x.  So tau_0 is the standard deviation of a uniform distribution of that width, of the median record.
+The runs of a record count as independent.  `benchmarks/fragility_coverage.py` measures how often the interval holds.
 """
 
 from dataclasses import dataclass

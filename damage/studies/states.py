@@ -112,7 +112,7 @@ def check_intensity(runs, name):
     for bad, what in ((values.isna(), "no value"), (values <= 0, "zero or less")):
         if bad.any():
             raise InputError(f"{where}: {bad.sum()} of {len(runs)} runs have {what} there; expected a number above "
-                             f"zero in every run; choose another, as {' or '.join(there(runs)) or 'one of INTENSITIES'}")
+                             f"zero in every run; choose another, as {' or '.join(there(runs) or INTENSITIES)}")
 
 
 def _numbers(runs, name, where, table="summary.csv"):
