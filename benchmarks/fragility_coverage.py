@@ -2,8 +2,8 @@
 
     python3 benchmarks/fragility_coverage.py [--studies 100]
 
-Made-up studies of 25 walls at 4 intensities a record; medians of records scatter by tau, walls by 0.1.  The share of all
-new records that an interval holds is known, as tau is: printed is its mean over the studies, which is to be 0.90.
+Made-up studies of 25 walls at 4 intensities a record; medians of records scatter by tau, walls by 0.1.  The share of
+all new records that an interval holds is known, as tau is: printed is its mean over the studies, expected to be 0.90.
 """
 
 import argparse

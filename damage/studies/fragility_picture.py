@@ -132,5 +132,8 @@ def _draw_after(ax, x, shocks, row, style, intensity):
     told = f"{row['before']}: {row['exceeding']} of {row['runs']} shocks"
     if np.isfinite(median):
         ax.plot(x, curve(x, median, row["dispersion"]), color=colour, ls=line)
-        told = f"{row['before']}: median {median:#.3g} {unit_of(intensity)[1]}, dispersion {row['dispersion']:.2f}"
+        unit = unit_of(intensity)[1]
+        low, high = (row[in_unit(f"median_walls_{end}", intensity)] for end in ("low", "high"))
+        told = f"{row['before']}: " + (f"median {median:#.3g} {unit}, dispersion {row['dispersion']:.2f}" if
+                                       row["dispersion"] > 0 else f"between {low:#.3g} and {high:#.3g} {unit}")
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=told.replace("Psi", r"$\Psi$"))
