@@ -99,8 +99,8 @@ class TestLoading:
         ('name = "s"', "no runs"),
         ('name = "s"\nruns = 3', "no list of tables"),
         ('name = "s', "is no TOML"),
-        ('name = "s"\nrun = []', "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs, states, "
-         "title"),
+        ('name = "s"\nrun = []', "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs, "
+         "states, title"),
         ('name = "s"\nstates = "max_psi > 2"', "expected a list of texts"),
         ('name = "s"\nstates = ["max_psi"]', "expected COLUMN > LEVEL"),
         ('name = "s"\nintensity = 1', "expected the name of a column"),
