@@ -202,7 +202,7 @@ class TestNewRecord:
         interval, 0.90 expected of the first, with a standard deviation of 0.02."""
         held = {"new record": [], "mean": []}
         for seed in range(30):
-            runs = recorded(5, 0.3, seed, n_walls=5, levels=9)
+            runs = recorded(5, 0.3, seed, n_walls=5)
             one = fragility(runs, "max_DI", 0.1, "pga_g", replicates=20, over=("records",))
             for name, (low, high) in (("new record", one.new_record.median_bounds()),
                                       ("mean", one.median_bounds("records")[:, 0])):
