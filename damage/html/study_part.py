@@ -21,6 +21,7 @@ from damage.studies.definition import load_study
 from damage.studies.fragility import fit_all, fragility_table, load_runs
 from damage.studies.fragility_picture import fragility_pictures
 from damage.studies.results import NEEDED
+from damage.studies.states import leading
 
 COLUMNS = ("solver", "wall", "motion", "members", "status", "collapsed", "pga_g", "pgv_m_s", "max_DI", "residual_DI",
            "max_drift_ratio", "residual_drift_ratio", "max_crack_width_mm", "max_psi", "peak_base_shear_n",
@@ -187,12 +188,13 @@ def _fragility(folder):
     """Curves, figures and bounds of a study with scattered strengths, None of another."""
     try:
         runs = load_runs(folder)
-        fits = fit_all(runs, "pga_g", REPLICATES)
+        intensity = leading(runs)
+        fits = fit_all(runs, intensity, REPLICATES)
     except InputError:
         return None
-    table = fragility_table(fits, "pga_g")
+    table = fragility_table(fits, intensity)
     return {"heads": list(table), "rows": [[cell(_plain(value)) for value in row] for row in table.to_numpy(object)],
-            "figures": list(starmap(_drawn, fragility_pictures(runs, fits)))}
+            "figures": list(starmap(_drawn, fragility_pictures(runs, fits, intensity)))}
 
 
 def _drawn(name, figure):

@@ -37,6 +37,7 @@ from damage.checks import check_file, check_path, check_whole
 from damage.errors import InputError
 from damage.run.options import parse_run
 from damage.studies.grid import expand, read_rows
+from damage.studies.states import check_choices
 
 PATH_OPTIONS = ("--record", "--vertical")
 RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
@@ -57,6 +58,8 @@ KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
     "title": "one line for people", "pictures": "of single runs: all (default) or none",
     "conclusion": "a command that sums the whole study up, as readings does the paper's claims",
+    "states": "damage states of fragility curves, as [\"moderate: max_psi > 2\"]: columns of summary.csv and levels",
+    "intensity": "column of summary.csv that fragility curves are fitted against",
     "runs": "points of the study, one table [[runs]] each",
     "grid": "points of the study, every combination of the values in `vary` in a table [[grid]]"}
 ENTRY_KEYS = {
@@ -183,6 +186,7 @@ def load_study(path, solver="yade", root=None):
         raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, mend it") from error
     _check_depth(table, path)
     _check_keys(table, set(KEYS), f"{path}")
+    check_choices(path, table.get("states", []), table.get("intensity"))
     runs = [run for entry, where in _entries(table, path, root) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
     study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
