@@ -18,7 +18,15 @@ from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
 from damage.provenance import commit
-from damage.run.options import OneLineParser, add_model_options, file_path, make_parser, model_of, number_from
+from damage.run.options import (
+    OneLineParser,
+    add_accept,
+    add_model_options,
+    file_path,
+    make_parser,
+    model_of,
+    number_from,
+)
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
@@ -200,15 +208,19 @@ def _laboratory(asked):
 
 
 @_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py"), _JSON,
-          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")),
+          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")), add_accept,
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
     from damage.wall.caps import describe_top
     from damage.wall.file import load_wall
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
+    from damage.wall.plausible import check_plausible
 
-    layout = lay_out(load_wall(asked.wall), model_of(asked))
+    wall = load_wall(asked.wall)
+    if not asked.accept_implausible:
+        check_plausible(wall)
+    layout = lay_out(wall, model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
         from damage.draw.modes import modes_picture
@@ -229,8 +241,12 @@ def _modes(asked):
 def _record(asked):
     from damage.motion.formats import read_record
     from damage.motion.intensity import describe, summary
+    from damage.motion.plausible import implausible_peak
 
-    _tell(asked, summary(read_record(asked.record)), describe)
+    found = summary(read_record(asked.record))
+    if told := implausible_peak(found["pga_g"]):
+        print(f"warning: {told}", file=sys.stderr)
+    _tell(asked, found, describe)
 
 
 @_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))
