@@ -23,12 +23,13 @@ from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners
 
-JOINT_COLOURS = {"elastic": style.GREEN, "intact": "0.8", "broken": "0.5", "slipped": style.BLUE, "opened": style.ORANGE, "both": style.BLACK}
+JOINT_COLOURS = {"elastic": style.GREEN, "intact": "0.8", "broken": "0.5", "slipped": style.BLUE,
+                 "opened": style.ORANGE, "both": style.BLACK}
 SLIP_NOTES = {"displacement": "", "accumulated": " (accumulated)", "shear-limit": " (shear limit)"}
 """What a legend says of the criterion of slip."""
 THIN = {"elastic": 0.4, "intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
 DASHES = {"elastic": (0, (3, 2))}
-"""Of lines that are not solid; [widths of the line]."""
+"""Of lines that are not solid, in widths of the line."""
 
 DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) for name, number, label, line in (
     ("korswagen_calcium_silicate", 0, "light damage begins, calcium silicate (Korswagen)", ":"),

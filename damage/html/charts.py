@@ -71,7 +71,8 @@ def energy_lines():
 
 def states_legend():
     """How joints and energies are drawn: {"states": [{"code", "name", "colour", "dash"}] of cracked ones, the gravest
-    last, "elastic", "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's width, "energies"}."""
+    last, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's
+    width}."""
     words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [{"code": STATES.index(name), "name": label, "colour": CRACK_COLOURS[name], "dash": CRACK_DASHES[name]}
               for name, label in words.items()]

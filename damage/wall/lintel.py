@@ -7,8 +7,8 @@ import numpy as np
 _TINY = 1e-6  # [m], two positions closer than this are the same
 
 LARGE_SHARE = 0.15
-"""Share of the joint length that is elastic [-] above which a run is warned of.  The façades of the paper have 0.10, and
-elastic lintels were compared with published results in these alone."""
+"""Share of the joint length that is elastic [-] above which a run is warned of: half as much again as in the façades of
+the paper, 0.10, in which alone elastic lintels were compared with published results."""
 
 
 class ElasticShare(NamedTuple):

@@ -117,7 +117,7 @@ def _in_si(value, size):
 
 def markdown():
     """The ranges as a table of the documents."""
-    rows = (f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' if one.zero else ''} | {one.why} |"
+    rows = (f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' * one.zero} | {one.why} |"
             for name, one in RANGES.items())
     return "\n".join(["| field | from | to | unit | or 0 | near the limits |", "| --- | --- | --- | --- | --- | --- |",
                       *rows])
