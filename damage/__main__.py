@@ -21,6 +21,7 @@ from damage.provenance import commit, shown_path
 from damage.run.options import (
     WALLS_ARE_CODE,
     OneLineParser,
+    add_accept,
     add_model_options,
     add_preparation,
     file_path,
@@ -210,15 +211,19 @@ def _laboratory(asked):
 
 
 @_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py", WALLS_ARE_CODE), _JSON,
-          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")),
+          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")), add_accept,
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
     from damage.wall.caps import describe_top
     from damage.wall.file import load_wall
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
+    from damage.wall.plausible import check_plausible
 
-    layout = lay_out(load_wall(asked.wall), model_of(asked))
+    wall = load_wall(asked.wall)
+    if not asked.accept_implausible:
+        check_plausible(wall)
+    layout = lay_out(wall, model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
         from damage.draw.modes import modes_picture
@@ -239,8 +244,12 @@ def _modes(asked):
           "unless --band is given", _path("record", "FILE"), _JSON, add_preparation)
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary
+    from damage.motion.plausible import implausible_peak
 
-    _tell(asked, motion_summary(recorded(asked)), describe)
+    found = motion_summary(recorded(asked))
+    if told := implausible_peak(found["pga_g"]):
+        print(f"warning: {told}", file=sys.stderr)
+    _tell(asked, found, describe)
 
 
 @_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))

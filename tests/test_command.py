@@ -46,6 +46,9 @@ def test_a_quiet_run_writes_its_history_and_no_word(tmp_path, capsys, before, af
     assert main(words) == 0
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "a.h5").is_file()
+    assert main([word for word in words if word != "--quiet"] + ["--overwrite"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("wall w: 0.450 x 0.150 m") and "joints: tensile strength 0.21 MPa" in told
 
 
 @pytest.mark.parametrize("line, expected", [

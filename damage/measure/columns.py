@@ -79,6 +79,10 @@ PARAMETERS = {
                    "accumulated of a history without offsets"),
     "psi_from_mm": Column("mm", "width from which a crack counts in crack widths and Psi"),
     "total_joint_length_m": Column("m", "of all contact points, bricks' cuts left out"),
+    "elastic_joint_share": Column("1", "length of joints that are elastic by `lintel` and cannot fail, over the length "
+                                  "of all joints"),
+    "elastic_joint_share_above_openings": Column("1", "the same share of the courses above openings, along the whole "
+                                                 "wall; empty without openings"),
 }
 """What all runs of a point share."""
 RUN = {

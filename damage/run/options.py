@@ -15,6 +15,7 @@ from damage.motion.record import aligned_with
 from damage.provenance import shown_command
 from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, RunSettings, rayleigh_factors
 from damage.wall.parameters import ModelOptions
+from damage.wall.plausible import ACCEPT
 
 WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someone else before you use it."
 """For the help of every command that takes one."""
@@ -60,7 +61,8 @@ def parse_run(arguments, prog, solver):
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed,
-        past_collapse_s=getattr(parsed, "past_collapse", 0.0), out=parsed.out, overwrite=parsed.overwrite,
+        past_collapse_s=getattr(parsed, "past_collapse", 0.0), accept_implausible=parsed.accept_implausible,
+        out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
         command=f"{prog} {shown_command(arguments)}".strip(), model=model_of(parsed))
 
@@ -151,6 +153,13 @@ def _add_model(group, solver):
     group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "
                        "for ensembles: coefficient of variation (default 0)")
     group.add_argument("--seed", type=int, default=0, help="of the random offsets and the scatter (default 0)")
+    add_accept(group)
+
+
+def add_accept(group):
+    """Add the option that accepts implausible values to a parser, or a group of one."""
+    group.add_argument(ACCEPT, action="store_true", help="take the values of the wall and the motion as given, even "
+                       "where they look like a wrong unit (docs/ranges.md)")
 
 
 def _add_run(group, solver):

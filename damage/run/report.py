@@ -6,6 +6,7 @@ from damage.errors import InputError, one_line
 from damage.measure.doubts import static_doubts
 from damage.measure.summary import summarise
 from damage.run.options import pictures_folder
+from damage.wall.lintel import ElasticShare, describe_share
 
 
 def report(history, pictures=True):
@@ -58,6 +59,8 @@ def describe(summary):
                        ("residual_shear_limit", "residual, shear limit")):
         if summary[key] is not None:
             lines.append(f"{label:22s}" + "".join(f"{value:8.4f}" for value in summary[key].values()))
+    lines.append(describe_share(ElasticShare(summary["elastic_joint_share"],
+                                             summary["elastic_joint_share_above_openings"])))
     lines.append(f"drift ratio up to {100 * summary['max_drift_ratio']:.4f} %, base shear up to "
                  f"{summary['peak_base_shear_n'] / 1e3:.2f} kN, opening up to "
                  f"{summary['max_opening_mm']:.3f} mm, "
