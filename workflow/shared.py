@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from damage.errors import InputError
+from damage.files import write_text
 
 ROOT = Path(__file__).resolve().parents[1]
 MARK = "@@ "
@@ -42,6 +43,12 @@ class Log:
     def clear(self):
         """Drop what is in the file."""
         self._file.truncate(0)
+
+
+def write_if_other(path, text):
+    """Write a text file, whole or not at all, unless it holds the text already: its time tells when it changed."""
+    if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:
+        write_text(path, text)
 
 
 def tell(text):
