@@ -142,11 +142,13 @@ def victims(pid, who):
 
 def children(pid):
     """[(pid, pid of its parent)] of the children of a process."""
-    try:
-        told = Path(f"/proc/{pid}/task/{pid}/children").read_text()
-    except OSError:
-        return []
-    return [(int(child), pid) for child in told.split()]
+    found = []
+    for told in Path(f"/proc/{pid}/task").glob("*/children"):  # of every thread
+        try:
+            found += [(int(child), pid) for child in told.read_text().split()]
+        except OSError:  # gone meanwhile
+            pass
+    return found
 
 
 def words(pid):
