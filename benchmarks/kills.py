@@ -23,18 +23,18 @@ STUDY = '''name = "kills"
 pictures = "none"
 [[grid]]
 wall = "tiny.py"
-options = { harmonic = [0.1, "{g}"], cycles = 3, rest = 0.5, strength-cov = 0.3 }
-samples = 8
-vary = { g = [0.5, 0.4, 0.3] }
+options = { harmonic = [0.1, "{g}"], cycles = 1, rest = 0, strength-cov = 0.3 }
+samples = 6
+vary = { g = [0.5, 0.4] }
 [[grid]]
 wall = "tiny.py"
-options = { harmonic = [0.1, "{g}"], cycles = 3, rest = 0.5 }
+options = { harmonic = [0.1, "{g}"], cycles = 1, rest = 0 }
 members = 3
 vary = { g = [0.45, 0.01] }
 [[runs]]
 id = "alone"
 wall = "tiny.py"
-options = { harmonic = [0.1, 0.3], cycles = 3, rest = 0.5, sequence = "1,0.5" }
+options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
 '''
 PROGRAMS = {"worker": "run_shard.py", "any": ("run_shard.py", "simulate.py", "snakemake", "damage study-tables")}
 MOST_CALLS = 3
