@@ -62,6 +62,7 @@ def main():
         name, keep = f"killed_{kills:02d}", ("all", "summary")[kills % 2]
         told = proof.kill(name, keep, draw, longest_s)
         if told is None:  # it had ended before
+            longest_s *= 0.7
             continue
         kills += 1
         calls = next((n for n in range(1, MOST_CALLS + 1) if proof.run_to_end(name, keep) == 0), None)

@@ -12,9 +12,9 @@ from damage.version import VERSION
 HERE = Path(__file__).parent
 MODEL = ("units.py", "wall", "motion", "run/run.py", "run/schedule.py", "run/settings.py", "run/watch.py")
 """What of the package decides the values of any run; the solver's own folder comes to it."""
-MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py", "wall/geometry.py",
-            *(f"measure/{name}.py" for name in ("cracks", "cycles", "energy", "limits", "motion", "pushed", "summary",
-                                                "tables", "vibration")))
+MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py",
+            "wall/geometry.py", *(f"measure/{name}.py" for name in (
+                "cracks", "cycles", "energy", "limits", "motion", "pushed", "summary", "tables", "vibration")))
 """What of the package makes the numbers of tables out of a history."""
 UNKNOWN = "unknown"
 

@@ -142,17 +142,17 @@ def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
 def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
     """What `summary_row` imports counts in it or is named here, with why it need not."""
     elsewhere = {
-        "checks": "refuses", "errors": "words", "files": "reads and writes", "version": "words", "provenance": "digests",
+        "checks": "refuses", "errors": "words", "files": "reads, writes", "version": "words", "provenance": "digests",
         "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/schema": "names",
         "history/structure": "refuses", "history/values": "refuses", "measure/columns": "words",
         "measure/doubts": "words", **dict.fromkeys(
-            ("motion/loading", "motion/record", "wall/caps", "wall/fibres", "wall/kinds", "wall/kinematics", "wall/layout",
-             "wall/parameters", "wall/split"), "of the model, whose digest has it")}
+            ("motion/loading", "motion/record", *(f"wall/{name}" for name in (
+                "caps", "fibres", "kinds", "kinematics", "layout", "parameters", "split"))), "of the model's digest")}
     modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles"}
     while left:
         found.add(name := left.pop())
-        left |= {module.removeprefix("damage.").replace(".", "/") for module in modules[f"damage.{name.replace('/', '.')}"]
-                 if module != "damage"} - found
+        imported = modules[f"damage.{name.replace('/', '.')}"] - {"damage"}
+        left |= {module.removeprefix("damage.").replace(".", "/") for module in imported} - found
     assert {f"{name}.py" for name in found - elsewhere.keys()} == set(MEASURES)
     assert elsewhere.keys() <= found
     assert len(measures_digest()) == 12 and measures_digest() != model_digest(REPOSITORY / "damage" / "reference")

@@ -172,7 +172,7 @@ class TestInputs:
         note = json.loads(as_note(now))
         loading = replace(now.settings.loading, record=replace(now.settings.loading.record, beside_sha256=("b" * 64,)))
         other = replace(now, settings=replace(now.settings, loading=loading))
-        assert differences(note, other) == [f"settings.loading.record.beside_sha256 [] -> {json.dumps(['b' * 64])[:12]}..."]
+        assert differences(note, other) == ['settings.loading.record.beside_sha256 [] -> ["bbbbbbbbbb...']
 
 
 class TestTables:

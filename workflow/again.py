@@ -76,7 +76,8 @@ def row_in_table(name, folder):
     table = pd.read_csv(path, dtype=str, keep_default_na=False) if path.is_file() else pd.DataFrame({"run": []})
     rows = table[table["run"] == name].to_dict("records")
     if not rows:
-        print(f"warning: --run {name}: no row of it in {path}: its values are not compared", file=sys.stderr, flush=True)
+        print(f"warning: --run {name}: no row of it in {path}: its values are not compared", file=sys.stderr,
+              flush=True)
     return rows[0] if rows else None
 
 
@@ -84,8 +85,8 @@ def other_versions(row, solver):
     """What of another version made the row of a table, a list of str."""
     today = {"model_digest": ("the model", model_digest(CODE[solver])),
              "measures_digest": ("index and measures", measures_digest())}
-    return [f"another version of {what} made the table's row ({row.get(name) or 'unknown'}, now {digest}): its values may "
-            "differ" for name, (what, digest) in today.items() if row and row.get(name, "") != digest]
+    return [f"another version of {what} made the table's row ({row.get(name) or 'unknown'}, now {digest}): its values "
+            "may differ" for name, (what, digest) in today.items() if row and row.get(name, "") != digest]
 
 
 def differing_columns(row, new):

@@ -56,7 +56,7 @@ def main():
         if parsed.run:
             return again.make_again(parsed.run, study, folder)
         stale = find_stale(study, folder)
-        lost = versions.of_other_measures(study, folder, parsed.remake)
+        lost = versions.of_other_measures(study, folder, parsed.remake, stale.points)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -94,7 +94,7 @@ def warn(text):
 def note_tables(study, solver, folder):
     """Write what the tables are made by, beside their runs: they are made anew where one of these files is younger."""
     write_if_other(folder / ".tables" / "measures", measures_digest())
-    write_if_other(folder / ".tables" / "runs", "".join(f"{word}\n" for word in (solver, *(run.id for run in study.runs))))
+    write_if_other(folder / ".tables" / "runs", "\n".join((solver, *(run.id for run in study.runs))))
 
 
 def conclude(study, folder):

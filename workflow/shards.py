@@ -44,14 +44,8 @@ def write_shards(study, folder, keep, size, stale=frozenset(), forgotten=()):
     points = [run for run in study.runs if run.solver == "reference"]
     if not points:  # those of another call stay
         return []
-    base, mine, records, aside = folder / FOLDER, {run.id for run in points}, {}, {}
-    warnings = _faults(folder)
-    for name, record in all_records(folder).items():
-        point = point_of(name)
-        if point not in mine:
-            aside[name] = record
-        elif point not in stale and name not in forgotten and is_of_today(record["row"]):
-            records.setdefault(point, {})[name] = record
+    base, warnings = folder / FOLDER, _faults(folder)
+    records, aside = _sorted(all_records(folder), {run.id for run in points}, stale, forgotten)
     if more := aside.keys() - read_records(base / SET_ASIDE).keys():
         warnings.append(f"{len(more)} records of points that the study no longer has are set aside in "
                         f"{base / SET_ASIDE}: they count again when their points return with equal inputs")
@@ -71,6 +65,19 @@ def write_shards(study, folder, keep, size, stale=frozenset(), forgotten=()):
         if path.name != SET_ASIDE and (not path.name[:4].isdigit() or int(path.name[:4]) >= len(shards)):
             path.unlink()
     return warnings
+
+
+def _sorted(found, mine, stale, forgotten):
+    """Of {name: record}: {id of a point: {name: record}} of those that stay, {name: record} of those of points that are
+    not among `mine`."""
+    records, aside = {}, {}
+    for name, record in found.items():
+        point = point_of(name)
+        if point not in mine:
+            aside[name] = record
+        elif point not in stale and name not in forgotten and is_of_today(record["row"]):
+            records.setdefault(point, {})[name] = record
+    return records, aside
 
 
 def _forget_members(run, folder, records):

@@ -30,10 +30,13 @@ def of_other_versions(study, folder):
     return {name: model for name, model in made_by.items() if model not in (*today, None)}
 
 
-def of_other_measures(study, folder, remake):
+def of_other_measures(study, folder, remake, stale=frozenset()):
     """Names of the study's runs whose index and measures are those of another version, and which left no history to
-    work them out of anew: to be made again where asked, otherwise InputError."""
-    mine = {run.id for run in study.runs}
+    work them out of anew: to be made again where asked, otherwise InputError.
+
+    stale: ids of points that are made again anyway.
+    """
+    mine = {run.id for run in study.runs} - stale
     rows = {name: record["row"] for name, record in all_records(folder).items() if point_of(name) in mine}
     if not remake:
         refuse_other_measures(rows, folder)
