@@ -1,4 +1,4 @@
-"""What made a result: this software's version and commit, and a digest of the code that decides its values."""
+"""What made a result: this software's version and commit, and digests of the code that decides its values."""
 
 import ast
 import hashlib
@@ -12,6 +12,10 @@ from damage.version import VERSION
 HERE = Path(__file__).parent
 MODEL = ("units.py", "wall", "motion", "run/run.py", "run/schedule.py", "run/settings.py", "run/watch.py")
 """What of the package decides the values of any run; the solver's own folder comes to it."""
+MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py",
+            "wall/geometry.py", *(f"measure/{name}.py" for name in (
+                "cracks", "cycles", "energy", "limits", "motion", "pushed", "summary", "tables", "vibration")))
+"""What of the package makes the numbers of tables out of a history."""
 UNKNOWN = "unknown"
 
 
@@ -70,8 +74,19 @@ def model_digest(solver_folder):
 
     solver_folder: path of the solver's package, whose modules all count.
     """
+    return _digest_of([*(path for name in MODEL for path in _modules(HERE / name)), *_modules(Path(solver_folder))])
+
+
+@cache
+def measures_digest():
+    """Twelve hexadecimal digits of the code of index and measures; comments and docstrings do not count."""
+    return _digest_of([HERE / name for name in MEASURES])
+
+
+def _digest_of(paths):
+    """Twelve hexadecimal digits of the code of these modules, in their order."""
     digest = hashlib.sha256()
-    for path in [path for name in MODEL for path in _modules(HERE / name)] + _modules(Path(solver_folder)):
+    for path in paths:
         digest.update(f"{path.name}\0{code_of(path)}\0".encode())
     return digest.hexdigest()[:12]
 

@@ -1,5 +1,6 @@
 """Reading ground-motion records: formats, and bad files."""
 
+import hashlib
 import math
 import sys
 from pathlib import Path
@@ -216,7 +217,9 @@ class TestMiniSeed:
         path = self.saved(trace, tmp_path)
         assert str(tmp_path / "NL.BGAR.xml") in one_line_error(read_record, path)
         (tmp_path / "NL.BGAR.xml").write_bytes(self.STATION_XML.read_bytes())
-        assert read_record(path).acceleration_m_s2.size == 9304
+        record = read_record(path)
+        assert record.acceleration_m_s2.size == 9304
+        assert record.beside_sha256 == (hashlib.sha256(self.STATION_XML.read_bytes()).hexdigest(),)
 
     def test_joined_parts_are_whole_but_a_gap_is_refused(self, trace, obspy, tmp_path):
         cut = trace.stats.starttime + 10

@@ -1,5 +1,6 @@
 """Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
 
+import json
 import os
 import shutil
 import signal
@@ -27,6 +28,7 @@ from damage.measure.tables import (
     summary_table,
 )
 from damage.studies.definition import StudyRun, load_study, option_words, run_name
+from damage.studies.inputs import as_note, differences, inputs_of
 
 HARMONIC = 'options = { harmonic = [0.2, 0.05] }\n'
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
@@ -82,17 +84,6 @@ class TestLoading:
         one, other = run_name("walls/a.py", words), run_name("walls/a.py", [*words, "--seed", "41"])
         assert one != other and max(len(one), len(other)) <= 108
 
-    def test_digests_follow_the_content_of_wall_and_record(self, tmp_path):
-        shutil.copy(REPOSITORY / "walls" / "solid.py", tmp_path / "w.py")
-        (tmp_path / "r.csv").write_text("0,0\n0.1,1\n0.2,0\n")
-        path = write_study(tmp_path, 'name = "s"\n[[runs]]\nwall = "w.py"\noptions = { record = "r.csv" }\n')
-        before = load_study(path).runs[0].digests()
-        os.utime(tmp_path / "w.py")
-        assert load_study(path).runs[0].digests() == before
-        (tmp_path / "r.csv").write_text("0,0\n0.1,2\n0.2,0\n")
-        after = load_study(path).runs[0].digests()
-        assert (before[0] == after[0], before[1] == after[1]) == (True, False)
-
     @pytest.mark.parametrize(("text", "told"), [
         ("", "name = None"),
         ('name = "a/b"', "since it names a folder"),
@@ -130,6 +121,62 @@ class TestLoading:
     def test_runs_are_checked_where_they_are_made(self):
         with pytest.raises(InputError, match="names files"):
             StudyRun(point="../x", wall="w.py", words=())
+
+
+class TestInputs:
+    """What a note says of a point, and when it no longer holds."""
+
+    WALL = ("import sys; sys.path.insert(0, {folder!r})  # {comment}\nfrom {module} import HEIGHT\nfrom damage import "
+            "Wall\n\n\ndef wall():\n    return Wall('w', 0.45, HEIGHT)\n")
+
+    @pytest.fixture
+    def inputs(self, tmp_path, monkeypatch):
+        """The inputs now of the only run of a study, whose wall file imports a module; solver: of the run."""
+        module = f"height_{tmp_path.name}".replace("-", "_")
+        monkeypatch.setattr(sys, "path", list(sys.path))
+        monkeypatch.setattr(sys, "dont_write_bytecode", True)
+
+        def now(height=0.6, comment="", acceleration=1, options="", solver="yade"):
+            monkeypatch.delitem(sys.modules, module, raising=False)
+            (tmp_path / f"{module}.py").write_text(f"HEIGHT = {height}\n")
+            (tmp_path / "w.py").write_text(self.WALL.format(folder=str(tmp_path), module=module, comment=comment))
+            (tmp_path / "r.csv").write_text(f"0,0\n0.1,{acceleration}\n0.2,0\n")
+            text = f'name = "s"\n[[runs]]\nid = "a"\nwall = "w.py"\noptions = {{ record = "r.csv"{options} }}\n'
+            run = load_study(write_study(tmp_path, text), solver).runs[0]
+            return inputs_of(run, REPOSITORY)
+        return now
+
+    @pytest.mark.parametrize("solver", ["yade", "reference"])
+    @pytest.mark.parametrize(("change", "told"), [
+        ({"comment": "words"}, None),
+        ({"options": ", scale = 1.0, rest = 2"}, None),  # the defaults
+        ({"height": 0.525}, "wall.height 0.6 -> 0.525"),
+        ({"acceleration": 2}, "settings.loading.record.sha256"),
+        ({"options": ", rest = 1"}, "settings.rest_s 2.0 -> 1.0"),
+        ({"options": ', lintel = "none"'}, "settings.model.lintel elastic -> none"),
+    ], ids=str)
+    def test_they_follow_the_wall_as_built_every_option_and_every_file(self, inputs, solver, change, told):
+        note = json.loads(as_note(inputs(solver=solver)))
+        found = differences(note, inputs(solver=solver, **change))
+        assert found == [] if told is None else len(found) == 1 and found[0].startswith(told), found
+
+    def test_another_default_is_another_input_and_a_new_field_at_its_default_none(self, inputs):
+        now = inputs()
+        note = json.loads(as_note(now))
+        note["settings"]["rest_s"] = 1.5  # what was the default then
+        assert differences(note, now) == ["settings.rest_s 1.5 -> 2.0"]
+        note = json.loads(as_note(now))
+        del note["settings"]["model"]["fibres"], note["wall"]["brick"]["cohesion"], note["wall"]["brick"]["density"]
+        assert differences(note, now) == []
+        softer = replace(now, wall=replace(now.wall, brick=replace(now.wall.brick, density=1800.0)))
+        assert differences(note, softer) == ["wall.brick.density 1800.0, which was not there"]
+
+    def test_a_station_file_is_an_input(self, inputs):
+        now = inputs()
+        note = json.loads(as_note(now))
+        loading = replace(now.settings.loading, record=replace(now.settings.loading.record, beside_sha256=("b" * 64,)))
+        other = replace(now, settings=replace(now.settings, loading=loading))
+        assert differences(note, other) == ['settings.loading.record.beside_sha256 [] -> ["bbbbbbbbbb...']
 
 
 class TestTables:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from damage.errors import InputError
-from damage.files import plain_file
+from damage.files import plain_file, write_text
 
 ROOT = Path(__file__).resolve().parents[1]
 MARK = "@@ "
@@ -50,6 +50,12 @@ def python_path():
     """PYTHONPATH for what a batch starts, in any folder: the repository, then what the user had, as obspy's folder."""
     given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     return os.pathsep.join(dict.fromkeys([str(ROOT), *(os.path.abspath(folder) for folder in given if folder)]))
+
+
+def write_if_other(path, text):
+    """Write a text file, whole or not at all, unless it holds the text already: its time tells when it changed."""
+    if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:
+        write_text(path, text)
 
 
 def tell(text):

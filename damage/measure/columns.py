@@ -4,6 +4,7 @@ The tables of `docs/measures.md` are these; `damage.measure.tables.summary_row` 
 them up by point.
 """
 
+import math
 import re
 import warnings
 from dataclasses import fields
@@ -97,6 +98,8 @@ MADE_BY = {
     "software": Column("", "version of this software, `unknown` of a run before 0.2"),
     "commit": Column("", "of its repository; `changed` where the tree differed"),
     "model_digest": Column("", "of the code of the model in this solver: runs with equal ones can be compared"),
+    "measures_digest": Column("", "of the code of index and measures, which made the row: rows with equal ones can be "
+                              "compared"),
 }
 """What made a run; of a point, all that its runs have."""
 MEASURES = {
@@ -165,6 +168,17 @@ def each(columns):
         units = units if len(units) == len(singles) else [column.unit] * len(singles)
         found |= {name: column._replace(unit=unit) for name, unit in zip(singles, units)}
     return found
+
+
+def bounds_of(name):
+    """(least, most) that a number can be in a column of this name; infinite where that is open.
+
+    >>> bounds_of("max_accumulated_DI_slip"), bounds_of("max_slip_mm"), bounds_of("residual_drift_ratio")
+    ((0.0, 1.0), (0.0, inf), (-inf, inf))
+    """
+    if name.endswith(COMPONENTS):
+        return 0.0, 1.0
+    return (0.0 if name.startswith(("max_", "peak_")) else -math.inf), math.inf
 
 
 def unit_in(name):

@@ -27,7 +27,6 @@ YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a poin
 """
 
 import hashlib
-import json
 import re
 import tomllib
 from dataclasses import dataclass
@@ -126,14 +125,14 @@ class StudyRun:
         """The words of its command line, the wall file first."""
         return [self.wall, *self.words, *self.varied, *([str(number)] if self.is_ensemble else [])]
 
-    def inputs(self, root=Path()):
-        """One word for all that its runs are made from, but for their number."""
-        return hashlib.sha256(json.dumps([self.wall, self.words, self.varied, self.digests(root)]).encode()).hexdigest()
+    def settings(self, root):
+        """RunSettings of its first, or only, run; root: the repository, which relative paths start from.
 
-    def digests(self, root=Path()):
-        """SHA-256 of every file that the run reads, in a fixed order: what changes when they do."""
-        paths = [self.wall] + [word for option, word in zip(self.words, self.words[1:]) if option in PATH_OPTIONS]
-        return [hashlib.sha256((root / path).read_bytes()).hexdigest() for path in paths]
+        Raises InputError where the options or a record are not accepted.
+        """
+        words = [str(root / word) if option in PATH_OPTIONS else word
+                 for option, word in zip(["", *self.words], self.words)]
+        return parse_run([*words, *self.varied, *(["1"] if self.is_ensemble else [])], prog="study", solver=self.solver)
 
 
 @dataclass(frozen=True)
@@ -356,12 +355,11 @@ def _find(path, where, folder, root):
 
 def _try_options(run, where, root):
     """Have the run's own parser look at the options, those of the first member included."""
-    words = [str(root / word) if option in PATH_OPTIONS else word for option, word in zip(["", *run.words], run.words)]
     taken = [word for word in run.varied if word.startswith("--") and word in run.words]
     if taken:
         raise InputError(f"{where}: {taken[0]} is set by members or samples; take it out")
     try:
-        settings = parse_run([*words, *run.varied, *(["1"] if run.varied else [])], prog="study", solver=run.solver)
+        settings = run.settings(root)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
     if run.varied == ("--strength-seed",) and not settings.model.strength_cov:
