@@ -24,14 +24,17 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --out DIR      where everything goes (default: results/STUDY in the repository)
   --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
   --keep WHAT    histories: all (default), or summary: those of each point's first run, and what failed
-  --run ID       make the history of this run alone, which was not kept, to the same bits
+  --run ID       make the history of this run alone, which was not kept, and compare it with its row in the table
   --slurm        as jobs of a SLURM cluster that shares this folder; SBATCH_PARTITION and the like
                  choose where (docs/batches.md); -j is the number of jobs at a time
   --cores N      processors that work at a shard of the reference solver's runs (default: -j; with --slurm 1)
   --shard RUNS   runs of a shard, which is one job (default: about an hour's, 1500 a processor)
-  --remake       make runs again that another version of the model made; without it they are kept, and named
+  --remake       make runs again that another version of the model made (without it they are kept, and named), or
+                 whose index and measures another version made (without it refused where no history is left)
   --dry-run      make nothing: say which runs are there, which are to be made, expected time and disk
   -h, --help     this help
+
+A wall file is Python and is executed: read a study's walls before you run what someone else sent.
 
 DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
 runs), pictures/ where the study asks for them, and logs/.  docs/batches.md describes studies.

@@ -26,14 +26,14 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.start import EXIT_MISSING
+from yade_scripts import COMMAND
 
-YADE = ("yade", "-n", "-j1")
 PIECES = {
     "speed": (sys.executable, "benchmarks/speed.py"),
-    "stock": (*YADE, "benchmarks/yade_stock.py"),
+    "stock": (*COMMAND, "benchmarks/yade_stock.py"),
     "kernel": (sys.executable, "benchmarks/kernel.py", "--sizes"),
     "studies": (sys.executable, "benchmarks/studies.py"),
-    "sampling": (*YADE, "benchmarks/yade_sampling.py"),
+    "sampling": (*COMMAND, "benchmarks/yade_sampling.py"),
     "memory": None,
 }
 RUN = ("walls/symmetric.py", "--harmonic", "0.2", "0.05", "--rest", "0.1", "--no-pictures", "--overwrite", "--quiet")
@@ -63,8 +63,8 @@ def works(piece):
     print(f"\n== {piece}", flush=True)
     if piece == "memory":
         return memory()
-    in_yade = PIECES[piece][0] == YADE[0]
-    if in_yade and shutil.which(YADE[0]) is None:
+    in_yade = PIECES[piece][0] == COMMAND[0]
+    if in_yade and shutil.which("yade") is None:
         print("YADE is not installed: passed over")
         return True
     status = subprocess.run(PIECES[piece], cwd=ROOT, env=_environment()).returncode
@@ -78,8 +78,8 @@ def memory():
         out = ("--out", f"{folder}/one.h5")
         ways = {"reference solver, one run": (sys.executable, "-m", "damage", "reference", *RUN, *out),
                 "reference solver, eight together": (sys.executable, "-c", EIGHT, folder, *RUN)}
-        if shutil.which(YADE[0]):
-            ways["YADE, one run"] = (*YADE, *RUN, *out)
+        if shutil.which("yade"):
+            ways["YADE, one run"] = (*COMMAND, *RUN, *out)
         for name, words in ways.items():
             process = subprocess.Popen(words, cwd=ROOT, env=_environment(), stdout=subprocess.DEVNULL)
             _, status, used = os.wait4(process.pid, 0)

@@ -33,7 +33,7 @@ IN_YADE = ("harmonic", "pushover", "sequence")
 
 def run(folder, yade):
     """Simulate the set into `folder`: by the reference solver, or what is named in IN_YADE by YADE on one thread."""
-    solver = ["yade", "-n", "-j1"] if yade else [sys.executable, "-m", "damage", "reference"]
+    solver = [ROOT / "yade", "-n", "-j1"] if yade else [sys.executable, "-m", "damage", "reference"]
     for name in IN_YADE if yade else RUNS:
         out = folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5"
         subprocess.run([*solver, *RUNS[name], "--out", out, "--no-pictures", "--overwrite"], cwd=ROOT, check=True)

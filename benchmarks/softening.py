@@ -34,6 +34,7 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import brick_of_masonry, softening_energies
+from yade_scripts import COMMAND
 
 CASES = ("brittle", "5/50", "rule", "11/209")
 """Fracture energies G_I/G_II [J/m2]: none, calibrated on the two walls that shear, by the rule, standard clay."""
@@ -104,7 +105,7 @@ class Bench:
         out, wall = self.folder / f"{told}.h5", self.folder / f"{told}.py"
         if not (out.exists() and read_history(out).complete):
             wall.write_text(IN_YADE.format(name=name, path=str(path), energies=energies))
-            done = subprocess.run(["yade", "-n", "-j1", wall, *map(str, words), "--out", out, "--overwrite",
+            done = subprocess.run([*COMMAND, wall, *map(str, words), "--out", out, "--overwrite",
                                    "--no-pictures"], capture_output=True, text=True,
                                   env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
             if done.returncode != 0:

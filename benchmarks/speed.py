@@ -22,6 +22,7 @@ from damage.run.schedule import STEP_FACTOR
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
+from yade_scripts import COMMAND
 
 PIECES, STEPS = 30, 2000
 
@@ -53,7 +54,7 @@ def _least(wall):
 
 def yade_seconds():
     """Seconds a step of the intact wall in YADE on one core, and its time step [s]."""
-    done = subprocess.run(["yade", "-n", "-j1", str(ROOT / "benchmarks/yade_speed.py")], capture_output=True,
+    done = subprocess.run([*COMMAND, str(ROOT / "benchmarks/yade_speed.py")], capture_output=True,
                           text=True, cwd=ROOT, check=True)
     words = next(line for line in done.stdout.splitlines() if line.startswith("speed")).split()
     return float(words[1]), float(words[2])

@@ -32,6 +32,7 @@ from damage.reference.session import BACKEND
 from damage.run.session import run_session
 from damage.wall.file import load_wall
 from damage.wall.parameters import softening_energies
+from yade_scripts import COMMAND
 
 WALLS = {"squat_tested": [], "comp2_1": ["--boundary", "fixed"], "comp2_3": ["--boundary", "fixed"],
          "comp2_4": ["--boundary", "fixed"]}
@@ -89,7 +90,7 @@ def run(folder, name, case, share, words, solver):
     if solver == "yade":
         script = folder / f"{told}.py"
         script.write_text(IN_YADE.format(name=name, repository=str(REPOSITORY), case=case, share=share))
-        done = subprocess.run(["yade", "-n", "-j1", script, *words], capture_output=True, text=True,
+        done = subprocess.run([*COMMAND, script, *words], capture_output=True, text=True,
                               env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
         status, said = done.returncode, done.stderr
     else:

@@ -16,6 +16,7 @@ sys.path.insert(0, str(ROOT))
 
 from damage.history.reader import read_history
 from damage.measure.compare import compare
+from yade_scripts import COMMAND
 
 RECORD = ["--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "--window", "17", "23", "--rest", "1"]
 MOTIONS = {
@@ -92,7 +93,7 @@ def run(folder, solver, wall, motion, words, seed=0):
     name = "".join(c if c.isalnum() or c == "." else "-" for c in f"{wall}_{motion}_{solver}_{seed}")
     path = folder / f"{name}.h5"
     if not path.exists():
-        program = ["yade", "-n", "-j1"] if solver == "yade" else [sys.executable, "-m", "damage", "reference"]
+        program = COMMAND if solver == "yade" else (sys.executable, "-m", "damage", "reference")
         part = folder / f"{name}.part.h5"
         subprocess.run([*program, f"walls/{wall}.py", *words, "--out", str(part), "--overwrite", "--no-pictures"],
                        cwd=ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

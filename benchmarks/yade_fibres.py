@@ -1,6 +1,6 @@
 """Inside YADE: what a step of the symmetric wall costs by fibres, over a step of brittle joints.
 
-    yade -n -j1 benchmarks/yade_fibres.py [--rounds 6]
+    ./yade -n -j1 benchmarks/yade_fibres.py [--rounds 6]
 
 Intact, and with 30 % of the joints broken, or by fibres, half broken: each of these is a bond and a dry contact.
 Processor time, joints followed as in a run; the three take turns, the least of all rounds counts.

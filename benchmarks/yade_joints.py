@@ -1,9 +1,6 @@
-"""Inside YADE: microseconds a step of the intact symmetric wall, joints by face beside joints between centres.
+"""Inside YADE: microseconds a step of the intact symmetric wall, by engine and in all; the least of all parts counts.
 
-    yade -n -j1 benchmarks/yade_joints.py [--rounds 4]
-
-By engine and in all; the two models take turns, the least of all rounds counts.  Where YADE has no polyhedra there is
-one model alone.
+    ./yade -n -j1 benchmarks/yade_joints.py [--parts 24]
 """
 
 import argparse
@@ -19,12 +16,10 @@ from damage.run.schedule import STEP_FACTOR
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import ModelOptions
 from yade_scripts.leaving import run_and_leave
-from yade_scripts.shapes import HAS_POLYHEDRA
 from yade_scripts.solver import YadeSolver
 
-STEPS, PARTS = 500, 6
+STEPS = 500
 
 
 def engine_times():
@@ -38,34 +33,20 @@ def engine_times():
     return {**found, "all": total / STEPS * 1e6}
 
 
-def measure(joints):
-    """The least times of PARTS parts of one model, settling under gravity."""
-    layout = lay_out(load_wall("walls/symmetric.py"), ModelOptions(joints=joints))
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--parts", type=int, default=24)
+    parts = parser.parse_args(sys.argv[1:]).parts
+    layout = lay_out(load_wall("walls/symmetric.py"))
     solver = YadeSolver(layout, STEP_FACTOR * natural_modes(layout, 1).critical_time_step_s)
     solver.damp(local=0.7)
     solver.model.newton.gravity = (0, 0, -9.81)
     O.timingEnabled = True
     O.run(200, True)
-    rows = [engine_times() for _ in range(PARTS)]
-    return {name: min(row[name] for row in rows) for name in rows[0]}, len(O.bodies)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=4)
-    rounds = parser.parse_args(sys.argv[1:]).rounds
-    models = ("face", "centres") if HAS_POLYHEDRA else ("face",)
-    best, bodies = {}, {}
-    for _ in range(rounds):
-        for joints in models:
-            times, bodies[joints] = measure(joints)
-            old = best.setdefault(joints, times)
-            best[joints] = {name: min(old[name], times[name]) for name in old}
-    for name in best["face"]:
-        told = ", ".join(f"{joints} {best[joints][name]:7.1f}" for joints in models)
-        print(f"{name:24s} {told}" + (f", ratio {best['face'][name] / best['centres'][name]:.2f}"
-                                      if len(models) > 1 and best["centres"][name] > 1 else ""))
-    print(f"bodies: {bodies}")
+    rows = [engine_times() for _ in range(parts)]
+    for name in rows[0]:
+        print(f"{name:24s} {min(row[name] for row in rows):7.1f}")
+    print(f"bodies: {len(O.bodies)}")
 
 
 run_and_leave(main)

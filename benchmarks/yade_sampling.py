@@ -1,6 +1,6 @@
 """Inside YADE: what the samples of a run cost, as a share of its steps' time: the symmetric wall under 0.2 s, 0.05 g.
 
-    yade -n -j1 benchmarks/yade_sampling.py [--rounds 4]
+    ./yade -n -j1 benchmarks/yade_sampling.py [--rounds 4]
 
 Intact, at its beginning, and cracked: once as a run goes, which follows joints and energies and writes samples, and
 once by steps alone, in turns.  Processor time; the least of all rounds counts.

@@ -1,7 +1,7 @@
 """Inside YADE: microseconds a step of the symmetric wall's bricks as loose polyhedra under YADE's stock law for these,
 beside this project's model of the wall.
 
-    yade -n -j1 benchmarks/yade_stock.py [--rounds 3]
+    ./yade -n -j1 benchmarks/yade_stock.py [--rounds 3]
 
 The stock law (Ig2_Polyhedra_Polyhedra_PolyhedraGeom, Law2_PolyhedraGeom_PolyhedraPhys_Volumetric) works out the volume
 in which two polyhedra overlap, and has no bond.  Bricks are made larger by a tenth of a millimetre, so that all

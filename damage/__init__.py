@@ -4,9 +4,9 @@ from damage.version import VERSION as __version__
 
 _HOMES = {"InputError": "damage.errors", **dict.fromkeys(("History", "read_history"), "damage.history.reader"),
           **dict.fromkeys(("Brick", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry"),
-                          "damage.wall.parameters")}
+                          "damage.wall.parameters"), "check_plausible": "damage.wall.plausible"}
 __all__ = ["Brick", "History", "InputError", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry",
-           "read_history", "__version__"]
+           "check_plausible", "read_history", "__version__"]
 
 
 def __getattr__(name):

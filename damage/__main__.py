@@ -17,8 +17,19 @@ from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
 from damage.memory import hold_buffers
-from damage.provenance import commit
-from damage.run.options import OneLineParser, add_model_options, file_path, make_parser, model_of, number_from
+from damage.provenance import commit, shown_path
+from damage.run.options import (
+    WALLS_ARE_CODE,
+    OneLineParser,
+    add_accept,
+    add_model_options,
+    add_preparation,
+    file_path,
+    make_parser,
+    model_of,
+    number_from,
+    recorded,
+)
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
@@ -199,16 +210,20 @@ def _laboratory(asked):
     print(*save(map(read_history, asked.histories), asked.out), sep="\n")
 
 
-@_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py"), _JSON,
-          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")),
+@_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py", WALLS_ARE_CODE), _JSON,
+          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")), add_accept,
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
     from damage.wall.caps import describe_top
     from damage.wall.file import load_wall
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
+    from damage.wall.plausible import check_plausible
 
-    layout = lay_out(load_wall(asked.wall), model_of(asked))
+    wall = load_wall(asked.wall)
+    if not asked.accept_implausible:
+        check_plausible(wall)
+    layout = lay_out(wall, model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
         from damage.draw.modes import modes_picture
@@ -225,12 +240,16 @@ def _modes(asked):
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
 
 
-@_command("intensity measures of a ground-motion record", _path("record", "FILE"), _JSON)
+@_command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
+          "unless --band is given", _path("record", "FILE"), _JSON, add_preparation)
 def _record(asked):
-    from damage.motion.formats import read_record
-    from damage.motion.intensity import describe, summary
+    from damage.motion.intensity import describe, motion_summary
+    from damage.motion.plausible import implausible_peak
 
-    _tell(asked, summary(read_record(asked.record)), describe)
+    found = motion_summary(recorded(asked))
+    if told := implausible_peak(found["pga_g"]):
+        print(f"warning: {told}", file=sys.stderr)
+    _tell(asked, found, describe)
 
 
 @_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))
@@ -369,7 +388,7 @@ def _readings(asked):
 @_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
           _path("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
           _path("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
-          _path("--wall", "walls/NAME.py", "the wall of a crack file or a field"),
+          _path("--wall", "walls/NAME.py", f"the wall of a crack file or a field. {WALLS_ARE_CODE}"),
           _path("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
           _arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
           _threshold("opening, slip and width"), _PSI_FROM, _DRIFT_LIMIT,
@@ -387,53 +406,90 @@ def _cracks(asked):
         from damage.laboratory.crack_picture import crack_pictures
 
         _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
-              f"cracks of {asked.source or asked.dic}")
+              f"cracks of {shown_path(asked.source or asked.dic)}")
     _tell(asked, report, describe)
 
 
 @_command("probabilities of exceeding levels of damage, from a study with scattered strengths",
           _path("study", "STUDY_DIR", "folder of a study, as results/fragility"),
-          _out("folder for table and pictures"),
-          _arg("--intensity", default="pga_g", metavar="COLUMN", help="column of summary.csv: pga_g (default), "
-               "pgv_m_s, sa_0.2_s_g, sa_eigen_period_g, avg_sa_g or arias_m_s"),
+          _out("folder for tables and pictures"),
+          _arg("--intensity", metavar="COLUMN", help="column of summary.csv with a number above zero in every run "
+               "(default: that of the study file, else sa_eigen_period_g; PGA is pga_g)"),
+          _arg("--state", action="append", dest="states", metavar="STATE", help="damage state, a column of summary.csv "
+               'and the level that it exceeds, as "moderate: max_psi > 2"; may be repeated (default: those of the '
+               "study file, else levels of DI, crack width and Psi)"),
+          _arg("--at", type=number_from(1e-12, 1e12), nargs="+", metavar="X", help="also print the probability at "
+               "these intensities, with its intervals"),
+          _arg("--leave-one-out", action="store_true", help="compare each record with the curves of all others"),
+          _path("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
           _arg("--after-damage", action="store_true", help="of a study of sequences: by Psi before each shock"),
           _arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
            help="bootstrap samples (default 500)"),
           _path("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
                 "coefficients with units, arrays"))
 def _fragility(asked):
-    from damage.measure.columns import made_by_words, slip_criteria
-    from damage.measure.tables import write_table
-    from damage.studies.fragility import efficiency_table, fit_all, fragility_table, load_runs
-    from damage.studies.fragility_picture import fragility_pictures
+    from damage.measure.columns import made_by_words
+    from damage.studies.fragility import STATES, load_runs
+    from damage.studies.states import leading, parse_state, study_choices
 
-    if asked.after_damage and asked.export:
-        raise InputError("--export with --after-damage: expected one of them; those curves are in the CSV alone")
+    clash = [name for name in ("export", "at", "leave_one_out", "unseen") if getattr(asked, name)]
+    if asked.after_damage and clash:
+        raise InputError(f"--{clash[0].replace('_', '-')} with --after-damage: expected one of them; leave one out")
+    chosen = study_choices(asked.study)
+    states = tuple(map(parse_state, asked.states or chosen["states"])) or STATES
     runs = load_runs(asked.study)
-    if asked.after_damage:
-        from damage.studies.after_damage import load_shocks, table_after_damage
-        from damage.studies.fragility_picture import picture_after_damage
+    intensity = asked.intensity or chosen["intensity"] or leading(runs)
+    draw = _fragility_after_damage if asked.after_damage else _fragility_curves
+    figures = draw(asked, runs, intensity, states)
+    _save(figures, asked.out, f"study {shown_path(asked.study)}; {made_by_words(runs)}")
 
-        shocks = load_shocks(runs, asked.study)
-        table = table_after_damage(shocks, asked.intensity, asked.replicates)
-        print(table.to_string(index=False, float_format="%.3f"))
-        print(write_table(table, asked.out / f"fragility_after_damage_{asked.intensity}.csv"))
-        figures = [(f"fragility_after_damage_{wall}_{asked.intensity}", picture_after_damage(
-            wall, of_wall, table[table["wall"] == wall], asked.intensity)) for wall, of_wall in shocks.groupby("wall")]
-        _save(figures, asked.out, f"study {asked.study}; {made_by_words(runs)}")
-        return
-    fits = fit_all(runs, asked.intensity, asked.replicates)
-    table = fragility_table(fits, asked.intensity).assign(slip=" or ".join(slip_criteria(runs)))
+
+def _fragility_after_damage(asked, runs, intensity, states):
+    """Tables of `--after-damage`; returns its figures."""
+    from damage.measure.tables import write_table
+    from damage.studies.after_damage import load_shocks, table_after_damage
+    from damage.studies.fragility_picture import picture_after_damage
+
+    shocks = load_shocks(runs, asked.study, states)
+    table = table_after_damage(shocks, intensity, asked.replicates, states)
     print(table.to_string(index=False, float_format="%.3f"))
-    print(write_table(table, asked.out / f"fragility_{asked.intensity}.csv"))
-    efficiency = efficiency_table(runs)
-    print(efficiency.to_string(index=False, float_format="%.3f"))
-    print(write_table(efficiency, asked.out / "efficiency.csv"))
+    print(write_table(table, asked.out / f"fragility_after_damage_{intensity}.csv"))
+    drawn = {} if asked.states is None else {"states": states}
+    return [(f"fragility_after_damage_{wall}_{intensity}", picture_after_damage(
+        wall, of_wall, table[table["wall"] == wall], intensity, **drawn)) for wall, of_wall in shocks.groupby("wall")]
+
+
+def _fragility_curves(asked, runs, intensity, states):
+    """Tables and exports of fragility curves; returns their figures."""
+    from damage.measure.columns import slip_criteria
+    from damage.measure.tables import write_table
+    from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table, in_words, load_runs
+    from damage.studies.fragility_picture import fragility_pictures
+    from damage.studies.left_out import beside_unseen, leave_one_out, scores
+
+    fits = fit_all(runs, intensity, asked.replicates, states)
+    print(in_words(fits))
+    print(write_table(fragility_table(fits, intensity).assign(slip=" or ".join(slip_criteria(runs))),
+                      asked.out / f"fragility_{intensity}.csv"))
+    tables = {"efficiency": efficiency_table(runs, states, intensity)}
+    if asked.at:
+        tables[f"fragility_{intensity}_at"] = at_intensities(fits, asked.at)
+    compared = {"left_out": lambda: leave_one_out(runs, states)} if asked.leave_one_out else {}
+    if asked.unseen:
+        compared["unseen"] = lambda: beside_unseen(runs, load_runs(asked.unseen), states)
+    for name, compare in compared.items():
+        table = compare()
+        print(write_table(table, asked.out / f"{name}.csv"))
+        tables[f"{name}_scores"] = scores(table)
+    for name, table in tables.items():
+        print(table.to_string(index=False, float_format="%.3f"))
+        print(write_table(table, asked.out / f"{name}.csv"))
     if asked.export:
-        from damage.export.curves import write_curves
+        from damage.export.curves import left_out, write_curves
 
         print(*write_curves(fits, asked.export, runs.groupby("wall")["eigen_period_s"].median()), sep="\n")
-    _save(fragility_pictures(runs, fits, asked.intensity), asked.out, f"study {asked.study}; {made_by_words(runs)}")
+        print(*left_out(fits), sep="\n", end="\n" if left_out(fits) else "")
+    return fragility_pictures(runs, fits, intensity)
 
 
 @_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),

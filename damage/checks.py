@@ -55,6 +55,15 @@ LONGEST_NAME = 255
 """Bytes that a file's name may have."""
 
 
+def is_plain_name(word):
+    """Whether a name may be part of a file's name, of XML and of a line: no slash, no control or unassigned character.
+
+    >>> [is_plain_name(word) for word in ("solid", "a <b> & c", "../solid", "a" + chr(10))]
+    [True, True, False, False]
+    """
+    return "/" not in word and not any(unicodedata.category(c).startswith("C") for c in word)
+
+
 def check_path(path):
     """The Path of a word; InputError where no file can be called so, or its name would garble what is printed."""
     path = Path(path)

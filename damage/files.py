@@ -1,10 +1,12 @@
 """Files: where the package keeps its data, and writing whole or not at all."""
 
+import errno
 import io
 import itertools
 import json
 import math
 import os
+import stat
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -35,6 +37,23 @@ def text_lines(path, data, most, errors="strict"):
     return lines
 
 
+def plain_file(path, flags):
+    """An `opener` for `open`: the descriptor of a regular file at a name that others can guess.
+
+    Raises InputError where a symbolic link, a pipe or a device has that name: a folder that was sent may hold one, and
+    what is written would go elsewhere.
+    """
+    try:
+        descriptor = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            return descriptor
+        os.close(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.ELOOP, errno.ENXIO):  # ENXIO: a pipe that nobody reads
+            raise
+    raise InputError(f"{path} is a symbolic link, a pipe or a device: expected a regular file; delete it")
+
+
 @contextmanager
 def whole_or_nothing(path):
     """A temporary name beside `path`, renamed to it at the end or removed after an error; its folder is made.
@@ -45,6 +64,7 @@ def whole_or_nothing(path):
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished.unlink(missing_ok=True)  # a link of that name would lead elsewhere
         yield unfinished
         os.replace(unfinished, path)
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What made a result: this software's version and commit, and a digest of the code that decides its values."""
+"""What made a result: this software's version and commit, and digests of the code that decides its values."""
 
 import ast
 import hashlib
@@ -14,6 +14,10 @@ MODEL = ("units.py", "wall", "motion", "run/run.py", "run/schedule.py", "run/set
 """What of the package decides the values of any run; the solver's own folder comes to it."""
 BUILT_IN = "mechanics"
 """What the solver of this package uses besides."""
+MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py",
+            "wall/geometry.py", *(f"measure/{name}.py" for name in (
+                "cracks", "cycles", "energy", "limits", "motion", "pushed", "summary", "tables", "vibration")))
+"""What of the package makes the numbers of tables out of a history."""
 UNKNOWN = "unknown"
 
 
@@ -37,6 +41,27 @@ def versions(solver_folder):
     return {"masonry-damage": VERSION, "commit": commit(), "model": model_digest(solver_folder)}
 
 
+def shown_path(path):
+    """A path as a file that may be sent keeps it: relative below the working folder, otherwise the name alone.
+
+    Where a home folder lies is nobody's business.
+    """
+    path = Path(path)
+    if path.is_relative_to(Path.cwd()):
+        path = path.relative_to(Path.cwd())
+    return path.name if path.is_absolute() or ".." in path.parts else path.as_posix()
+
+
+def shown_command(words):
+    """The words of a command line in one line, every path as `shown_path` has it.
+
+    >>> shown_command(["--record", "/home/me/a.csv", "--out=/tmp/b.h5", "--window", "1", "2"])
+    '--record a.csv --out=b.h5 --window 1 2'
+    """
+    parts = [word.rpartition("=") if word.startswith("--") else ("", "", word) for word in words]
+    return " ".join(f"{option}{sign}{shown_path(word) if '/' in word else word}" for option, sign, word in parts)
+
+
 def file_origin(path):
     """{"file": name without its folder, which differs by machine, "sha256"} of a file that a run is made from."""
     try:
@@ -51,9 +76,21 @@ def model_digest(solver_folder):
 
     solver_folder: path of the solver's package, whose modules all count.
     """
-    digest, folder = hashlib.sha256(), Path(solver_folder)
+    folder = Path(solver_folder)
     names = [*MODEL, BUILT_IN] if HERE in folder.parents else MODEL
-    for path in [path for name in names for path in _modules(HERE / name)] + _modules(folder):
+    return _digest_of([*(path for name in names for path in _modules(HERE / name)), *_modules(folder)])
+
+
+@cache
+def measures_digest():
+    """Twelve hexadecimal digits of the code of index and measures; comments and docstrings do not count."""
+    return _digest_of([HERE / name for name in MEASURES])
+
+
+def _digest_of(paths):
+    """Twelve hexadecimal digits of the code of these modules, in their order."""
+    digest = hashlib.sha256()
+    for path in paths:
         digest.update(f"{path.name}\0{code_of(path)}\0".encode())
     return digest.hexdigest()[:12]
 

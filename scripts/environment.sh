@@ -14,7 +14,8 @@
 # password); otherwise they are named and the status is 3.  MASONRY_NO_INSTALL=1 forbids installing.
 # obspy, for tests of miniSEED only, and ruff come from PyPI into .venv, on top of Debian's packages.
 #
-# Exports PYTHON, PYTHONPATH (the repository), PYTHONNOUSERSITE and MPLBACKEND; for gates also RUFF.
+# Exports PYTHON, PYTHONPATH (the repository, then what the user had in it, such as a folder with obspy), PYTHONNOUSERSITE
+# and MPLBACKEND; for gates also RUFF.  Where no Python has all packages with the user's part, it is left out.
 # SYSTEM_PYTHON stands in for /usr/bin/python3 on systems that keep it elsewhere.
 
 _env_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -192,6 +193,31 @@ _env_find_ruff() {
 
 _env_ruff_is_there() { [ "$("$RUFF" --version 2>/dev/null)" = "ruff $_env_ruff_version" ]; }
 
+# Puts the repository before what the user has in PYTHONPATH, whose relative folders are those of the working folder.
+_env_set_path() {
+    local given folder path=$_env_root
+    IFS=: read -r -a given <<<"${PYTHONPATH:-}"
+    for folder in "${given[@]}"; do
+        [ "${folder#/}" != "$folder" ] || folder=${folder:+$PWD/$folder}
+        case ":$path:" in *":$folder:"*) ;; *) path+=${folder:+:$folder} ;; esac
+    done
+    export PYTHONPATH=$path
+}
+
+# Leaves the user's part of PYTHONPATH out where it alone keeps every Python from importing the modules $@.
+_env_leave_out_what_breaks() {
+    local whole=$PYTHONPATH
+    if [ "$whole" = "$_env_root" ] || _env_find_python "$@"; then
+        return 0
+    fi
+    PYTHONPATH=$_env_root
+    if _env_find_python "$@"; then
+        _env_say "warning: ${whole#"$_env_root:"} is left out of PYTHONPATH: with it no Python has all packages"
+    else
+        PYTHONPATH=$whole
+    fi
+}
+
 _env_main() {
     local modules=(numpy scipy pandas h5py matplotlib numba)
     case ${1:-run} in
@@ -217,7 +243,9 @@ _env_main() {
     esac
     : "${SYSTEM_PYTHON:=/usr/bin/python3}"
     unset PYTHONHOME
-    export PYTHONPATH=$_env_root PYTHONNOUSERSITE=1 MPLBACKEND=Agg
+    export PYTHONNOUSERSITE=1 MPLBACKEND=Agg
+    _env_set_path
+    _env_leave_out_what_breaks "${modules[@]}"
     _env_provide "${modules[@]}" || return
     case ${1:-run} in
         test | coverage) _env_add_obspy "${modules[@]}" ;;

@@ -20,7 +20,7 @@ lint() { "$RUFF" check --no-cache --quiet --output-format concise "$@"; }
 
 shell() {
     local scripts=("$@")
-    [ $# -gt 0 ] || mapfile -t scripts < <(git ls-files -co --exclude-standard '*.sh' .ci/run)
+    [ $# -gt 0 ] || mapfile -t scripts < <(git ls-files -co --exclude-standard '*.sh' .ci/run yade)
     shellcheck --external-sources "${scripts[@]}"
 }
 

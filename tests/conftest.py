@@ -12,6 +12,7 @@ import pytest
 
 from damage.errors import InputError
 from damage.wall.file import load_wall
+from yade_scripts import COMMAND
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 
@@ -60,7 +61,7 @@ def yade_command():
         pytest.skip("YADE is not installed")
 
     def run(*words, **options):
-        return run_command("yade", "-n", *words, **options)
+        return run_command(*COMMAND, *words, **options)
 
     return run
 

@@ -31,6 +31,7 @@ RECORDS = {
     "reversed-time": ("time_s,acc_m_s2\n0.01,0.1\n0.005,0.1\n0.0,0.2\n", "increas"),
     "empty": ("", "empty|no data"),
     "text": ("time_s,acc_m_s2\n0.0,hello\n0.005,0.2\n", "number"),
+    "gal": ("time_s,acc_m_s2\n0.0,0.0\n0.005,80\n0.01,-80\n", r"peak of 8\.15 g, expected up to 5 g: cm/s2"),
     "one-column": ("0.1\n0.2\n0.3\n", "two columns|column"),
 }
 
@@ -38,6 +39,7 @@ WALLS = {
     "opening-outside": ("Wall('w', 2.0, 1.0, [Opening(1.5, 1.0, 0.5)])", "outside"),
     "pier-cut-off": ("Wall('w', 2.0, 1.0, [Opening(0.05, 1.0, 0.5)])", "cuts off a pier"),
     "negative-strength": ("Wall('w', 2.0, 1.0, joint=Joint(tensile_strength=-1.0))", "tensile_strength"),
+    "strength-in-mpa": ("Wall('w', 2.0, 1.0, joint=Joint(tensile_strength=0.1))", r"0\.1 MPa is 0\.1e6 Pa"),
     "degrees": ("Wall('w', 2.0, 1.0, joint=Joint(friction_angle=32))", "radians"),
     "zero-brick": ("Wall('w', 2.0, 1.0, brick=Brick(height=0.0))", "Brick.height"),
 }
@@ -47,6 +49,7 @@ OPTIONS = {
     "unknown-option": (["--harmonix", "0.2", "0.05"], "--harmonix"),
     "missing-record": (["--record", "no_such_file.csv"], "no_such_file.csv"),
     "negative-step": (["--dt", "-1e-5"], "--dt .s. = -1e-05: expected a number from 1e-09"),
+    "amplitude-in-gal": (["--harmonic", "0.2", "49"], "peak of 49 g.*--accept-implausible"),
     "unstable-step": (["--dt", "4.6e-5"], "stable"),
     "no-number": (["--rest", "long"], "--rest"),
     "nan-rest": (["--rest", "nan"], "--rest"),
@@ -128,11 +131,25 @@ def test_output_that_is_a_folder(refused, tmp_path):
     refused("is a folder", SYMMETRIC, "--out", tmp_path)
 
 
-def test_output_that_is_there_already(refused, tmp_path):
-    out = tmp_path / "out.hdf5"
+def test_output_that_is_there_already(refused, tmp_path_factory):
+    out = tmp_path_factory.mktemp("earlier") / "out.h5"
     out.write_bytes(b"of an earlier run")
     refused("--overwrite", SYMMETRIC, "--out", out)
     assert out.read_bytes() == b"of an earlier run"
+
+
+@pytest.mark.parametrize("name", ["first.txt", "first", ".h5", "first.h5.txt", "first.H5"])
+def test_a_history_whose_name_does_not_end_in_h5(name, refused, tmp_path):
+    refused(r"expected a name that ends in \.h5", SYMMETRIC, "--out", tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pictures_of_another_run_stay(refused, tmp_path):
+    picture = tmp_path / "first" / "wall.png"
+    picture.parent.mkdir()
+    picture.write_bytes(b"of another run")
+    refused("the pictures of first.h5 would go there", SYMMETRIC, "--out", tmp_path / "first.h5")
+    assert [path.name for path in tmp_path.iterdir()] == ["first"] and picture.read_bytes() == b"of another run"
 
 
 @pytest.mark.yade
@@ -143,7 +160,7 @@ class TestYade:
         done = yade_command(SYMMETRIC, *words, "--out", tmp_path / "out.h5")
         assert_refused(done.returncode, done.stdout, done.stderr, complaint, tmp_path)
 
-    def test_bad_wall(self, yade_command, tmp_path):
-        case = "opening-outside"
+    @pytest.mark.parametrize("case", ["opening-outside", "strength-in-mpa"])
+    def test_bad_wall(self, case, yade_command, tmp_path):
         done = yade_command(write_wall(tmp_path, case), "--out", tmp_path / "out.h5")
         assert_refused(done.returncode, done.stdout, done.stderr, WALLS[case][1], tmp_path)

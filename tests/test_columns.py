@@ -3,12 +3,13 @@
 import h5py
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, one_line_error
 from small_history import make_history
 
 from damage.history.schema import TABLES, markdown
 from damage.measure import columns
 from damage.measure.tables import summary_row
+from damage.studies.fragility import LEVELS, load_runs
 from damage.studies.tables import points_of
 
 SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": columns.MADE_BY, **columns.MEASURES}
@@ -41,3 +42,17 @@ def test_a_history_has_these_datasets_with_their_units(tmp_path):
         for group, table in TABLES.items():
             assert {name: data.attrs["unit"] for name, data in file[group].items()} == {
                 name: column.unit for name, column in table.items()}
+
+
+@pytest.mark.parametrize("column", ["run", "wall"])
+@pytest.mark.parametrize("name", ["../../elsewhere", "/etc/x", "a\x01b", "a\x9bb"])
+def test_a_name_that_would_lead_elsewhere_or_spoil_a_file_is_refused(column, name, tmp_path):
+    """Pictures and curves are named after walls, histories are looked for by runs' names."""
+    table = pd.DataFrame({"run": ["r"], "point": ["p"], "wall": ["w"], column: [name]})
+    said = f"summary.csv: {column} {name!r}: expected a name without slashes"
+    assert said in one_line_error(columns.check_names, table, "summary.csv")
+    runs = {"strength_cov": [0.3], "strength_seed": [1], "pga_g": [0.1], "status": ["complete"],
+            **{level: [0.1] for level in LEVELS}}
+    (tmp_path / "tables").mkdir()
+    table.assign(**runs).to_csv(tmp_path / "tables" / "summary.csv", index=False)
+    assert said in one_line_error(load_runs, tmp_path)

@@ -4,11 +4,13 @@ import os
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 
 import pytest
 from conftest import REPOSITORY, one_line_error, run_command
 
 from damage.__main__ import main
+from damage.history.reader import read_history
 from damage.version import VERSION
 from damage.wall.file import load_wall
 
@@ -44,6 +46,9 @@ def test_a_quiet_run_writes_its_history_and_no_word(tmp_path, capsys, before, af
     assert main(words) == 0
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "a.h5").is_file()
+    assert main([word for word in words if word != "--quiet"] + ["--overwrite"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("wall w: 0.450 x 0.150 m") and "joints: tensile strength 0.21 MPa" in told
 
 
 @pytest.mark.parametrize("line, expected", [
@@ -87,3 +92,28 @@ def test_a_quiet_run_in_yade(yade_command, tmp_path):
     done = yade_command(tmp_path / "wall.py", "--quiet", "--harmonic", "0.2")  # a mistake: it ends at once
     assert done.returncode == 2
     assert "bricks are" not in done.stdout and "expected" in done.stderr
+
+
+def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
+    """The history, its tables, pictures and report."""
+    (tmp_path / "w.py").write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
+    record = tmp_path / "pulse.csv"
+    record.write_text("time_s,acc_m_s2\n0,0\n0.01,1\n0.02,0\n")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    out = tmp_path / "a.h5"
+    assert main(["--quiet", "reference", str(tmp_path / "w.py"), "--record", str(record), "--rest", "0",
+                 f"--out={out}"]) == 0
+    assert main(["tables", "run", str(out), "--out", str(tmp_path / "t")]) == 0
+    assert main(["report", str(out)]) == 0
+    told = [path for path in tmp_path.rglob("*") if path.is_file() and path not in (record, tmp_path / "w.py")]
+    assert {path.suffix for path in told} == {".h5", ".csv", ".json", ".html", ".png", ".pdf"}
+    assert not [path for path in told if str(tmp_path).encode() in path.read_bytes()]
+    assert read_history(out).command.endswith(f"w.py --record {record.name} --rest 0 --out=a.h5 --quiet")
+
+
+@pytest.mark.parametrize("words", [["reference", "--help"], ["modes", "--help"], ["cracks", "--help"]], ids=" ".join)
+def test_help_says_that_a_wall_file_is_executed(words, capsys):
+    with suppress(SystemExit):
+        main(words)
+    assert "A wall file is Python and is executed" in " ".join(capsys.readouterr().out.split())

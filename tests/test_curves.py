@@ -12,10 +12,11 @@ from scipy.stats import lognorm
 from test_fragility import walls
 
 from damage.__main__ import main
-from damage.export.curves import coefficients, write_curves
+from damage.export.curves import coefficients, left_out, write_arrays, write_curves
 from damage.export.nrml import NAMESPACE, limit_state, write_nrml
 from damage.measure.tables import write_table
 from damage.studies.fragility import Fragility, fit_all
+from damage.studies.states import State
 
 OPENQUAKE = "openquake.engine==3.26.2"
 OPENQUAKE_NEEDS = ("numpy", "scipy", "pandas", "h5py", "toml", "decorator", "shapely", "psutil", "numba", "h3",
@@ -57,6 +58,13 @@ def test_a_discrete_model_interpolates_to_the_curves(tmp_path):
         assert_allclose(np.interp(between, x, poes), one.probability(between), atol=5e-3)
 
 
+def test_a_wall_of_any_name_is_well_formed(tmp_path):
+    name = "a<b> & \"c\" 'd' ]]> -->"
+    path = write_nrml(name, [MILD, GRAVE], tmp_path / "odd.xml", "continuous")
+    model = ElementTree.parse(path).getroot()[0]
+    assert model.get("id") == f"{name}_max_DI" and name in model[0].text
+
+
 def test_velocities_are_in_centimetres_a_second(tmp_path):
     fit = made(0.02, 0.05, 0.3, "pgv_m_s")
     _, model = written(tmp_path, "continuous", [fit])
@@ -76,11 +84,32 @@ def test_a_level_without_a_curve_is_left_out_and_named(tmp_path):
     assert not (tmp_path / "none.xml").exists()
 
 
-def test_a_step_is_steep_and_named(tmp_path):
+def test_a_step_is_a_line_between_its_bounds_and_no_lognormal_curve(tmp_path):
     _, model = written(tmp_path, "discrete", (MILD, STEP))
     x, poes = (np.array(model[2][k].text.split(), float) for k in (0, 2))
-    assert_allclose(np.interp((0.39, 0.41), x, poes), (0, 1), atol=1e-4)
-    assert "A step, not a fitted dispersion, for 0.1" in model[0].text
+    assert_allclose(np.interp((0.35, 0.40, 0.45), x, poes), (0, 0.5, 1), atol=1e-6)
+    assert "A step for 0.1: the data bound its median" in model[0].text
+    _, model = written(tmp_path, "continuous", (MILD, STEP))
+    assert model.find(STATES).text == "max_DI_over_0p02" and "left out, see the discrete" in model[0].text
+    assert write_nrml("solid", [STEP], tmp_path / "none.xml", "continuous") is None
+    arrays = np.load(write_arrays([MILD, STEP], tmp_path / "a.npz"))
+    assert_allclose(arrays["betas_total"], (0.3, np.nan))
+    assert_allclose(np.interp(0.4, arrays["intensities"], arrays["poes"][:, 1]), 0.5)
+    row = coefficients({"w": [STEP]}).iloc[0]
+    assert row["distribution"] == "step" and np.isnan([row["median"], row["dispersion"]]).all()
+    assert (row["step_low"], row["step_high"]) == (0.35, 0.45)
+    assert left_out({"w": [MILD, STEP, NEVER]}) == [
+        "w, max_DI > 0.1: a step, no lognormal curve: no run exceeds it up to 0.35 g, all do from 0.45 on; exported "
+        "as these bounds of the median", "w, max_DI > 0.1: no curve: 50 of 100 runs exceed it"]
+
+
+def test_an_intensity_without_a_name_in_openquake_has_no_nrml(tmp_path):
+    runs = walls(20, seed=4).assign(peak_force_n=lambda table: 1e4 * table["pga_g"])
+    fits = fit_all(runs, "peak_force_n", 0, [State("max_DI", 0.05, "a state")])
+    assert {path.suffix for path in write_curves(fits, tmp_path, {"w": 0.2})} == {".npz", ".csv"}
+    assert "no NRML by peak_force_n" in left_out(fits)[-1]
+    named = fit_all(runs, "pga_g", 0, [State("max_DI", 0.05, "a state")])["w"]
+    assert limit_state(named[0]) == "a_state"
 
 
 def test_all_formats_of_a_study(tmp_path):

@@ -6,6 +6,7 @@ import random
 import re
 import subprocess
 import sys
+import zlib
 
 import h5py
 import numpy as np
@@ -47,6 +48,35 @@ def replaced(name, value):
     def change_it(file):
         del file[name]
         file[name] = value
+    return change_it
+
+
+def repacked(name, **how):
+    """Store a dataset in another way, with its attributes; unpacked: what gzip makes of its one chunk, otherwise."""
+    unpacked = how.pop("unpacked", None)
+
+    def change_it(file):
+        values, attributes = file[name][()], dict(file[name].attrs)
+        del file[name]
+        dataset = file.create_dataset(name, values.shape, values.dtype, **how)
+        dataset.attrs.update(attributes)
+        if unpacked:
+            dataset.id.write_direct_chunk((0,), zlib.compress(unpacked))
+    return change_it
+
+
+def stored_elsewhere(name, virtual):
+    """Have a dataset take its values out of another file."""
+    def change_it(file):
+        values, attributes = file[name][()], dict(file[name].attrs)
+        del file[name]
+        if virtual:
+            layout = h5py.VirtualLayout(values.shape, values.dtype)
+            layout[:] = h5py.VirtualSource("/dev/zero", "x", values.shape)
+            file.create_virtual_dataset(name, layout)
+        else:
+            file.create_dataset(name, values.shape, values.dtype, external=[("/dev/zero", 0, values.nbytes)])
+        file[name].attrs.update(attributes)
     return change_it
 
 
@@ -185,6 +215,15 @@ def put_parameter(file, name, value):
     (replaced("joints/x_m", h5py.SoftLink("/joints/z_m")), "no dataset joints/x_m"),
     (replaced("joints/x_m", h5py.ExternalLink("/dev/zero", "x")), "no dataset joints/x_m"),
     (replaced("joints", h5py.ExternalLink("/dev/zero", "x")), "no dataset joints/kind"),
+    (replaced("series", h5py.SoftLink("/series")), "no dataset series/stage"),
+    (replaced("run", h5py.SoftLink("/joints")), "it has no group run"),
+    (stored_elsewhere("bodies/x_m", virtual=True), "bodies/x_m is no dataset of this file"),
+    (stored_elsewhere("bodies/x_m", virtual=False), "bodies/x_m is no dataset of this file"),
+    (repacked("series/time_s", chunks=(8,), compression="lzf"), "series/time_s is packed by HDF5 filter 32000"),
+    (repacked("series/time_s", chunks=(8,), scaleoffset=2), "series/time_s is packed by HDF5 filter 6"),
+    (repacked("series/time_s", chunks=(65536,), maxshape=(None,), compression="gzip", unpacked=bytes(2**30)),
+     "memory allocation failed"),
+    (lambda file: file["run"].attrs.__setitem__("wall", "../w"), "attribute wall of run is '../w', expected a name"),
     (replaced("static/weight_n", b"heavy"), "static/weight_n is of type object, expected float64"),
     (replaced("bodies/x_m", np.zeros((3, 3))), r"bodies/x_m has shape \(3, 3\), expected \(bodies\)"),
     (lambda file: file["series/time_s"].resize(7, axis=0), r"series/time_s has shape \(7,\), expected \d+ samples"),

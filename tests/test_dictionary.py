@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from conftest import REPOSITORY
 from small_history import make_history
-from test_fragility import walls
+from test_fragility import recorded, walls
 
 from damage.__main__ import main
 from damage.export.curves import coefficients
@@ -14,7 +14,9 @@ from damage.export.dictionary import DICTIONARY, dictionary_table, write_diction
 from damage.laboratory.crack_file import COLUMNS
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
 from damage.studies.after_damage import table_after_damage
-from damage.studies.fragility import INTENSITIES, efficiency_table, fit_all, fragility_table
+from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table
+from damage.studies.left_out import leave_one_out, scores
+from damage.studies.states import INTENSITIES, State
 from damage.studies.tables import points_of, write_hdf5
 
 
@@ -63,6 +65,13 @@ def test_tables_of_fragility(intensity):
     assert set(fragility_table(fits, intensity).assign(slip="displacement")) <= known("fragility_INTENSITY.csv")
     assert set(efficiency_table(runs)) == known("efficiency.csv")
     assert set(coefficients(fits)) == known("fragility_coefficients.csv")
+    assert set(at_intensities(fits, [0.1])) == known("fragility_INTENSITY_at.csv")
+
+
+def test_tables_of_records_left_out():
+    table = leave_one_out(recorded(4, 0.3, seed=1, n_walls=4), [State("max_DI", 0.1)])
+    assert set(table) == known("left_out.csv")
+    assert set(scores(table)) == known("left_out_scores.csv")
 
 
 def test_every_column_of_fragility_is_written_for_some_intensity():

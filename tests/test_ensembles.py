@@ -1,11 +1,13 @@
 """Grids and ensembles of studies: what a file asks for, whole batches of the reference solver, their tables."""
 
 import hashlib
+import json
 import os
 import subprocess
 import sys
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -201,20 +203,56 @@ def whole(tmp_path_factory):
     return reference
 
 
-def test_members_of_other_inputs_are_removed_and_no_others(tmp_path, monkeypatch):
+def test_what_was_made_of_other_inputs_is_removed_and_nothing_else(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
-    from shards import drop_stale
+    from stale import drop, find_stale, note
 
-    (tmp_path / "w.py").touch()
-    names = ["a_reference_s1.h5", "a_reference_s12.part.h5", "a_reference.members", "ab_reference_s1.h5"]
-    others = {"ab_reference_s1.h5"}
-    for words, left in (((), others), ((), set(names)), (("--rest", "1"), others)):
-        (tmp_path / "runs").mkdir(exist_ok=True)
+    wall = tmp_path / "w.py"
+    names = ["a_reference_s1.h5", "a_reference_s12.part.h5", "a_reference_s2.differs.h5", "a_reference.members",
+             "ab_reference_s1.h5", "a.b_yade.h5"]
+    others = {"ab_reference_s1.h5", "a.b_yade.h5"}
+    runs = tmp_path / "runs"
+    for words, text, left, told in (((), TINY, others, "no note"), ((), f"{TINY}# words", set(names), None),
+                                    (("--rest", "1"), TINY, others, "settings.rest_s 2.0 -> 1.0"),
+                                    (("--rest", "1"), TINY.replace("0.6", "0.45"), others, "wall.height 0.6 -> 0.45")):
+        wall.write_text(text)
+        for folder in (runs, tmp_path / "tables"):
+            folder.mkdir(exist_ok=True)
         for name in names:
-            (tmp_path / "runs" / name).touch()
-        run = StudyRun("a", str(tmp_path / "w.py"), words, "reference", ("--seed",), 2)
-        assert drop_stale(run, tmp_path) == (left == others)
-        assert {path.name for path in (tmp_path / "runs").iterdir() if path.is_file()} == left
+            (runs / name).touch()
+        (tmp_path / "tables" / "summary.csv").touch()
+        run = StudyRun("a", str(wall), words, "reference", ("--strength-seed",), 2)
+        stale = find_stale(SimpleNamespace(runs=[run]), tmp_path)
+        warnings = drop(stale, tmp_path)
+        assert {path.name for path in runs.iterdir() if path.is_file()} == left
+        assert stale.points == ({run.id} if told else set()) == {one.id for one in stale.changed}
+        assert [told in warning for warning in warnings] == [True] * bool(told)
+        assert (tmp_path / "tables" / "summary.csv").exists() == (told is None)
+        assert find_stale(SimpleNamespace(runs=[run]), tmp_path).points == stale.points  # until it is noted
+        note(stale, tmp_path)
+        assert not find_stale(SimpleNamespace(runs=[run]), tmp_path).changed
+
+
+def test_notes_of_an_older_version_count_and_a_single_run_without_one_is_kept(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
+    from stale import drop, find_stale
+
+    (tmp_path / "w.py").write_text(TINY)
+    wall, runs = str(tmp_path / "w.py"), tmp_path / "runs"
+    (runs / ".inputs").mkdir(parents=True)
+    ensemble = StudyRun("a", wall, (), "reference", ("--strength-seed",), 2)
+    single = StudyRun("b", wall, (), "yade")
+    digest = hashlib.sha256(TINY.encode()).hexdigest()
+    (runs / ".inputs" / ensemble.id).write_text(hashlib.sha256(json.dumps(
+        [wall, (), ("--strength-seed",), [digest]]).encode()).hexdigest())  # as 0.2.0.dev0 wrote it
+    for name in ("a_reference_s1.h5", "b_yade.h5"):
+        (runs / name).touch()
+    stale = find_stale(SimpleNamespace(runs=[ensemble, single]), tmp_path)
+    assert not stale.changed and stale.unknown == [single]
+    (warning,) = drop(stale, tmp_path)
+    assert "b_yade" in warning and "kept without a comparison" in warning
+    (tmp_path / "w.py").write_text(f"{TINY}# words")  # of which an old note does not tell that they change nothing
+    assert find_stale(SimpleNamespace(runs=[ensemble]), tmp_path).points == {ensemble.id}
 
 
 @pytest.mark.parametrize(("intact", "spread", "needed"), [(False, 0.01, 5), (False, 0.5, 10), (True, 0.0, 1)])

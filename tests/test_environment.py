@@ -93,9 +93,20 @@ class TestInterpreter:
 
     def test_what_it_exports(self, machine):
         done = machine.source(then="env", PYTHONPATH="/elsewhere", PYTHONHOME="/elsewhere")
-        assert {f"PYTHON={machine.system_python}", f"PYTHONPATH={machine.repository}", "MPLBACKEND=Agg",
+        assert {f"PYTHON={machine.system_python}", f"PYTHONPATH={machine.repository}:/elsewhere", "MPLBACKEND=Agg",
                 "PYTHONNOUSERSITE=1"} <= set(done.stdout.splitlines())
         assert "PYTHONHOME" not in done.stdout
+
+    def test_what_the_user_has_in_pythonpath_comes_behind_the_repository(self, machine):
+        """Once each, and relative to the folder that the user is in: batches work in others."""
+        done = machine.source(then="cd /; echo $PYTHONPATH", PYTHONPATH=f"a b::{machine.repository}:/c:/c:")
+        assert done.stdout.strip() == f"{machine.repository}:{os.getcwd()}/a b:/c", done.stderr
+
+    def test_what_keeps_every_python_from_its_packages_is_left_out(self, machine, tmp_path):
+        (tmp_path / "numpy.py").write_text("raise ImportError('of another Python')\n")
+        done = machine.source(then="echo $PYTHONPATH", PYTHONPATH=str(tmp_path))
+        assert (done.returncode, done.stdout.strip()) == (0, str(machine.repository)), done.stderr
+        assert done.stderr == (f"warning: {tmp_path} is left out of PYTHONPATH: with it no Python has all packages\n")
 
 
 class TestMissing:

@@ -1,5 +1,6 @@
 """Reading ground-motion records: formats, and bad files."""
 
+import hashlib
 import math
 import sys
 from pathlib import Path
@@ -146,6 +147,16 @@ class TestPeerAt2:
         expected = GRAVITY * np.array([0.01, -0.02, 0.03, 0.04, 0.05])
         assert_allclose(record.acceleration_m_s2, expected, rtol=ROUND_OFF)
 
+    def test_one_motion_is_the_same_in_g_and_in_m_s2(self, tmp_path):
+        values_g = [float(cell) for cell in self.VALUES.split()]
+        csv = {unit: f"time_s,acc_{unit}\n" + "\n".join(f"{0.005 * k:.3f},{factor * value!r}"
+                                                        for k, value in enumerate(values_g))
+               for unit, factor in (("g", 1.0), ("m_s2", 9.81))}
+        files = {"motion.AT2": AT2_TITLES + "NPTS= 5, DT= .005 SEC\n" + self.VALUES,
+                 "g.csv": csv["g"], "m_s2.csv": csv["m_s2"]}
+        records = [read_record(write(tmp_path, text, name)) for name, text in files.items()]
+        assert len({record.acceleration_m_s2.tobytes() for record in records}) == 1
+
     @pytest.mark.parametrize(
         ("text", "says"),
         [
@@ -206,7 +217,9 @@ class TestMiniSeed:
         path = self.saved(trace, tmp_path)
         assert str(tmp_path / "NL.BGAR.xml") in one_line_error(read_record, path)
         (tmp_path / "NL.BGAR.xml").write_bytes(self.STATION_XML.read_bytes())
-        assert read_record(path).acceleration_m_s2.size == 9304
+        record = read_record(path)
+        assert record.acceleration_m_s2.size == 9304
+        assert record.beside_sha256 == (hashlib.sha256(self.STATION_XML.read_bytes()).hexdigest(),)
 
     def test_joined_parts_are_whole_but_a_gap_is_refused(self, trace, obspy, tmp_path):
         cut = trace.stats.starttime + 10

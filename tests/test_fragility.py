@@ -6,13 +6,37 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
+from scipy.special import ndtr
+from scipy.stats import binom
+from scipy.stats import t as student
 
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.measure.tables import write_table
 from damage.studies.after_damage import load_shocks, table_after_damage
-from damage.studies.fragility import LEVELS, curve, efficiency_table, fit, fragility, load_runs
+from damage.studies.fragility import (
+    at_intensities,
+    curve,
+    efficiency_table,
+    fit,
+    fit_all,
+    fragility,
+    load_runs,
+    step_of,
+)
 from damage.studies.fragility_picture import few_note, fragility_picture
+from damage.studies.left_out import beside_unseen, leave_one_out, scores
+from damage.studies.new_record import NewRecord, new_record
+from damage.studies.states import (
+    INTENSITIES,
+    LEVELS,
+    State,
+    check_intensity,
+    check_states,
+    leading,
+    parse_state,
+    study_choices,
+)
 
 MEDIAN_G, DISPERSION = 0.2, 0.4
 
@@ -58,6 +82,13 @@ class TestFit:
         assert_allclose([row["median_walls_low_g"], row["median_walls_high_g"], row["dispersion"]], [0.2, 0.25, 0])
         assert_allclose(found.bounds([0.19, 0.21, 0.3]), [[0, 0, 1], [0, 1, 1]])
 
+    def test_one_intensity_where_some_exceed_gives_no_dispersion(self):
+        """The likelihood grows as the dispersion goes to nothing, as in a step."""
+        x, runs = [0.1, 0.2, 0.4], [5, 5, 5]
+        assert_allclose(fit(x, [0, 2, 5], runs), (0.2, 0))
+        assert step_of(x, [0, 2, 5], runs) == (0.1, 0.4)
+        assert step_of(x, [0, 5, 2], runs) is None is step_of([0.1, 0.2, 0.3, 0.4], [0, 2, 3, 5], [5] * 4)
+
     def test_a_collapse_exceeds_every_level(self):
         runs = walls(10, seed=3)
         runs["collapsed_at_s"] = 1.0
@@ -98,7 +129,7 @@ def recorded(n_records, between, seed, n_walls=12, levels=6):
 
 class TestRecords:
     def test_bounds_over_records_are_wide_where_records_scatter_and_both_wider_than_walls(self):
-        one = fragility(recorded(5, 0.6, seed=4), "max_DI", 0.1, replicates=60)
+        one = fragility(recorded(5, 0.6, seed=4), "max_DI", 0.1, "pga_g", replicates=60)
         width = {over: np.ptp(np.log(one.median_bounds(over)[:, 0])) for over in ("walls", "records", "both")}
         assert width["records"] > 3 * width["walls"] and width["both"] > 3 * width["walls"]
         x = np.array([0.15, 0.2, 0.3])
@@ -108,7 +139,7 @@ class TestRecords:
         """Over 16 studies of 20 records: 14 expected; drawing walls alone holds it in few of them."""
         held = dict.fromkeys(("walls", "both"), 0)
         for seed in range(16):
-            row = fragility(recorded(20, 0.6, seed), "max_DI", 0.1, replicates=40, over=tuple(held)).row()
+            row = fragility(recorded(20, 0.6, seed), "max_DI", 0.1, "pga_g", replicates=40, over=tuple(held)).row()
             for over in held:  # DI = 0.1 at a harm of 0.2 g
                 held[over] += row[f"median_{over}_low_g"] <= 0.2 <= row[f"median_{over}_high_g"]
         assert held["both"] >= 10 > 8 > held["walls"]
@@ -117,7 +148,7 @@ class TestRecords:
         """Over 24 studies of 3 records: 20 expected, and 15 of the samples as they are drawn."""
         held = {"stretched": 0, "drawn": 0}
         for seed in range(24):
-            one = fragility(recorded(3, 0.6, seed, n_walls=4), "max_DI", 0.1, replicates=60, over=("records",))
+            one = fragility(recorded(3, 0.6, seed, n_walls=4), "max_DI", 0.1, "pga_g", 60, over=("records",))
             low, high = one.median_bounds("records")[:, 0]
             least, most = np.percentile(one.replicates["records"][:, 0], (5, 95))
             assert low <= least <= most <= high
@@ -144,11 +175,176 @@ class TestRecords:
         figure = fragility_picture("w", runs, [fragility(runs, "max_DI", 0.1, replicates=20)])
         assert "3 records are few" in figure._suptitle.get_text()
         words = "\n".join(entry.get_text() for entry in figure.legends[0].get_texts())
-        assert "records held" in words and "walls and records drawn anew" in words
+        assert "new record's own curve" in words and "walls and records drawn anew" in words
+        assert "of a new record" in figure.axes[0].get_legend().get_texts()[0].get_text()
         figure.draw_without_rendering()
         box, (width, _) = figure.legends[0].get_window_extent(), figure.get_size_inches() * figure.dpi
         assert 0 <= box.x0 and box.x1 <= width
         assert few_note(10) == ""
+
+
+def study_of(medians, x, n_runs, dispersion):
+    """What `new_record` takes of runs whose shares are exact: records of these medians, each at all intensities."""
+    shares = curve(x, np.asarray(medians)[:, None], dispersion)
+    return x, n_runs * shares, np.full(shares.shape, float(n_runs))
+
+
+class TestNewRecord:
+    def test_medians_that_are_known_give_students_interval(self):
+        medians = np.exp([-1.9, -1.75, -1.6, -1.5, -1.2])
+        one = new_record(*study_of(medians, np.geomspace(0.05, 0.8, 25), 2000, 0.1))
+        logs = np.log(medians)
+        half = student.ppf(0.95, 4) * logs.std(ddof=1) * np.sqrt(1 + 1 / 5)
+        assert_allclose(np.log(one.median_bounds()), (logs.mean() - half, logs.mean() + half), atol=0.02)
+
+    def test_nine_in_ten_new_records_lie_in_their_interval_and_few_in_that_of_the_mean(self):
+        """Over 30 studies of five records whose medians scatter by 0.3: the share of new records is known for each
+        interval, 0.90 expected of the first, with a standard deviation of 0.02."""
+        held = {"new record": [], "mean": []}
+        for seed in range(30):
+            runs = recorded(5, 0.3, seed, n_walls=5)
+            one = fragility(runs, "max_DI", 0.1, "pga_g", replicates=20, over=("records",))
+            for name, (low, high) in (("new record", one.new_record.median_bounds()),
+                                      ("mean", one.median_bounds("records")[:, 0])):
+                z = np.log(np.array([low, high]) / 0.2) / 0.3  # DI = 0.1 at a harm of 0.2 g
+                held[name].append(np.diff(ndtr(z))[0])
+        assert 0.85 < np.mean(held["new record"]) < 0.95
+        assert np.mean(held["mean"]) < 0.75
+
+    def test_its_probability_is_sure_outside_the_interval_and_open_inside(self):
+        one = new_record(*study_of([0.1, 0.14, 0.2, 0.28, 0.4], np.geomspace(0.05, 0.8, 8), 25, 0.1))
+        low, high = one.median_bounds()
+        bounds = one.bounds([low / 2, np.sqrt(low * high), 2 * high])
+        assert_allclose(bounds, [[0, 0, 1], [0, 1, 1]], atol=0.02)
+        assert_allclose(one.probability([np.sqrt(low * high)]), 0.5, atol=0.03)
+
+    def test_the_share_of_a_few_runs_scatters_as_they_do(self):
+        sure = NewRecord(np.array([0.2]), np.array([0.3]), np.array([[1.0]]))
+        assert_allclose(sure.share_bounds(0.25, 20), binom.ppf((0.05, 0.95), 20, curve(0.25, 0.2, 0.3)) / 20)
+
+    def test_two_records_that_bound_their_median_are_too_few(self):
+        x, y, n = study_of([0.1, 0.2, 50.0], np.geomspace(0.05, 0.8, 8), 25, 0.1)
+        assert new_record(x, y, n) is None
+        assert new_record(*study_of([0.1, 0.2, 0.3], x, 25, 0.1)) is not None
+
+    def test_probabilities_at_an_intensity_have_both_intervals(self):
+        table = at_intensities(fit_all(recorded(5, 0.4, seed=2), "pga_g", 40, [State("max_DI", 0.1)]), [0.2, 0.3])
+        assert list(table["value"]) == [0.2, 0.3]
+        assert (table["new_record_low"] <= table["mean_low"]).all()
+        assert (table["mean_high"] <= table["new_record_high"]).all()
+
+
+class TestLeftOut:
+    @pytest.fixture(scope="class")
+    def table(self):
+        return leave_one_out(recorded(6, 0.6, seed=1), [State("max_DI", 0.1)])
+
+    def test_the_intensity_that_sees_the_records_harm_predicts_best(self, table):
+        found = scores(table).set_index("intensity")
+        assert found.index[0] == "pgv_m_s"
+        assert found.loc["pgv_m_s", "brier"] < 0.5 * found.loc["pga_g", "brier"]
+        assert (found["compared"] == 36).all() and (found["inside"] >= 30).all()
+
+    def test_a_curve_of_all_records_is_surer_of_a_new_one_than_it_can_be(self, table):
+        found = scores(table).set_index("intensity").loc["pga_g"]
+        assert found["log_score"] < found["log_score_pooled"]
+
+    def test_a_record_is_compared_with_the_others_alone(self):
+        runs = recorded(4, 0.3, seed=1)
+        harmless = runs["record"] == "r3"
+        runs.loc[harmless, "max_DI"] = 0.0
+        table = leave_one_out(runs, [State("max_DI", 0.1)], ["pga_g"])
+        alone = fragility(runs[~harmless], "max_DI", 0.1, "pga_g", replicates=0)
+        of_it = table[table["record"] == "r3"]
+        assert_allclose(of_it["pooled"], alone.probability(of_it["value"]))
+        assert (of_it["observed"] == 0).all()
+
+    def test_runs_of_another_study_are_compared_with_all_records(self):
+        runs, other = recorded(4, 0.3, seed=1), recorded(1, 0.3, seed=9).assign(record="new")
+        table = beside_unseen(runs, pd.concat([other, runs]), [State("max_DI", 0.1)], ["pga_g"])
+        assert set(table["record"]) == {"new"}
+        assert_allclose(table["pooled"], fragility(runs, "max_DI", 0.1, "pga_g", 0).probability(table["value"]))
+
+    def test_a_study_of_the_same_records_is_refused(self):
+        runs = recorded(4, 0.3, seed=1)
+        with pytest.raises(InputError, match="every record of the other study is in this one"):
+            beside_unseen(runs, runs)
+
+    def test_three_records_leave_too_few(self):
+        with pytest.raises(InputError, match="four records or more"):
+            scores(leave_one_out(recorded(3, 0.3, seed=1), [State("max_DI", 0.1)], ["pga_g"]))
+
+
+class TestOwnStates:
+    @pytest.mark.parametrize(("text", "expected"), [
+        ("moderate: max_psi > 2", ("max_psi", 2.0, "moderate")), ("residual_DI>0.05", ("residual_DI", 0.05, "")),
+        (" visible crack :max_psi > 1e0 ", ("max_psi", 1.0, "visible crack"))])
+    def test_what_is_read(self, text, expected):
+        assert parse_state(text) == expected
+
+    @pytest.mark.parametrize(("text", "complaint"), [
+        ("max_psi 2", "expected COLUMN > LEVEL"), ("max_psi < 2", "expected COLUMN > LEVEL"), ("", "expected COLUMN"),
+        ("max_psi > two", "level 'two'; expected a finite number"), ("max_psi > nan", "expected a finite number"),
+        ("a: b: max_psi > 2", "expected COLUMN > LEVEL")])
+    def test_what_is_refused(self, text, complaint):
+        with pytest.raises(InputError, match=complaint):
+            parse_state(text)
+
+    def test_columns_that_cannot_be_levels_are_refused(self):
+        runs = walls(3, seed=1)
+        for measure, complaint in (("max_pzi", "no column max_pzi; .* perhaps max_psi"),
+                                   ("status", "column status .* holds no numbers"),
+                                   ("collapsed_at_s", "holds no numbers")):
+            with pytest.raises(InputError, match=complaint):
+                check_states(runs, [State(measure, 1.0)])
+        with pytest.raises(InputError, match="given twice"):
+            check_states(runs, [State("max_psi", 1.0, "a"), State("max_DI", 1.0, "a")])
+        runs.loc[4, "max_psi"] = np.nan
+        with pytest.raises(InputError, match="1 of 24 runs have no max_psi"):
+            check_states(runs, [State("max_psi", 1.0)])
+
+    def test_columns_that_cannot_be_intensities_are_refused(self):
+        runs = walls(3, seed=1).assign(zero=0.0, missing=[np.nan] + [1.0] * 23)
+        for name, complaint in (("pga", "no column pga; .* perhaps pga_g"), ("zero", "24 of 24 runs have zero or less"),
+                                ("missing", "1 of 24 runs have no value"), ("record", "holds no numbers")):
+            with pytest.raises(InputError, match=complaint):
+                check_intensity(runs, name)
+
+    def test_the_command_takes_them_from_its_words_or_from_the_study_file(self, tmp_path, capsys):
+        runs = walls(12, seed=1).assign(peak_force_n=lambda table: 1e4 * table["pga_g"])
+        write_table(runs, tmp_path / "tables" / "summary.csv")
+        words = ["fragility", str(tmp_path), "--out", str(tmp_path / "f"), "--replicates", "5"]
+        assert main([*words, "--state", "wide: max_crack_width_mm > 8", "--state", "max_DI > 0.05",
+                     "--intensity", "peak_force_n", "--at", "1000", "2000"]) == 0
+        table = pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")
+        assert list(table["state"]) == ["wide", "max_DI > 0.05"]
+        assert table["median_N"].between(500, 4000).all()
+        assert len(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n_at.csv")) == 4
+        (tmp_path / "study.toml").write_text('states = ["a: max_DI > 0.06"]\nintensity = "peak_force_n"\n')
+        assert main(words) == 0
+        assert list(pd.read_csv(tmp_path / "f" / "fragility_peak_force_n.csv")["state"]) == ["a"]
+        for bad, complaint in ((["--state", "max_DI > x"], "level 'x'"), (["--intensity", "pga"], "perhaps pga_g")):
+            capsys.readouterr()
+            assert main([*words, *bad]) == 2
+            told = capsys.readouterr().err
+            assert told.startswith("error: ") and told.count("\n") == 1 and complaint in told
+
+    def test_a_study_file_with_others_is_refused(self, tmp_path):
+        for text, complaint in (('states = "max_DI > 1"', "a list of texts"), ("states = [1]", "a list of texts"),
+                                ("intensity = 2", "name of a column"), ('states = ["max_DI"]', "COLUMN > LEVEL"),
+                                ("states = [", "cannot be read")):
+            (tmp_path / "study.toml").write_text(text)
+            with pytest.raises(InputError, match=complaint):
+                study_choices(tmp_path)
+
+
+def test_the_spectral_acceleration_at_the_walls_period_leads():
+    assert next(iter(INTENSITIES)) == "sa_eigen_period_g"
+    runs = walls(2, seed=1).assign(sa_eigen_period_g=0.1, pgv_m_s=0.1)
+    assert leading(runs) == "sa_eigen_period_g"
+    assert leading(runs.drop(columns="sa_eigen_period_g")) == "pgv_m_s"
+    with pytest.raises(InputError, match="no intensity in every run"):
+        leading(runs[["wall"]])
 
 
 class TestEfficiency:

@@ -3,6 +3,7 @@
 File systems of a few megabytes stand in for disks; they need root.
 """
 
+import json
 import os
 import shutil
 import signal
@@ -16,6 +17,7 @@ import h5py
 import pytest
 from conftest import REPOSITORY
 
+from damage.errors import InputError
 from damage.studies.definition import load_study
 from damage.studies.tables import row_of
 
@@ -196,19 +198,7 @@ def test_a_study_whose_runs_will_not_fit_is_warned_of(study, tmp_path, workflow,
         assert room.forecast(loaded, tmp_path, keep="summary") is None  # the first of two
 
 
-def test_torn_records_of_snakemake_are_done_again_and_others_left(tmp_path, workflow):
-    import batch
-
-    kept = tmp_path / ".snakemake"
-    (kept / "metadata" / "@deep").mkdir(parents=True)
-    for name, text in (("whole", '{"params": []}'), ("torn", '{"par'), ("@deep/empty", "")):
-        (kept / "metadata" / name).write_text(text)
-    batch.repeat_torn_records(kept)
-    marks = {str(path.relative_to(kept / "incomplete")) for path in (kept / "incomplete").rglob("*") if path.is_file()}
-    assert marks == {"torn", "@deep/empty"}
-
-
-def test_a_torn_row_is_made_again(tmp_path):
+def test_a_torn_row_and_one_of_other_measures_are_made_again(tmp_path):
     from small_history import make_history
 
     (tmp_path / "runs").mkdir()
@@ -217,6 +207,10 @@ def test_a_torn_row_is_made_again(tmp_path):
     kept = tmp_path / "tables" / "rows" / "a.json"
     kept.write_text(kept.read_text()[:100])
     assert row_of(tmp_path, "a", "p") == row and kept.read_text().endswith("}")
+    kept.write_text(json.dumps(row | {"max_DI": 0.9, "measures_digest": "of another version"}))
+    assert row_of(tmp_path, "a", "p") == row == json.loads(kept.read_text())
+    with pytest.raises(InputError, match="the run b has neither a record nor a history"):
+        row_of(tmp_path, "b", "p")
 
 
 def test_all_studies_take_with_them_what_they_run(study, tmp_path):

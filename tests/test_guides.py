@@ -15,7 +15,7 @@ import damage
 ROOT = Path(__file__).resolve().parents[1]
 GUIDES = ROOT / "docs" / "guides"
 BLOCK = re.compile(r"^```(sh|python|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NEEDED = ("damage", "walls", "studies", "workflow", "scripts", "yade_scripts", "run_all.sh", "pyproject.toml")
+NEEDED = ("damage", "walls", "studies", "workflow", "scripts", "yade_scripts", "run_all.sh", "yade", "pyproject.toml")
 
 pytestmark = pytest.mark.xdist_group("guides")
 

@@ -185,7 +185,7 @@ def test_an_existing_history_is_kept_unless_asked(tmp_path):
 
 @pytest.mark.parametrize("make", [lambda path: path.write_text("notes"), os.mkfifo], ids=["text", "pipe"])
 def test_overwrite_replaces_histories_alone(make, tmp_path):
-    path = tmp_path / "notes.txt"
+    path = tmp_path / "notes.h5"
     make(path)
     with pytest.raises(InputError, match="no history"):
         open_writer(path, overwrite=True)

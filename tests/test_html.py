@@ -23,6 +23,7 @@ from damage.history.moments import joint_states
 from damage.measure.columns import read_table
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row, write_table
+from damage.paper.evidence import Point, load_runs
 from damage.studies.tables import points_of
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
@@ -434,3 +435,22 @@ class TestNumbers:
         whole, step = quantised(values)
         assert whole.tolist() == [[32767, 0], [-16384, 0], [0, 0]]
         assert step[0] == 1 / 32767
+
+
+def test_a_history_s_numbers_are_equal_in_json_table_point_report_and_verdict(one, tmp_path, capsys):
+    assert main(["index", str(one.path), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    flat = {f"{kind}_{name}": value for kind, values in told.items() if isinstance(values, dict)
+            for name, value in values.items()} | told
+    folder = make_study(tmp_path, one)
+    row, point = (read_table(folder / "tables" / f"{name}.csv").iloc[0] for name in ("summary", "points"))
+    as_evidence = Point(load_runs(folder), "the run")
+    cell = r'<th scope="row"><code>(.*?)</code></th><td>[^<]*</td><td class="number"><data value="(.*?)">'
+    shown = {name.replace("<wbr>", ""): float(value) for name, value in re.findall(cell, page([one.path], []))}
+    numbers = {name: value for name, value in flat.items() if isinstance(value, float)}
+    assert {"max_DI", "residual_shear_limit_DI", "max_drift_ratio", "residual_drift_ratio", "pgv_m_s",
+            "max_crack_width_mm", "residual_psi", "elastic_joint_share"} <= set(numbers)
+    for name, value in numbers.items():
+        assert shown[name] == value, name
+        for other in (row[name], point[name], as_evidence.plain(name)):
+            assert other == pytest.approx(value, rel=1e-8, abs=1e-12), name  # tables have nine digits

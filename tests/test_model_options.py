@@ -4,10 +4,14 @@ from dataclasses import fields
 
 import pandas as pd
 import pytest
+from conftest import one_line_error
 from small_history import make_history
 
+import damage
+from damage.history.writer import HistoryWriter
 from damage.measure.columns import read_table
-from damage.measure.tables import write_table
+from damage.measure.summary import summarise
+from damage.measure.tables import summary_row, write_table
 from damage.motion.loading import Harmonic
 from damage.paper.evidence import SHAPE
 from damage.run.options import free_name, make_parser, parse_run
@@ -20,7 +24,7 @@ from damage.wall.parameters import USUAL_MODEL, ModelOptions, Wall
 def test_every_option_of_a_solver_is_on_its_command_line(solver):
     offered = vars(make_parser("test", solver).parse_args([]))
     for one in fields(ModelOptions):
-        assert (one.name in offered) == (solver in one.metadata["solvers"])
+        assert one.name in offered
     assert parse_run([], "test", solver).model == ModelOptions()
 
 
@@ -33,6 +37,8 @@ def test_every_option_of_a_solver_is_on_its_command_line(solver):
 def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
     settings = RunSettings(Harmonic(0.2, 0.05), ModelOptions(**options))
     assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path) == tmp_path / name
+    (tmp_path / name.removesuffix(".h5")).mkdir()  # pictures, whose history is gone
+    assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path).name == name.replace(".h5", "_2.h5")
 
 
 def test_figures_and_evidence_know_every_choice():
@@ -53,3 +59,41 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
 
 def test_an_old_history_has_the_defaults_of_younger_options(tmp_path):
     assert make_history(tmp_path / "old.h5").model == ModelOptions()  # its parameters hold no option
+
+
+def test_joints_are_by_face_alone():
+    assert parse_run(["--joints", "face"], "test", "yade").model == ModelOptions()
+    told = one_line_error(parse_run, ["--joints", "centres"], "test", "yade")
+    assert "--joints: centres: expected face" in told and "removed in version 0.2" in told
+
+
+@pytest.mark.parametrize(("versions", "model", "normals"), [
+    ({"yade": "2023.02a"}, {}, "centres"), ({"yade": "2023.02a", "masonry-damage": "0.2.0"}, {}, "face"),
+    ({"yade": "2023.02a", "masonry-damage": "0.2.0"}, {"joints": "centres", "cells": 3}, "centres"),
+    ({"yade": "2023.02a"}, {"joints": "face", "cells": 3}, "face")])
+def test_an_old_history_of_yade_says_whether_its_joints_lean(tmp_path, versions, model, normals):
+    class InYade(HistoryWriter):
+        def __init__(self, path, layout, parameters, **others):
+            super().__init__(path, layout, parameters=parameters | {"model": model},
+                             **others | {"solver": "yade", "versions": versions})
+
+        def history(self):
+            return damage.read_history(tmp_path / "old.h5")
+
+    history = make_history(tmp_path / "old.h5", write=InYade)
+    assert history.model == ModelOptions(cells=model.get("cells", 2))
+    assert history.joint_normals == summary_row(history)["joints"] == normals
+    assert any("joint that slides leans" in one for one in summarise(history)["warnings"]) == (normals == "centres")
+    assert make_history(tmp_path / "reference.h5").joint_normals == "face"
+
+
+def test_a_history_with_unknown_normals_is_refused(tmp_path):
+    class Odd(HistoryWriter):
+        def __init__(self, path, layout, parameters, **others):
+            super().__init__(path, layout, parameters=parameters | {"model": {"joints": "edges"}}, **others)
+
+        def history(self):
+            return None
+
+    make_history(tmp_path / "odd.h5", write=Odd)
+    assert "joints = 'edges': expected one of face, centres" in one_line_error(damage.read_history, tmp_path / "odd.h5")

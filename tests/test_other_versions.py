@@ -8,9 +8,10 @@ import sys
 import pandas as pd
 import pytest
 from conftest import REPOSITORY, contents
+from test_architecture import read_modules
 
 from damage.history.head import read_head
-from damage.provenance import UNKNOWN, code_of, commit, file_origin, model_digest
+from damage.provenance import MEASURES, UNKNOWN, code_of, commit, file_origin, measures_digest, model_digest
 from damage.reference.session import run_reference
 
 STUDY = """
@@ -136,3 +137,35 @@ def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
     first, second = map(contents, paths)
     assert first.keys() == second.keys() and len(first) > 50
     assert [name for name in first if first[name] != second[name]] == []
+
+
+def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
+    """What `summary_row` imports counts in it or is named here, with why it need not."""
+    elsewhere = {
+        "checks": "refuses", "errors": "words", "files": "reads, writes", "version": "words", "provenance": "digests",
+        "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/schema": "names",
+        "history/structure": "refuses", "history/values": "refuses", "measure/columns": "words",
+        "measure/doubts": "words", **dict.fromkeys(
+            ("motion/loading", "motion/record", *(f"wall/{name}" for name in (
+                "caps", "fibres", "kinds", "kinematics", "layout", "parameters", "split"))), "of the model's digest")}
+    modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles"}
+    while left:
+        found.add(name := left.pop())
+        imported = modules[f"damage.{name.replace('/', '.')}"] - {"damage"}
+        left |= {module.removeprefix("damage.").replace(".", "/") for module in imported} - found
+    assert {f"{name}.py" for name in found - elsewhere.keys()} == set(MEASURES)
+    assert elsewhere.keys() <= found
+    assert len(measures_digest()) == 12 and measures_digest() != model_digest(REPOSITORY / "damage" / "reference")
+
+
+def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
+    package = tmp_path / "damage"
+    shutil.copytree(REPOSITORY / "damage", package)
+    monkeypatch.setattr("damage.provenance.HERE", package)
+    assert measures_digest.__wrapped__() == measures_digest()
+    index = package / "index.py"
+    text = index.read_text()
+    index.write_text(text.replace('"""The damage index', '"""Of the damage index'))
+    assert measures_digest.__wrapped__() == measures_digest()
+    index.write_text(text.replace("DRIFT_LIMIT = 0.02", "DRIFT_LIMIT = 0.01"))
+    assert measures_digest.__wrapped__() != measures_digest()

@@ -21,6 +21,7 @@ from damage.export.vtkhdf import write_vtkhdf
 from damage.export.vtu import write_vtu
 from damage.history.moments import STATES
 from damage.history.reader import read_history
+from yade_scripts import COMMAND
 
 TURN = 0.2  # [rad] of the last brick in the second snapshot
 
@@ -97,7 +98,8 @@ class TestVtkhdf:
 
 class TestVtu:
     def test_a_file_a_snapshot_and_one_that_lists_them(self, history, tmp_path):
-        listed = ElementTree.parse(write_vtu(history, tmp_path)).findall(".//DataSet")
+        odd = replace(history, path=history.path.with_name("a<b> & \"c\" ]]>.h5"))
+        listed = ElementTree.parse(write_vtu(odd, tmp_path)).findall(".//DataSet")
         assert [float(one.get("timestep")) for one in listed] == [0.0, 0.1, 0.2]
         grid = ElementTree.parse(tmp_path / listed[2].get("file"))
         array = grid.find(".//CellData/DataArray[@Name='opening_m']")
@@ -145,7 +147,7 @@ def shaken(request, tmp_path_factory):
     (folder / "small.py").write_text(SMALL_WALL.format(repository=str(REPOSITORY)))
     if request.param == "yade":
         request.getfixturevalue("yade_command")
-    first = {"reference": (sys.executable, "-m", "damage", "reference"), "yade": ("yade", "-n", "-j1")}[request.param]
+    first = {"reference": (sys.executable, "-m", "damage", "reference"), "yade": COMMAND}[request.param]
     done = run_command(*first, folder / "small.py", "--harmonic", 0.03, 1.5, "--rest", 0.1, "--no-pictures", "--out",
                        folder / "small.h5")
     assert done.returncode == 0, done.stdout + done.stderr

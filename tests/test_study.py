@@ -1,5 +1,6 @@
 """Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
 
+import json
 import os
 import shutil
 import signal
@@ -27,6 +28,7 @@ from damage.measure.tables import (
     summary_table,
 )
 from damage.studies.definition import StudyRun, load_study, option_words, run_name
+from damage.studies.inputs import as_note, differences, inputs_of
 
 HARMONIC = 'options = { harmonic = [0.2, 0.05] }\n'
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
@@ -82,24 +84,17 @@ class TestLoading:
         one, other = run_name("walls/a.py", words), run_name("walls/a.py", [*words, "--seed", "41"])
         assert one != other and max(len(one), len(other)) <= 108
 
-    def test_digests_follow_the_content_of_wall_and_record(self, tmp_path):
-        shutil.copy(REPOSITORY / "walls" / "solid.py", tmp_path / "w.py")
-        (tmp_path / "r.csv").write_text("0,0\n0.1,1\n0.2,0\n")
-        path = write_study(tmp_path, 'name = "s"\n[[runs]]\nwall = "w.py"\noptions = { record = "r.csv" }\n')
-        before = load_study(path).runs[0].digests()
-        os.utime(tmp_path / "w.py")
-        assert load_study(path).runs[0].digests() == before
-        (tmp_path / "r.csv").write_text("0,0\n0.1,2\n0.2,0\n")
-        after = load_study(path).runs[0].digests()
-        assert (before[0] == after[0], before[1] == after[1]) == (True, False)
-
     @pytest.mark.parametrize(("text", "told"), [
         ("", "name = None"),
         ('name = "a/b"', "since it names a folder"),
         ('name = "s"', "no runs"),
         ('name = "s"\nruns = 3', "no list of tables"),
         ('name = "s', "is no TOML"),
-        ('name = "s"\nrun = []', "unknown key 'run'; expected conclusion, grid, name, pictures, runs, title"),
+        ('name = "s"\nrun = []', "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs, "
+         "states, title"),
+        ('name = "s"\nstates = "max_psi > 2"', "expected a list of texts"),
+        ('name = "s"\nstates = ["max_psi"]', "expected COLUMN > LEVEL"),
+        ('name = "s"\nintensity = 1', "expected the name of a column"),
         (f'name = "s"\n[[runs]]\n{HARMONIC}', "run 1: wall = None"),
         (f'name = "s"\n[[runs]]\n{WALL}option = 1', "run 1: unknown key 'option'"),
         (f'name = "s"\n[[runs]]\nwall = "walls/no.py"\n{HARMONIC}', "run 1: no file walls/no.py"),
@@ -126,6 +121,62 @@ class TestLoading:
     def test_runs_are_checked_where_they_are_made(self):
         with pytest.raises(InputError, match="names files"):
             StudyRun(point="../x", wall="w.py", words=())
+
+
+class TestInputs:
+    """What a note says of a point, and when it no longer holds."""
+
+    WALL = ("import sys; sys.path.insert(0, {folder!r})  # {comment}\nfrom {module} import HEIGHT\nfrom damage import "
+            "Wall\n\n\ndef wall():\n    return Wall('w', 0.45, HEIGHT)\n")
+
+    @pytest.fixture
+    def inputs(self, tmp_path, monkeypatch):
+        """The inputs now of the only run of a study, whose wall file imports a module; solver: of the run."""
+        module = f"height_{tmp_path.name}".replace("-", "_")
+        monkeypatch.setattr(sys, "path", list(sys.path))
+        monkeypatch.setattr(sys, "dont_write_bytecode", True)
+
+        def now(height=0.6, comment="", acceleration=1, options="", solver="yade"):
+            monkeypatch.delitem(sys.modules, module, raising=False)
+            (tmp_path / f"{module}.py").write_text(f"HEIGHT = {height}\n")
+            (tmp_path / "w.py").write_text(self.WALL.format(folder=str(tmp_path), module=module, comment=comment))
+            (tmp_path / "r.csv").write_text(f"0,0\n0.1,{acceleration}\n0.2,0\n")
+            text = f'name = "s"\n[[runs]]\nid = "a"\nwall = "w.py"\noptions = {{ record = "r.csv"{options} }}\n'
+            run = load_study(write_study(tmp_path, text), solver).runs[0]
+            return inputs_of(run, REPOSITORY)
+        return now
+
+    @pytest.mark.parametrize("solver", ["yade", "reference"])
+    @pytest.mark.parametrize(("change", "told"), [
+        ({"comment": "words"}, None),
+        ({"options": ", scale = 1.0, rest = 2"}, None),  # the defaults
+        ({"height": 0.525}, "wall.height 0.6 -> 0.525"),
+        ({"acceleration": 2}, "settings.loading.record.sha256"),
+        ({"options": ", rest = 1"}, "settings.rest_s 2.0 -> 1.0"),
+        ({"options": ', lintel = "none"'}, "settings.model.lintel elastic -> none"),
+    ], ids=str)
+    def test_they_follow_the_wall_as_built_every_option_and_every_file(self, inputs, solver, change, told):
+        note = json.loads(as_note(inputs(solver=solver)))
+        found = differences(note, inputs(solver=solver, **change))
+        assert found == [] if told is None else len(found) == 1 and found[0].startswith(told), found
+
+    def test_another_default_is_another_input_and_a_new_field_at_its_default_none(self, inputs):
+        now = inputs()
+        note = json.loads(as_note(now))
+        note["settings"]["rest_s"] = 1.5  # what was the default then
+        assert differences(note, now) == ["settings.rest_s 1.5 -> 2.0"]
+        note = json.loads(as_note(now))
+        del note["settings"]["model"]["fibres"], note["wall"]["brick"]["cohesion"], note["wall"]["brick"]["density"]
+        assert differences(note, now) == []
+        softer = replace(now, wall=replace(now.wall, brick=replace(now.wall.brick, density=1800.0)))
+        assert differences(note, softer) == ["wall.brick.density 1800.0, which was not there"]
+
+    def test_a_station_file_is_an_input(self, inputs):
+        now = inputs()
+        note = json.loads(as_note(now))
+        loading = replace(now.settings.loading, record=replace(now.settings.loading.record, beside_sha256=("b" * 64,)))
+        other = replace(now, settings=replace(now.settings, loading=loading))
+        assert differences(note, other) == ['settings.loading.record.beside_sha256 [] -> ["bbbbbbbbbb...']
 
 
 class TestTables:
@@ -192,8 +243,9 @@ import sys, time
 from pathlib import Path
 sys.path[:0] = [{tests!r}, {repository!r}]
 from small_history import make_history
-words = sys.argv[1:]
-assert words[:2] == ["-n", "-j1"] and words[-2:] == ["--overwrite", "--no-pictures"], words
+launched, words = sys.argv[1:3], sys.argv[3:]
+assert launched == ["-L", "without_servers"] and words[:2] == ["-n", "-j1"], sys.argv
+assert words[-2:] == ["--overwrite", "--no-pictures"], words
 with open({calls!r}, "a") as calls:
     calls.write(" ".join(words[3:-4]) + "\\n")
 rest = float(words[words.index("--rest") + 1])
@@ -213,12 +265,12 @@ class Batches:
     """
 
     def __init__(self, folder):
-        self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of it"
+        self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of {it}"
         (folder / "bin").mkdir()
         (folder / "yade.py").write_text(FAKE_YADE.format(
             tests=str(REPOSITORY / "tests"), repository=str(REPOSITORY), calls=str(self.calls)))
         yade = folder / "bin" / "yade"
-        yade.write_text(f'#!/bin/sh\nexec {sys.executable} {folder / "yade.py"} "$@"\n')
+        yade.write_text(f'#!/bin/sh\nexec {sys.executable} "{folder / "yade.py"}" "$@"\n')
         yade.chmod(0o755)
 
     def study(self, pictures="none", **rests):  # pictures take longer than all else
@@ -265,7 +317,8 @@ def running(folder):
 @pytest.fixture
 def batches(tmp_path):
     pytest.importorskip("snakemake")
-    return Batches(tmp_path)
+    (tmp_path / "a {b}").mkdir()  # braces are wildcards to Snakemake
+    return Batches(tmp_path / "a {b}")
 
 
 @pytest.mark.slow
@@ -281,7 +334,7 @@ class TestBatch:
         pictures = (batches.out / "pictures" / "a_yade").glob("[!.]*")
         assert {path.suffix for path in pictures} == {".png", ".pdf"}
         assert sorted(path.name for path in batches.folder.iterdir()) == [
-            "bin", "calls", "out of it", "study.toml", "yade.py"]
+            "bin", "calls", "out of {it}", "study.toml", "yade.py"]
         again, calls = batches.run(study)
         assert (again.returncode, calls) == (0, []), again.stderr
         assert "a_yade" in again.stdout
@@ -349,20 +402,20 @@ class TestBatch:
 @pytest.mark.yade
 @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
 def test_a_study_with_both_solvers(tmp_path):
-    (tmp_path / "tiny.py").write_text(
+    (tmp_path / "t{in}y.py").write_text(
         "import sys\n"
         f"sys.path.insert(0, {str(REPOSITORY)!r})\n"
         "from damage import Wall\n"
         "def wall():\n    return Wall(name='tiny', length=0.45, height=0.15)\n"
         "if __name__ == '__main__':\n    from yade_scripts.run import main\n    main(wall)\n")
-    study = write_study(tmp_path, 'name = "tiny"\n[[runs]]\nwall = "tiny.py"\n'
+    study = write_study(tmp_path, 'name = "tiny"\n[[runs]]\nwall = "t{in}y.py"\n'
                         'options = { harmonic = [0.05, 0.05], cycles = 1, rest = 0.05 }\n')
     done = subprocess.run([REPOSITORY / "run_all.sh", study, "--solver", "both", "--out", tmp_path / "out"],
                           timeout=300,
                           capture_output=True, text=True, env={**os.environ, "PYTHON": sys.executable})
     assert done.returncode == 0, done.stderr
     summary = pd.read_csv(tmp_path / "out" / "tables" / "summary.csv")
-    name = "tiny_harmonic-0.05-0.05_cycles-1_rest-0.05"
+    name = "t-in-y_harmonic-0.05-0.05_cycles-1_rest-0.05"
     assert list(summary["run"]) == [f"{name}_yade", f"{name}_reference"]
     assert list(summary["solver"]) == ["yade", "reference"] and set(summary["status"]) == {"complete"}
     drifts = summary["max_drift_ratio"]

@@ -17,6 +17,7 @@ from conftest import REPOSITORY, run_command, without_progress
 from small_history import make_history
 
 import damage
+from yade_scripts import COMMAND
 
 SMALL = "benchmarks/small_wall.py"
 DAMAGE = (sys.executable, "-m", "damage")
@@ -182,13 +183,16 @@ class TestSignals:
 
     SHAKEN = (*DAMAGE, "reference", SMALL, "--harmonic", "0.1", "0.2", "--rest", "60", "--no-pictures", "--out")
 
-    def start(self, out, until):
-        """A run, as soon as `until()`; returns its process."""
-        process = subprocess.Popen(list(map(str, (*self.SHAKEN, out))), cwd=REPOSITORY, text=True,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    def start(self, out, until, hangup=signal.SIG_DFL):
+        """A run, as soon as `until()`, that begins with this handling of SIGHUP; returns its process."""
+        process = started((*self.SHAKEN, out), hangup)
+        self.wait(process, until)
+        return process
+
+    @staticmethod
+    def wait(process, until):
         while not until() and process.poll() is None:
             time.sleep(0.01)
-        return process
 
     @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
     @pytest.mark.parametrize("library", ["_multiarray_umath", "libhdf5", "pandas"])
@@ -212,6 +216,16 @@ class TestSignals:
         history = damage.read_history(tmp_path / "a.h5")
         assert history.status == "interrupted" and len(history.series) > 0
 
+    def test_under_nohup_a_terminal_that_closes_ends_no_run(self, tmp_path):
+        out = tmp_path / "a.h5"
+        process = self.start(out, lambda: has_samples(out), hangup=signal.SIG_IGN)
+        process.send_signal(signal.SIGHUP)
+        then = len(damage.read_history(out).series)
+        self.wait(process, lambda: len(damage.read_history(out).series) > then)
+        assert process.poll() is None
+        process.send_signal(signal.SIGTERM)
+        assert process.communicate(timeout=60) and process.returncode == 130
+
     def test_sigkill_leaves_what_was_flushed(self, tmp_path):
         process = self.start(tmp_path / "a.h5", lambda: has_samples(tmp_path / "a.h5"))
         process.kill()
@@ -227,9 +241,7 @@ class TestSignals:
         if shutil.which("yade") is None:
             pytest.skip("YADE is not installed")
         out = tmp_path / "a.h5"
-        process = subprocess.Popen(["yade", "-n", "-j1", SMALL, "--harmonic", "0.1", "0.2", "--no-pictures", "--out",
-                                    str(out)], cwd=REPOSITORY, text=True, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE)
+        process = started((*COMMAND, SMALL, "--harmonic", "0.1", "0.2", "--no-pictures", "--out", out))
         while not out.exists() and process.poll() is None:
             time.sleep(0.05)
         time.sleep(1)  # the file is made, its first flush done
@@ -237,6 +249,12 @@ class TestSignals:
         _, told = process.communicate(timeout=60)
         assert process.returncode == (-signal.SIGKILL if name == "SIGKILL" else 130), told
         assert "Traceback" not in told and damage.read_history(out).status == status
+
+
+def started(words, hangup=signal.SIG_DFL):
+    """The process of a command line.  Tests may run under nohup, which leaves SIGHUP ignored to all that they start."""
+    return subprocess.Popen(list(map(str, words)), cwd=REPOSITORY, text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, preexec_fn=lambda: signal.signal(signal.SIGHUP, hangup))
 
 
 def has_samples(path):

@@ -22,9 +22,10 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 from verification.problem import ROOT, Problem
+from yade_scripts import COMMAND
 
 WALLS = ("solid", "symmetric", "asymmetric")
-COMMANDS = {"reference": [sys.executable, "-m", "damage", "reference"], "yade": ["yade", "-n", "-j1"]}
+COMMANDS = {"reference": [sys.executable, "-m", "damage", "reference"], "yade": COMMAND}
 _MOVE = 1e-9  # [m, m, rad]: forces are linear over it, and their rounding does not count
 
 

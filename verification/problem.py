@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from yade_scripts import COMMAND
+
 SOLVERS = ("reference", "yade")
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -66,7 +68,7 @@ def ask_yade(case, *numbers):
 
 def run_yade(script, *words):
     """What a script prints inside YADE; RuntimeError where it fails."""
-    command = ["yade", "-n", "-j1", script, *map(str, words)]
+    command = [*COMMAND, script, *map(str, words)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"{' '.join(command)} ended with status {done.returncode}:\n{done.stderr[-2000:]}")

@@ -1,6 +1,6 @@
 """Inside YADE: the problems of this package, one a process.
 
-    yade -n -j1 verification/yade_case.py CASE [NUMBERS]
+    ./yade -n -j1 verification/yade_case.py CASE [NUMBERS]
 
 prints "result NUMBER".  The models are those of yade_scripts; what moves them is set in every step.
 """
@@ -22,9 +22,8 @@ from damage.wall.modes import natural_modes
 from verification import crushing, elastic, falling, rocking, sliding, splitting
 from verification.block import one_block
 from yade_scripts.crushing import Crushing
-from yade_scripts.face_model import TIP
 from yade_scripts.leaving import run_and_leave
-from yade_scripts.model import build
+from yade_scripts.model import TIP, build
 from yade_scripts.scene import SceneReader
 
 

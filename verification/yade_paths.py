@@ -1,6 +1,6 @@
 """Inside YADE: the joint between two bricks (`verification.softening`), driven along paths.
 
-    yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES [CHANGES]
+    ./yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES [CHANGES]
 
 PATHS holds one array (n, 2) a path, opening and shear displacement [m]; RESULTS gets (n, 2) under the same names,
 normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture and stored [J/m2].  CHANGES:

@@ -24,17 +24,19 @@ import sys
 import time
 from pathlib import Path
 
+import again
 import pandas as pd
 import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
-from shards import RUNS_AN_HOUR, shard_of, write_shards
-from shared import MARK, ROOT, Log, end_with_parent
+from shards import RUNS_AN_HOUR, point_of, shard_of, write_shards
+from shared import MARK, ROOT, Log, end_with_parent, python_path, write_if_other
+from stale import drop, find_stale, note
 
 from damage.errors import InputError
-from damage.files import whole_or_nothing
+from damage.files import plain_file, whole_or_nothing
 from damage.measure.tables import describe_table
+from damage.provenance import measures_digest
 from damage.studies.definition import load_study
-from damage.studies.members import most_members
 from damage.studies.tables import runs_there
 
 LOCK_PATIENCE_S = 10.0
@@ -51,30 +53,48 @@ def main():
         study = load_study(parsed.study, parsed.solver, ROOT)
         folder = (parsed.out or ROOT / "results" / study.name).absolute()
         lock = claim(folder, study)
+        if parsed.run:
+            return again.make_again(parsed.run, study, folder)
+        stale = find_stale(study, folder)
+        lost = versions.of_other_measures(study, folder, parsed.remake, stale.points)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    if parsed.run:
-        return make_again(parsed.run, study, folder)
     cores = parsed.cores or (1 if parsed.slurm else parsed.jobs)
     batch = Batch(study, folder, parsed.jobs, parsed.solver, lock, parsed.slurm, cores)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}\n"
           f"{batch.unit}: {len(study.runs)}, {parsed.jobs} at a time, into {folder}", flush=True)
     if (warning := forecast(study, folder, parsed.keep)) is not None:
-        print(f"warning: {warning}", file=sys.stderr, flush=True)
-    others = versions.of_other_versions(study, folder)
+        warn(warning)
+    others = {name: model for name, model in versions.of_other_versions(study, folder).items()
+              if point_of(name) not in stale.points}
     if others:
-        print(f"warning: {versions.describe(others, parsed.remake)}", file=sys.stderr, flush=True)
+        warn(versions.describe(others, parsed.remake))
     if parsed.remake:
         versions.discard(others, study, folder)
-    write_shards(study, folder, parsed.keep, parsed.shard or RUNS_AN_HOUR * cores, others if parsed.remake else ())
-    repeat_torn_records(folder / ".snakemake")
+    for warning in (*drop(stale, folder), *write_shards(
+            study, folder, parsed.keep, parsed.shard or RUNS_AN_HOUR * cores, stale.points,
+            {*others, *lost} if parsed.remake else ())):
+        warn(warning)
+    note(stale, folder)
+    note_tables(study, parsed.solver, folder)
     status = batch.snakemake()
     if status != 0 and not batch.ended and batch.simulated():
         (folder / "tables" / "summary.csv").unlink(missing_ok=True)
         pictures = [f"pictures/{run.first}" for run in batch.simulated() if study.pictures == "all"]
         batch.snakemake("tables/summary.csv", *pictures, partial="true")  # of the runs that are there
     return report(batch, status) or conclude(study, folder)
+
+
+def warn(text):
+    """Print a warning."""
+    print(f"warning: {text}", file=sys.stderr, flush=True)
+
+
+def note_tables(study, solver, folder):
+    """Write what the tables are made by, beside their runs: they are made anew where one of these files is younger."""
+    write_if_other(folder / ".tables" / "measures", measures_digest())
+    write_if_other(folder / ".tables" / "runs", "\n".join((solver, *(run.id for run in study.runs))))
 
 
 def conclude(study, folder):
@@ -84,7 +104,7 @@ def conclude(study, folder):
     document = folder / "tables" / f"{study.conclusion}.md"
     print(f"{study.conclusion}: {document}", flush=True)
     return subprocess.run([sys.executable, "-m", "damage", study.conclusion, str(folder), "--markdown", str(document)],
-                          env={**os.environ, "PYTHONPATH": str(ROOT)}, check=False).returncode
+                          env={**os.environ, "PYTHONPATH": python_path()}, check=False).returncode
 
 
 def _parse():
@@ -102,25 +122,6 @@ def _parse():
     return parser.parse_args()
 
 
-def make_again(name, study, folder):
-    """Make the history of one run of a study, which is not there; returns the exit status."""
-    found = [(run, number) for run in study.runs for number in range(1, most_members(run) + 1)
-             if run.name(number) == name]
-    if not found:
-        raise InputError(f"--run {name}: no run of the study {study.name} with this solver; expected a name from the "
-                         "column run of tables/summary.csv")
-    run, number = found[0]
-    history = folder / "runs" / f"{name}.h5"
-    if history.is_file():
-        raise InputError(f"--run {name}: {history} is there; expected one that is not, delete it first")
-    done = subprocess.run(
-        [sys.executable, ROOT / "workflow" / "simulate.py", name, "--solver", run.solver, "--out", history, "--log",
-         folder / "logs" / f"{name}.log", "--", *run.command(number)],
-        env={**os.environ, "PYTHONPATH": str(ROOT)}, stderr=subprocess.PIPE, text=True)
-    print(done.stderr.replace(MARK, ""), end="")
-    return done.returncode
-
-
 def claim(folder, study):
     """Make the folder of a study and lock it for this batch; returns the open lock.
 
@@ -131,7 +132,7 @@ def claim(folder, study):
     try:
         folder.mkdir(parents=True, exist_ok=True)
         check_room(folder)
-        lock = open(folder / ".lock", "w")  # noqa: SIM115, open as long as the batch lives
+        lock = open(folder / ".lock", "a", opener=plain_file)  # noqa: SIM115, open as long as the batch lives
         _lock(lock, folder)
         owner = load_name(kept)
         if owner not in (None, study.name):
@@ -163,20 +164,6 @@ def load_name(path):
     return found and found[1]
 
 
-def repeat_torn_records(kept):
-    """Have Snakemake, which keeps its records in this folder, do again what it has a torn record of.
-
-    It would drop the record, and with it what the file was made from: a change of that would pass unnoticed.
-    """
-    for record in (kept / "metadata").rglob("*"):
-        try:
-            record.is_file() and json.loads(record.read_bytes())
-        except ValueError:
-            mark = kept / "incomplete" / record.relative_to(kept / "metadata")
-            mark.parent.mkdir(parents=True, exist_ok=True)
-            mark.touch()
-
-
 class Batch:
     """A study on its way through Snakemake in one folder."""
 
@@ -185,7 +172,7 @@ class Batch:
         self.slurm, self.cores = slurm, cores
         self.interrupted = self.short = False  # ended by a signal; in want of room
         self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
-        self._began, self._there_before = time.monotonic(), len(self.simulated())
+        self._began, self._there_before = time.monotonic(), 0
 
     @property
     def ended(self):
@@ -198,6 +185,7 @@ class Batch:
 
     def snakemake(self, *targets, **config):
         """Bring the targets up to date, all of them by default; returns Snakemake's exit status."""
+        self._began, self._there_before = time.monotonic(), len(self.simulated())
         log = Log(self.folder / "logs" / "snakemake.log")
         process = subprocess.Popen(
             self._command(targets, config), cwd=self.folder, env=self._environment(), text=True,
@@ -223,7 +211,7 @@ class Batch:
         return [sys.executable, "-m", "snakemake", *targets, *where,
                 "--snakefile", str(ROOT / "workflow" / "Snakefile"), "--directory", str(self.folder),
                 "--scheduler", "greedy", "--nolock", "--nocolor", "--keep-going",
-                "--rerun-incomplete", "--rerun-triggers", "mtime", "params",
+                "--rerun-incomplete", "--rerun-triggers", "mtime",
                 "--config", *(f"{key}={value}" for key, value in config.items())]
 
     def _slurm(self):
@@ -238,7 +226,7 @@ class Batch:
     def _environment(self):
         """This process's, with what Snakemake, matplotlib and YADE's IPython keep inside the folder."""
         inside = self.folder / ".snakemake"
-        return {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg",
+        return {**os.environ, "PYTHONPATH": python_path(), "MPLBACKEND": "Agg",
                 "XDG_CACHE_HOME": str(inside / "cache"), "MPLCONFIGDIR": str(inside / "matplotlib"),
                 "IPYTHONDIR": str(inside / "ipython")}
 

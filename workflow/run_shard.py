@@ -29,7 +29,7 @@ from shards import FIRST_TABLES
 from shared import end_with_parent, tell
 
 from damage.errors import InputError
-from damage.files import write_text
+from damage.files import plain_file, write_text
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
@@ -162,7 +162,7 @@ class Shard:
         for name in (signal.SIGINT, signal.SIGTERM):
             signal.signal(name, self._interrupt)
         load_compiled(waiting[0])
-        with open(self.rows, "a", encoding="utf-8") as rows, ProcessPoolExecutor(
+        with open(self.rows, "a", encoding="utf-8", opener=plain_file) as rows, ProcessPoolExecutor(
                 self.jobs, multiprocessing.get_context("fork"), _begin_worker) as workers:
             rows.write("\n")  # ends a line that a kill tore
             self._work(waiting, workers, rows)

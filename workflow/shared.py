@@ -1,10 +1,12 @@
 """What the programs of a batch share."""
 
 import ctypes
+import os
 import sys
 from pathlib import Path
 
 from damage.errors import InputError
+from damage.files import plain_file, write_text
 
 ROOT = Path(__file__).resolve().parents[1]
 MARK = "@@ "
@@ -23,7 +25,7 @@ class Log:
     def __init__(self, path):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = open(path, "ab", buffering=0)  # noqa: SIM115, open as long as this process
+            self._file = open(path, "ab", buffering=0, opener=plain_file)  # noqa: SIM115, open as long as this process
         except OSError as error:
             raise InputError(f"cannot write {path}: {error.strerror}; expected a folder that can be written to, make "
                              "room or choose another --out") from error
@@ -42,6 +44,18 @@ class Log:
     def clear(self):
         """Drop what is in the file."""
         self._file.truncate(0)
+
+
+def python_path():
+    """PYTHONPATH for what a batch starts, in any folder: the repository, then what the user had, as obspy's folder."""
+    given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    return os.pathsep.join(dict.fromkeys([str(ROOT), *(os.path.abspath(folder) for folder in given if folder)]))
+
+
+def write_if_other(path, text):
+    """Write a text file, whole or not at all, unless it holds the text already: its time tells when it changed."""
+    if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:
+        write_text(path, text)
 
 
 def tell(text):

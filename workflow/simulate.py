@@ -21,11 +21,12 @@ from pathlib import Path
 from shared import MARK, ROOT, Log, end_with_parent, tell
 
 from damage.errors import InputError
+from yade_scripts import COMMAND
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
 EXIT_INTERRUPTED = 130
-COMMANDS = {"yade": ["yade", "-n", "-j1"], "reference": [sys.executable, "-m", "damage", "reference"]}
+COMMANDS = {"yade": COMMAND, "reference": [sys.executable, "-m", "damage", "reference"]}
 """What runs a wall file, by solver."""
 SHARD = Path(__file__).with_name("run_shard.py")
 _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.progress

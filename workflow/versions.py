@@ -9,8 +9,8 @@ from shared import ROOT
 from damage.errors import InputError
 from damage.history.head import read_head
 from damage.provenance import model_digest
-from damage.studies.records import all_records
-from damage.studies.tables import runs_there
+from damage.studies.records import all_records, is_of_today
+from damage.studies.tables import refuse_other_measures, runs_there
 
 CODE = {"reference": ROOT / "damage" / "reference", "yade": ROOT / "yade_scripts"}
 """Where each solver's own code lies."""
@@ -28,6 +28,20 @@ def of_other_versions(study, folder):
         made_by[path.stem] = model_of(path)
     today = {f"{solver} {model_digest(code)}" for solver, code in CODE.items()}
     return {name: model for name, model in made_by.items() if model not in (*today, None)}
+
+
+def of_other_measures(study, folder, remake, stale=frozenset()):
+    """Names of the study's runs whose index and measures are those of another version, and which left no history to
+    work them out of anew: to be made again where asked, otherwise InputError.
+
+    stale: ids of points that are made again anyway.
+    """
+    mine = {run.id for run in study.runs} - stale
+    rows = {name: record["row"] for name, record in all_records(folder).items() if point_of(name) in mine}
+    if not remake:
+        refuse_other_measures(rows, folder)
+    return [name for name, row in rows.items()
+            if not is_of_today(row) and not (folder / "runs" / f"{name}.h5").is_file()]
 
 
 def histories(run, folder):

@@ -27,7 +27,7 @@ class Broken(NamedTuple):
 
 
 class Bundles:
-    """The fibres of a FaceWall whose layout has them."""
+    """The fibres of a YadeWall whose layout has them."""
 
     def __init__(self, model):
         self.model, self.fibres, contacts = model, model.layout.fibres, model.layout.contacts

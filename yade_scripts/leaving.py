@@ -3,11 +3,13 @@
 import os
 import shutil
 import sys
+import time
 import traceback
 from pathlib import Path
 
 from yade import O
 
+from yade_scripts import COMMAND
 from yade_scripts.servers import close_servers
 
 
@@ -16,7 +18,9 @@ def run_and_leave(function):
     raises."""
     status = 1
     try:
-        close_servers()
+        if close_servers() and "--quiet" not in sys.argv:
+            print(f"YADE's servers listened on all network interfaces during the first {_age_s():.1f} s; they are "
+                  f"closed. {COMMAND[0]} starts YADE without them", file=sys.stderr, flush=True)
         status = function() or 0
     except Exception:
         traceback.print_exc()
@@ -30,3 +34,9 @@ def run_and_leave(function):
         shutil.rmtree(scratch, ignore_errors=True)
     # YADE's threads make an orderly exit slow and unsafe.
     os._exit(status)
+
+
+def _age_s():
+    """How long this process has been running [s]."""
+    started = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])  # [ticks since the system's boot]
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - started / os.sysconf("SC_CLK_TCK")

@@ -1,4 +1,4 @@
-"""Run one wall in YADE from the command line of `yade walls/NAME.py`."""
+"""Run one wall in YADE from the command line of `./yade walls/NAME.py`."""
 
 from damage.memory import YADE
 from damage.start import begin
@@ -35,6 +35,7 @@ def _run(make_wall, path):
     try:
         import yade
 
+        from damage.provenance import shown_path
         from damage.run.session import Backend, run_session
         from damage.run.settings import Softening
         from damage.wall.file import wall_of
@@ -52,24 +53,10 @@ def _run(make_wall, path):
     backend = Backend("yade", versions, lambda layout, time_step, _settings: YadeSolver(layout, time_step),
                       Path(__file__).parent, _check, open_view,
                       Softening(fibres=FIBRES, beta_s=0.0))
-    return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {path}")
+    return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {shown_path(path)}")
 
 
 def _check(settings):
-    import yade
-
-    from yade_scripts.shapes import HAS_POLYHEDRA
-
     if settings.beta_s > 0:
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")
-    model = settings.model
-    if model.joints == "centres" and model.fibres:
-        raise InputError("--joints centres: its joints are brittle; expected --joints face where they have fracture "
-                         "energies, or leave those out")
-    if model.joints == "centres" and not HAS_POLYHEDRA:
-        raise InputError(f"--joints centres: needs polyhedra, which YADE {yade.config.version} was built without; "
-                         "expected --joints face here, or YADE of Debian 12")
-    if model.joints == "centres" and model.contacts != "interior":
-        raise InputError(f"--joints centres with --contacts {model.contacts}: cells have their contact points inside; "
-                         "expected --contacts interior, or --joints face")

@@ -1,22 +1,53 @@
-"""Closes the servers that YADE opens at each start, on all interfaces: a prompt that executes code behind a guessable
-cookie, and one that pauses runs without any."""
+"""Closes the network servers that YADE's own command starts before it runs a script: on all interfaces a prompt that
+executes code behind a guessable cookie, and one that pauses runs without any.  The launcher `yade` starts neither."""
 
 import gc
+import os
+import socket
 import socketserver
+import time
+from contextlib import suppress
 from threading import Thread
+
+PATIENCE_S = 1.0
+"""How long the threads of servers may take to end; what they can still reach is closed by then."""
 
 
 def close_servers():
-    """Shut every server of this process down; returns how many there were."""
-    servers = [thing for thing in gc.get_objects() if isinstance(thing, socketserver.BaseServer)]
-    closing = [Thread(target=_close, args=(server,)) for server in servers]
-    for thread in closing:
+    """Close every server of this process with all its connections, in little more than PATIENCE_S at most; returns
+    how many servers there were."""
+    servers = [thing for thing in gc.get_objects() if issubclass(type(thing), socketserver.BaseServer)]
+    ports = {server.server_address[1] for server in servers}
+    for server in servers:
+        _refuse(server)
+        with suppress(OSError):
+            server.socket.shutdown(socket.SHUT_RDWR)  # it listens no more, and its loop looks at once
+    ending = [Thread(target=server.shutdown, daemon=True) for server in servers]
+    for thread in ending:
         thread.start()
-    for thread in closing:
-        thread.join()
+    deadline = time.monotonic() + PATIENCE_S
+    _close_connections(ports)
+    while any(thread.is_alive() for thread in ending) and time.monotonic() < deadline:
+        time.sleep(0.01)
+        _close_connections(ports)  # one more may have been accepted while the loop ended
+    _close_connections(ports)
+    for server in servers:
+        server.socket.close()  # server_close() would wait for every connection's thread
     return len(servers)
 
 
-def _close(server):
-    server.shutdown()  # its loop looks twice a second
-    server.server_close()
+def _refuse(server):
+    """Let a server accept nobody: neither a new connection, nor one on its way, nor a cookie."""
+    server.verify_request = lambda request, client: False
+    server.RequestHandlerClass = lambda request, client, server: None
+    server.handle_error = lambda request, client: None  # of connections that are closed while they talk
+    server.cookie = None
+
+
+def _close_connections(ports):
+    """Shut down every connection of this process that was accepted on one of these ports."""
+    for name in os.listdir("/proc/self/fd"):
+        with suppress(OSError), socket.fromfd(int(name), socket.AF_INET, socket.SOCK_STREAM) as connection:
+            address = connection.getsockname()
+            if isinstance(address, tuple) and address[1] in ports:
+                connection.shutdown(socket.SHUT_RDWR)

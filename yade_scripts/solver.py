@@ -215,8 +215,7 @@ class YadeSolver(Solver):
         them: the run infers it.
         """
         tracker = self.tracker
-        summed = self.model.friction_work()
-        friction = tracker.friction_energy if summed is None else summed + tracker.breaking_energy
+        friction = self.model.friction_work() + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
             clock=self.clock, displacement=self.scene.motion(), joints=slice(None), contacts={

@@ -13,10 +13,9 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from damage.draw import style
 from damage.draw.run import THIN, draw_wall, joint_handles
-from damage.draw.wall import check_magnify, line_width, magnification, shape_at, wall_shape
+from damage.draw.wall import DRAWN, check_magnify, line_width, magnification, shape_at, wall_shape
 from damage.errors import InputError
 from damage.files import whole_or_nothing
-from damage.history.moments import STATES
 from damage.wall.geometry import body_corners
 
 WRITERS = {".gif": PillowWriter, ".mp4": FFMpegWriter}
@@ -125,7 +124,7 @@ def _update(drawn, shape):
     """Move the collections that `draw_wall` made, by their labels, to another shape."""
     drawn["bricks"].set_verts(shape.corners[~shape.is_cap])
     drawn["caps"].set_verts(shape.corners[shape.is_cap])
-    for state in STATES:
+    for state in DRAWN:
         chosen = shape.select(state)
         drawn[state].set_segments(shape.segments[chosen])
         drawn[state].set_linewidths([THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen]))

@@ -13,20 +13,23 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from damage.draw import style
-from damage.draw.wall import legend_widths_mm, line_width, wall_shape
+from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.history.moments import STATES, choose_sample, moving
+from damage.history.moments import choose_sample, moving
 from damage.index import THRESHOLD
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_scale, imbalance
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners
 
-JOINT_COLOURS = {"intact": "0.8", "broken": "0.5", "slipped": style.BLUE, "opened": style.ORANGE, "both": style.BLACK}
+JOINT_COLOURS = {"elastic": style.GREEN, "intact": "0.8", "broken": "0.5", "slipped": style.BLUE,
+                 "opened": style.ORANGE, "both": style.BLACK}
 SLIP_NOTES = {"displacement": "", "accumulated": " (accumulated)", "shear-limit": " (shear limit)"}
 """What a legend says of the criterion of slip."""
-THIN = {"intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
+THIN = {"elastic": 0.4, "intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
+DASHES = {"elastic": (0, (3, 2))}
+"""Of lines that are not solid, in widths of the line."""
 
 DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) for name, number, label, line in (
     ("korswagen_calcium_silicate", 0, "light damage begins, calcium silicate (Korswagen)", ":"),
@@ -108,11 +111,12 @@ def draw_wall(ax, shape):
     for name, chosen, colour in (("bricks", ~caps, style.BRICK_COLOUR), ("caps", caps, style.CAP_COLOUR)):
         ax.add_collection(PolyCollection(shape.corners[chosen], facecolors=colour, edgecolors="0.75",
                                          linewidths=0.2, label=name, zorder=1))
-    for layer, state in enumerate(STATES, start=2):
+    for layer, state in enumerate(DRAWN, start=2):
         chosen = shape.select(state)
         widths = [THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen])
         ax.add_collection(LineCollection(shape.segments[chosen], colors=JOINT_COLOURS[state], label=state,
-                                         linewidths=widths, capstyle="butt", zorder=layer))
+                                         linewidths=widths, linestyles=DASHES.get(state, "-"), capstyle="butt",
+                                         zorder=layer))
     return _show_all(ax, shape.corners)
 
 
@@ -141,9 +145,10 @@ def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
     """Legend in three columns: cracks, the rest, widths of lines."""
     labels = {"opened": "opened", "slipped": "slipped" + SLIP_NOTES[slip],
               "both": "opened and slipped", "broken": f"broken, ≤ {threshold / MILLIMETRE:g} mm", "intact": "intact"}
+    labels |= {"elastic": "elastic, cannot fail"} if shape.elastic.any() else {}
     width = line_width(0.5 * MILLIMETRE)
     return [
-        *(Line2D([], [], color=JOINT_COLOURS[state], lw=THIN.get(state, width), label=label)
+        *(Line2D([], [], color=JOINT_COLOURS[state], lw=THIN.get(state, width), ls=DASHES.get(state, "-"), label=label)
           for state, label in labels.items()),
         Patch(facecolor=style.CAP_COLOUR, label="top mass"),
         *(Line2D([], [], color=style.DARK, lw=line_width(mm * MILLIMETRE), label=label)

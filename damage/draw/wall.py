@@ -21,6 +21,9 @@ from damage.wall.geometry import body_corners, joint_segments
 
 VISIBLE_SHARE = 0.03  # of the wall's height: how far the largest displacement should reach
 LARGEST_MAGNIFICATION = 1000.0  # beyond it a residual of a few micrometres would look like a lean
+DRAWN = ("elastic", *STATES)
+"""Kinds of joints in the order of drawing, the gravest on top."""
+_INTACT = STATES.index("intact")
 LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 
 
@@ -33,7 +36,8 @@ class WallShape:
         drawn undeformed.
     magnification: factor on displacements and rotations.
     corners: (n_bodies, 4, 2) [m], counter-clockwise from the lower left; is_cap: (n_bodies,) bool.
-    segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES;
+    segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES; elastic: (n_joints,)
+        bool, which cannot fail;
     crack_width_m: (n_joints,), sqrt(opening^2 + slip^2).
     """
 
@@ -46,11 +50,16 @@ class WallShape:
     is_cap: np.ndarray
     segments: np.ndarray
     state: np.ndarray
+    elastic: np.ndarray
     crack_width_m: np.ndarray
 
     def select(self, state):
-        """Indices of the joints in one of STATES."""
-        return np.flatnonzero(self.state == STATES.index(state))
+        """Indices of the joints in one of DRAWN: the elastic ones, or those in a state of STATES, the elastic ones
+        left out of the intact."""
+        if state == "elastic":
+            return np.flatnonzero(self.elastic & (self.state == _INTACT))
+        chosen = self.state == STATES.index(state)
+        return np.flatnonzero(chosen & ~self.elastic if state == "intact" else chosen)
 
 
 def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
@@ -84,7 +93,7 @@ def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, 
         magnification=float(magnify), corners=body_corners(history.bodies, motion, magnify),
         is_cap=history.bodies["course"].to_numpy() < 0,
         segments=joint_segments(history.joints, history.bodies, motion, magnify),
-        state=joint_states(history, sample, slip, threshold),
+        state=joint_states(history, sample, slip, threshold), elastic=history.joints["elastic"].to_numpy(bool),
         crack_width_m=np.hypot(history.opening_m[sample], history.slip_by(slip)[sample], dtype=float))
 
 

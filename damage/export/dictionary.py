@@ -16,7 +16,8 @@ from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, each
 from damage.measure.cycles import BY_OTHERS
 from damage.measure.tables import write_table
 from damage.studies.after_damage import BEFORE
-from damage.studies.fragility import INTENSITIES, LEVELS, OVER, unit_of
+from damage.studies.fragility import OVER
+from damage.studies.states import INTENSITIES, LEVELS, unit_of
 
 CRITERION_WORDS = {"": "", "accumulated_": ", slip accumulated", "shear_limit_": ", slip by the shear limit"}
 COMPONENT_WORDS = {"DI": "damage index", "DI_drift": "of it by drift", "DI_open": "of it by opened joints",
@@ -85,36 +86,66 @@ POINTS = {
        for table in MEASURES.values() for name, column in each(table).items() if column.unit
        for end, words in (("min", "least"), ("max", "largest"))}}
 
-_CURVE = {
-    "wall": Column("", "name of the wall"), "measure": Column("", f"of damage: {', '.join(LEVELS)}"),
+_STATE = {
+    "wall": Column("", "name of the wall"), "state": Column("", "damage state: its name, or the condition"),
+    "measure": Column("", f"of damage, a column of summary.csv: by default {', '.join(LEVELS)}"),
     "level": Column("of the measure", "level that is exceeded"),
-    "intensity": Column("", f"of the motion: {', '.join(INTENSITIES)}"),
+    "intensity": Column("", f"of the motion, a column of summary.csv: {', '.join(INTENSITIES)} or another")}
+_CURVE = _STATE | {
     "runs": Column("1", "runs of the wall"), "exceeding": Column("1", "runs that exceed the level"),
     "records": Column("1", "records that the runs come from"),
-    "dispersion": Column("1", "standard deviation of the intensity's logarithm at which the level is exceeded")}
+    "dispersion": Column("1", "standard deviation of the intensity's logarithm at which the level is exceeded; 0 of a "
+                         "step, whose dispersion the runs do not give")}
+_ENDS = ("low", "lower"), ("high", "upper")
 UNITS = dict([unit_of(name) for name in INTENSITIES])
 FRAGILITY = {
     **_CURVE, **{f"median_{name}": Column(unit, "intensity at which half of the runs exceed the level")
                  for name, unit in UNITS.items()},
     **{f"median_{over}_{end}_{name}": Column(unit, f"{words} bound of the median, {over} drawn anew")
-       for over in OVER for end, words in (("low", "lower"), ("high", "upper")) for name, unit in UNITS.items()},
+       for over in OVER for end, words in _ENDS for name, unit in UNITS.items()},
     **{f"dispersion_{over}_{end}": Column("1", f"{words} bound of the dispersion, {over} drawn anew")
-       for over in OVER for end, words in (("low", "lower"), ("high", "upper"))},
+       for over in OVER for end, words in _ENDS},
     **{f"fitted_{over}": Column("1", f"bootstrap samples that could be fitted, {over} drawn anew") for over in OVER},
+    **{f"median_new_record_{end}_{name}": Column(unit, f"{words} bound of a new record's own median")
+       for end, words in _ENDS for name, unit in UNITS.items()},
     "confidence": Column("1", "of the bounds"), "replicates": Column("1", "bootstrap samples that were drawn"), **SLIP}
 AFTER_DAMAGE = FRAGILITY.copy()
 del AFTER_DAMAGE["slip"]
 AFTER_DAMAGE["before"] = Column("", f"damage at rest before the shock: {', '.join(BEFORE)}, more")
+_VALUE = _STATE | {"value": Column("as `unit` says", "of the intensity"), "unit": Column("", "of the intensity")}
+AT = _VALUE | {
+    "probability": Column("1", "of exceeding the level, by the curve through all records"),
+    **{f"mean_{end}": Column("1", f"{words} bound of it, walls and records drawn anew") for end, words in _ENDS},
+    "new_record": Column("1", "probability in a new record, averaged over what it may be"),
+    **{f"new_record_{end}": Column("1", f"{words} bound of a new record's own probability") for end, words in _ENDS}}
+LEFT_OUT = _VALUE | {
+    "record": Column("", "record that the curves do not know"),
+    "runs": Column("1", "runs of it at this value"), "exceeding": Column("1", "runs of these that exceed the level"),
+    "observed": Column("1", "their share"), "pooled": Column("1", "probability by the curve through all other records"),
+    "predicted": Column("1", "probability in a new record, after the other records"),
+    **{end: Column("1", f"{words} bound of the share of as many runs in a new record") for end, words in _ENDS},
+    "inside": Column("1", "1 where the observed share lies between the bounds, else 0")}
+SCORES = _STATE | {
+    "records": Column("1", "records that are compared"), "runs": Column("1", "runs that are compared"),
+    "compared": Column("1", "shares, one for each record and value"),
+    "inside": Column("1", "shares of these that lie between their bounds"),
+    **{f"{score}{ending}": Column("1", f"mean {words} of {of}") for ending, of in (
+        ("", "the prediction for a new record"), ("_pooled", "the curve through all other records"))
+       for score, words in (("brier", "Brier score"), ("log_score", "logarithmic score"))}}
 EFFICIENCY = {
     **_CURVE, "scatter": Column("1", "standard deviation of ln(measure) about a line over ln(intensity)"),
     "median": Column("as `unit` says", "intensity at which half of the runs exceed the level"),
     "unit": Column("", "of the median")}
 COEFFICIENTS = {
     **_CURVE, "level_unit": Column("", "unit of the level"), "intensity_unit": Column("", "unit of the median"),
-    "distribution": Column("", "lognormal: P = Phi(ln(x / median) / dispersion)"),
+    "distribution": Column("", "lognormal: P = Phi(ln(x / median) / dispersion); step: the median is bounded, no "
+                           "dispersion is known; none: none or all of the runs exceed the level"),
     "median": Column("as `intensity_unit` says", "intensity at which half of the runs exceed the level"),
     "step_low": Column("as `intensity_unit` says", "of a step: intensity up to which no run exceeds the level"),
-    "step_high": Column("as `intensity_unit` says", "of a step: intensity from which on all runs do")}
+    "step_high": Column("as `intensity_unit` says", "of a step: intensity from which on all runs do"),
+    **{f"new_record_{end}": Column("as `intensity_unit` says", f"{words} bound of a new record's own median")
+       for end, words in _ENDS}}
+COEFFICIENTS["dispersion"] = Column("1", "standard deviation of the intensity's logarithm, empty of a step")
 CRACKS = {
     "load_level": Column("1", "successive load levels"),
     "drift_pct": Column("%", "top displacement over height; one value a level"),
@@ -128,7 +159,9 @@ DICTIONARY = {
     "summary.csv, study.h5 runs": RUNS | MEMBERS, "points.csv, study.h5 points": POINTS,
     "RUN_index.csv": INDEX, "RUN_events.csv": EVENTS, "RUN_joints.csv": JOINTS_OF_A_RUN, "RUN_cycles.csv": CYCLES,
     "RUN_shocks.csv": SHOCKS, "fragility_INTENSITY.csv": FRAGILITY,
-    "fragility_after_damage_INTENSITY.csv": AFTER_DAMAGE, "efficiency.csv": EFFICIENCY,
+    "fragility_after_damage_INTENSITY.csv": AFTER_DAMAGE, "fragility_INTENSITY_at.csv": AT,
+    "efficiency.csv": EFFICIENCY, "left_out.csv, unseen.csv": LEFT_OUT,
+    "left_out_scores.csv, unseen_scores.csv": SCORES,
     "fragility_coefficients.csv": COEFFICIENTS, "crack files": CRACKS,
     **{f"RUN.h5 {group}": columns for group, columns in TABLES.items()}}
 """{tables, as their files are called: {column: Column}}; `summary.csv` of `python3 -m damage tables` has no members."""

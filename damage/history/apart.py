@@ -6,6 +6,7 @@ import pickle
 import signal
 import sys
 import warnings
+from contextlib import contextmanager
 from pathlib import Path
 
 from damage.errors import InputError
@@ -51,6 +52,24 @@ def apart(path, read):
     return found
 
 
+@contextmanager
+def bounded():
+    """Bound the memory that this process may ask for while a sealed file is read: gzip may unpack to any size.
+
+    What it gives is the `believe` of `apart`; before that is called nothing is bounded.
+    """
+    if not sys.platform.startswith("linux"):
+        yield lambda n_bytes: None
+        return
+    import resource  # not on every system
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    try:
+        yield lambda n_bytes: _allow(FREE_BYTES + 4 * n_bytes, hard if soft == resource.RLIM_INFINITY else soft)
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
 def _be_the_child(path, read, send, limit_s):
     """Read, send what came of it, and end without a trace of this process's own ending."""
     import resource  # not on every system
@@ -72,11 +91,11 @@ def _be_the_child(path, read, send, limit_s):
         os._exit(0)
 
 
-def _allow(n_bytes):
-    """Let this process have so much more memory than it has now."""
+def _allow(n_bytes, most=None):
+    """Let this process have so much more memory than it has now, at most so much in all (default: its hard limit)."""
     import resource
 
     now = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    wanted = int(now + n_bytes)
-    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))
+    most, wanted = hard if most is None else most, int(now + n_bytes)
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if most == resource.RLIM_INFINITY else min(wanted, most), hard))

@@ -5,7 +5,7 @@ from math import isnan
 from damage.errors import InputError
 from damage.history.head import read_head
 from damage.history.reader import read_history
-from damage.provenance import UNKNOWN
+from damage.provenance import UNKNOWN, shown_path
 from damage.wall.caps import caps, describe_cap
 
 WHOLE, UNSEALED, ENDED_EARLY, OPEN, DAMAGED = "whole", "unsealed", "ended early", "open", "damaged"
@@ -57,7 +57,7 @@ def origin(history):
 
 def info(history):
     """All that made a History, as a plain dictionary."""
-    return {"file": str(history.path), "wall": history.wall, "solver": history.solver, "status": history.status,
+    return {"file": shown_path(history.path), "wall": history.wall, "solver": history.solver, "status": history.status,
             "collapsed_at_s": history.collapsed_at_s, "created_utc": history.attributes["created_utc"],
             "machine": history.attributes["machine"], "command": history.command, **made_by(history),
             "versions": history.versions, "parameters": history.parameters, "caps": _caps(history),

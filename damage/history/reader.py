@@ -10,9 +10,9 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from damage.checks import check_file, record_from
+from damage.checks import check_choice, check_file, record_from
 from damage.errors import InputError
-from damage.history.apart import apart
+from damage.history.apart import apart, bounded
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
 from damage.history.moments import moving
 from damage.history.schema import (
@@ -142,10 +142,19 @@ class History:
 
     @cached_property
     def model(self):
-        """The ModelOptions of the run; choices that are younger than the file have their defaults, but for YADE's
-        joints, which leant before they kept their face."""
-        then = {"joints": "centres"} if self.solver == "yade" else {}
-        return record_from(ModelOptions, then | self.parameters.get("model", {}))
+        """The ModelOptions of the run; choices that are younger than the file have their defaults.  A choice that was
+        removed is `joint_normals`."""
+        chosen = self.parameters.get("model", {})
+        return record_from(ModelOptions, {name: value for name, value in chosen.items() if name != "joints"})
+
+    @cached_property
+    def joint_normals(self):
+        """"face": a contact's normal is that of its face; "centres": the line between the centres of two cells, as YADE
+        had it before version 0.2, whose files name no software."""
+        then = "centres" if self.solver == "yade" and "masonry-damage" not in self.versions else "face"
+        found = self.parameters.get("model", {}).get("joints", then)
+        check_choice("joints", found, ("face", "centres"))
+        return found
 
     @cached_property
     def masonry_wall(self):
@@ -234,7 +243,8 @@ def read_history(path):
     if head is None or not head.sealed:
         return apart(path, _open)
     check_seal(path, head)
-    return _open(path)
+    with bounded() as believe:
+        return _open(path, believe)
 
 
 def _open(path, believe=lambda n_bytes: None):
@@ -257,7 +267,7 @@ def checked(history):
     check_values(history)
     check_parameters(history.parameters)
     # Parameters that make no sense are a fault of the file, to be told here and not in the midst of a command.
-    _ = history.loading.as_dict(), history.model, history.masonry_wall
+    _ = history.loading.as_dict(), history.model, history.joint_normals, history.masonry_wall
     return history
 
 

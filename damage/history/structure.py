@@ -3,12 +3,14 @@
 import h5py
 import numpy as np
 
+from damage.checks import is_plain_name
 from damage.errors import InputError
 from damage.history import schema
 
 PACKED = 1032
 """What deflate makes of a row of zeros: so many bytes of one."""
 _LONGEST_CHUNK = 65536  # rows
+_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
 _WORDS = ("solver", "wall", "command", "created_utc", "machine", "parameters_json", "versions_json")
 _LENGTHS = ("total_joint_length_m", "drift_height_m", "height_m", "length_m")
 
@@ -49,6 +51,9 @@ def _check_attributes(file):
     for name in _WORDS:
         if not isinstance(attributes.get(name), str):
             raise InputError(f"attribute {name} of run is {_plain(attributes.get(name))!r}, expected words")
+    if not is_plain_name(attributes["wall"]):  # files are named after it
+        raise InputError(f"attribute wall of run is {attributes['wall']!r:.80}, expected a name without slashes and "
+                         "control characters")
     for name in _LENGTHS:
         value = attributes.get(name)
         if not isinstance(value, (float, np.floating)) or not 0 < value < np.inf:
@@ -69,6 +74,10 @@ def _dataset(file, path):
         dataset = dataset[name]
     if not isinstance(dataset, h5py.Dataset) or dataset.is_virtual or dataset.external:
         raise InputError(f"{path} is no dataset of this file")
+    packing = dataset.id.get_create_plist()
+    other = {packing.get_filter(k)[0] for k in range(packing.get_nfilters())} - _FILTERS
+    if other:  # HDF5 would look for a plug-in
+        raise InputError(f"{path} is packed by HDF5 filter {min(other)}, expected gzip alone, shuffled or not")
     return dataset
 
 

@@ -27,6 +27,7 @@ from damage.errors import InputError, WriteError
 from damage.history import schema
 from damage.history.buffer import CHUNK, SNAPSHOT_SAMPLES, Buffer
 from damage.history.head import HEAD_BYTES, Head, head_of, seal, write_head
+from damage.provenance import shown_command
 
 _LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
 _LEVEL = 2  # of gzip
@@ -137,6 +138,8 @@ def _check_taken(path, overwrite):
     """Raise InputError where something is at `path` that stays there."""
     if path.is_dir():
         raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
+    if path.suffix != ".h5":  # the pictures' folder has the name without it, so that no two runs share one
+        raise InputError(f"--out {path}: expected a name that ends in .h5; give --out {path}.h5")
     if not path.exists():
         return
     if not overwrite:
@@ -174,7 +177,7 @@ def _lock(path, kind):
 
 def run_attributes(layout, solver, parameters, versions):
     """What a history says of its run, {name: words or number}; arguments as those of HistoryWriter."""
-    command = parameters.get("command") or " ".join(sys.argv)
+    command = parameters.get("command") or shown_command(sys.argv)
     parameters = {name: value for name, value in parameters.items() if name != "command"}
     versions = {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__,
                 "pandas": pd.__version__, "h5py": h5py.__version__, "hdf5": h5py.version.hdf5_version, **versions}

@@ -20,6 +20,8 @@ CRACK_COLOURS = JOINT_COLOURS | {"opened": VERMILLION}
 """As in the pictures, but for one that is darker: on a screen thin lines in orange are too faint."""
 CRACK_DASHES = {"opened": "solid", "slipped": "2px,2px", "both": "solid"}
 """Lines of cracked joints: what slipped is dotted, what did both is black between crosses."""
+ELASTIC = {"name": "elastic, cannot fail", "colour": JOINT_COLOURS["elastic"], "dash": "4px,3px", "pixels": 0.9}
+"""The line of joints that a lintel keeps elastic."""
 
 
 def over_time(runs):
@@ -68,12 +70,13 @@ def energy_lines():
 
 
 def states_legend():
-    """How cracked joints and energies are drawn: {"states": [{"code", "name", "colour", "dash"}], the gravest last,
-    "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's width, "energies"}."""
+    """How joints and energies are drawn: {"states": [{"code", "name", "colour", "dash"}] of cracked ones, the gravest
+    last, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's
+    width}."""
     words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [{"code": STATES.index(name), "name": label, "colour": CRACK_COLOURS[name], "dash": CRACK_DASHES[name]}
               for name, label in words.items()]
     uppers = (*LEGEND_WIDTHS_MM[1:], LEGEND_WIDTHS_MM[-1])
-    return {"states": states, "energies": energy_lines(), "widths": [
+    return {"states": states, "elastic": ELASTIC, "energies": energy_lines(), "widths": [
         {"from_mm": low, "pixels": round(float(PIXELS * line_width(MILLIMETRE * (low * high) ** 0.5)), 2)}
         for low, high in zip(LEGEND_WIDTHS_MM, uppers)]}

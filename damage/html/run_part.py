@@ -97,8 +97,8 @@ def _lines(history, index):
 def _moving_wall(history, chosen):
     """Arrays of the wall at the chosen samples, and what goes with them.
 
-    Of contact points only those that are not intact in all of them; displacements are those of the nearest snapshot,
-    none where none is near, in steps of a 32767th of the largest.
+    Of contact points only those that are not intact in all of them, and the elastic ones; displacements are those of
+    the nearest snapshot, none where none is near, in steps of a 32767th of the largest.
     """
     states = np.array([joint_states(history, sample) for sample in chosen])
     ever = np.flatnonzero((states != STATES.index("intact")).any(axis=0))
@@ -107,11 +107,14 @@ def _moving_wall(history, chosen):
     still = np.zeros((len(history.bodies), 3))
     motion = np.nan_to_num([still if snapshot is None else history.displacement[snapshot] for snapshot in near])
     places, step = quantised(motion)
-    joints, bodies = history.joints.iloc[ever], history.bodies
+    joints, bodies, ends = history.joints.iloc[ever], history.bodies, tributary_ends(history.joints)
+    elastic = np.setdiff1d(np.flatnonzero(history.joints["elastic"]), ever)
     arrays = {
         "x": bodies["x_m"].astype("f4"), "z": bodies["z_m"].astype("f4"), "length": bodies["length_m"].astype("f4"),
         "height": bodies["height_m"].astype("f4"), "cap": (bodies["course"] < 0).astype("u1"),
-        "ends": tributary_ends(history.joints)[ever].astype("f4").ravel(),
+        "ends": ends[ever].astype("f4").ravel(), "elastic_ends": ends[elastic].astype("f4").ravel(),
+        "elastic_first": history.joints["first_body"].iloc[elastic].astype("i4"),
+        "elastic_second": history.joints["second_body"].iloc[elastic].astype("i4"),
         "first": joints["first_body"].astype("i4"), "second": joints["second_body"].astype("i4"),
         "head": joints["kind"].isin(("head", "brick")).astype("u1"), "place": places.ravel(),
         "snapshot": np.array([snapshot is not None for snapshot in near], "u1"),
@@ -119,7 +122,7 @@ def _moving_wall(history, chosen):
         "width_um": np.nan_to_num(width / MICROMETRE).clip(0, np.iinfo("u2").max).round().astype("u2").ravel()}
     largest = motion[int(np.argmax(np.abs(motion[..., :2]).max(axis=(1, 2))))]
     return arrays, {"step": step.tolist(), "n_joints": len(history.joints), "n_ever": len(ever),
-                    "magnify": magnification(bodies, largest)}
+                    "n_elastic": len(elastic), "magnify": magnification(bodies, largest)}
 
 
 def _spans(time_s, chosen):
@@ -141,8 +144,8 @@ def in_words(part):
     return {
         "wall": f"Moving drawing of the {history.wall} wall, {history.attributes['length_m']:g} m long and "
                 f"{history.attributes['height_m']:g} m high. Of its {shown['n_joints']} contact points "
-                f"{shown['n_ever']} break in this run; the widest crack has "
-                f"{summary['max_crack_width_mm']:.3g} mm; the maximum DI is {summary['max']['DI']:.4f} at "
+                f"{shown['n_ever']} break in this run, {shown['n_elastic']} are elastic and cannot fail; the widest "
+                f"crack has {summary['max_crack_width_mm']:.3g} mm; the maximum DI is {summary['max']['DI']:.4f} at "
                 f"{shown['at_max']:.3f} s. The line below says what it shows.",
         "hysteresis": f"Base shear against drift ratio: {spans}.",
         "energy": f"Energies over time: input {summary['input_energy_j']:.4g} J at the end, friction took "

@@ -16,10 +16,12 @@ from damage.html.tables import cell
 from damage.measure.columns import read_table, slip_criteria
 from damage.paper.report import overview_table
 from damage.paper.verdict import HOLDS, UNJUDGED, judge
+from damage.provenance import shown_path
 from damage.studies.definition import load_study
 from damage.studies.fragility import fit_all, fragility_table, load_runs
 from damage.studies.fragility_picture import fragility_pictures
 from damage.studies.results import NEEDED
+from damage.studies.states import leading
 
 COLUMNS = ("solver", "wall", "motion", "members", "status", "collapsed", "pga_g", "pgv_m_s", "max_DI", "residual_DI",
            "max_drift_ratio", "residual_drift_ratio", "max_crack_width_mm", "max_psi", "peak_base_shear_n",
@@ -72,7 +74,7 @@ def study_part(folder, letters):
              for name in told]
     about = _about(folder)
     return {"name": str(about.get("name") or folder.resolve().name), "title": str(about.get("title") or ""),
-            "folder": folder.as_posix(), "shared": [(name, cell(_plain(points[name].iloc[0]))[0]) for name in shared],
+            "folder": shown_path(folder), "shared": [(name, cell(_plain(points[name].iloc[0]))[0]) for name in shared],
             "first": said_first(folder, summary, points), "heads": heads,
             "rows": [_point(row, told, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
             "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder)}
@@ -186,12 +188,13 @@ def _fragility(folder):
     """Curves, figures and bounds of a study with scattered strengths, None of another."""
     try:
         runs = load_runs(folder)
-        fits = fit_all(runs, "pga_g", REPLICATES)
+        intensity = leading(runs)
+        fits = fit_all(runs, intensity, REPLICATES)
     except InputError:
         return None
-    table = fragility_table(fits, "pga_g")
+    table = fragility_table(fits, intensity)
     return {"heads": list(table), "rows": [[cell(_plain(value)) for value in row] for row in table.to_numpy(object)],
-            "figures": list(starmap(_drawn, fragility_pictures(runs, fits)))}
+            "figures": list(starmap(_drawn, fragility_pictures(runs, fits, intensity)))}
 
 
 def _drawn(name, figure):

@@ -4,13 +4,14 @@ The tables of `docs/measures.md` are these; `damage.measure.tables.summary_row` 
 them up by point.
 """
 
+import math
 import re
 import warnings
 from dataclasses import fields
 
 import pandas as pd
 
-from damage.checks import check_file
+from damage.checks import check_file, is_plain_name
 from damage.errors import InputError
 from damage.files import LONGEST_LINE
 from damage.history.schema import Column
@@ -67,6 +68,8 @@ PARAMETERS = {
     "shocks": Column("1", "how many, of a sequence"),
     "motion_duration_s, rest_s": Column("s", "of the base's motion, and of the free vibration after it"),
     **_model(seeds=False),
+    "joints": Column("", "face: joints keep their face's normal; centres: they lean with the centres of cells, in YADE "
+                     "before 0.2"),
     "alpha_1_s, beta_s": Column("1/s, s", "damping proportional to mass, and to stiffness"),
     "perturb_m": Column("m", "size of the bricks' random offsets"),
     "scatter": Column("1", "coefficient of variation of the strengths, by which the members of an ensemble differ"),
@@ -77,6 +80,10 @@ PARAMETERS = {
                    "accumulated of a history without offsets"),
     "psi_from_mm": Column("mm", "width from which a crack counts in crack widths and Psi"),
     "total_joint_length_m": Column("m", "of all contact points, bricks' cuts left out"),
+    "elastic_joint_share": Column("1", "length of joints that are elastic by `lintel` and cannot fail, over the length "
+                                  "of all joints"),
+    "elastic_joint_share_above_openings": Column("1", "the same share of the courses above openings, along the whole "
+                                                 "wall; empty without openings"),
 }
 """What all runs of a point share."""
 RUN = {
@@ -91,6 +98,8 @@ MADE_BY = {
     "software": Column("", "version of this software, `unknown` of a run before 0.2"),
     "commit": Column("", "of its repository; `changed` where the tree differed"),
     "model_digest": Column("", "of the code of the model in this solver: runs with equal ones can be compared"),
+    "measures_digest": Column("", "of the code of index and measures, which made the row: rows with equal ones can be "
+                              "compared"),
 }
 """What made a run; of a point, all that its runs have."""
 MEASURES = {
@@ -159,6 +168,17 @@ def each(columns):
         units = units if len(units) == len(singles) else [column.unit] * len(singles)
         found |= {name: column._replace(unit=unit) for name, unit in zip(singles, units)}
     return found
+
+
+def bounds_of(name):
+    """(least, most) that a number can be in a column of this name; infinite where that is open.
+
+    >>> bounds_of("max_accumulated_DI_slip"), bounds_of("max_slip_mm"), bounds_of("residual_drift_ratio")
+    ((0.0, 1.0), (0.0, inf), (-inf, inf))
+    """
+    if name.endswith(COMPONENTS):
+        return 0.0, 1.0
+    return (0.0 if name.startswith(("max_", "peak_")) else -math.inf), math.inf
 
 
 def unit_in(name):
@@ -237,3 +257,12 @@ def read_table(path, needed=()):
         raise InputError(f"{path} has no column {lacking[0]}; expected the tables of a study of this version, run it "
                          "again with ./run_all.sh, or make them anew: python3 -m damage tables summary")
     return table
+
+
+def check_names(table, path):
+    """Raise InputError where a run or a wall of a table has a name that files cannot be called after; path: of it."""
+    for name in sorted({"run", "wall"} & set(table)):
+        odd = [word for word in table[name].dropna().astype(str).unique() if not is_plain_name(word)]
+        if odd:
+            raise InputError(f"{path}: {name} {odd[0]!r:.80}: expected a name without slashes and control characters; "
+                             "take another copy of the table")

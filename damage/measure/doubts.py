@@ -1,5 +1,7 @@
 """What is odd about a run, so that a reader may doubt its numbers: a line each."""
 
+from damage.wall.lintel import warn_of_share
+
 AT_REST = 1e-5
 """Unbalanced force below which the static stage is over [-]."""
 ENERGY_ERROR, ENERGY_FAILURE = 0.03, 1.0
@@ -10,9 +12,11 @@ up to 0.25 and 0.016; the bounds lie above the standing walls, and where the err
 """
 
 
-def doubts(history, energy_error):
-    """What is odd about a History, whose energy error is given, None where it has none: a list of str."""
-    return [*static_doubts(history), *energy_doubts(energy_error), *offset_doubts(history)]
+def doubts(history, energy_error, share):
+    """What is odd about a History, whose energy error, None where it has none, and damage.wall.lintel.ElasticShare are
+    given: a list of str."""
+    return [*static_doubts(history), *energy_doubts(energy_error), *offset_doubts(history), *normal_doubts(history),
+            *warn_of_share(share)]
 
 
 def static_doubts(history):
@@ -40,3 +44,11 @@ def offset_doubts(history):
         return []
     return ["the history has no offsets of its joints (schema version 1 or 2): slip by displacement is judged by "
             "accumulated, in crack widths and Psi, too; for offsets run the wall again"]
+
+
+def normal_doubts(history):
+    """What is said of a run in YADE whose joints leant."""
+    if history.joint_normals == "face":
+        return []
+    return ["joints between the centres of cells, as in YADE before version 0.2: a joint that slides leans; this "
+            "version has joints by face alone"]

@@ -12,6 +12,7 @@ from damage.measure.limits import classes
 from damage.measure.motion import motion_measures
 from damage.measure.pushed import first_loading
 from damage.measure.vibration import period_of
+from damage.wall.lintel import elastic_share
 
 
 def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM):
@@ -30,6 +31,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         over_time = history.index(threshold, drift_limit, criterion)[list(COMPONENTS)]
         index |= {f"max{ending}": over_time.max().to_dict(),
                   f"residual{ending}": over_time.iloc[-1].to_dict() if history.complete else None}
+    elastic = elastic_share(history.masonry_wall, history.joints, history.bodies)
     max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
     cracks = psi_summary(history, psi_from)
     # Where YADE drives the top, the damping energy of the motion is what closes the balance: it tells no error.
@@ -41,6 +43,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "slip": history.judged_by(slip), **index, "max_drift_ratio": max_drift_ratio,
         "residual_drift_ratio": float(series["drift_ratio"].iloc[-1]) if history.complete else None,
         "total_joint_length_m": float(history.joint_length_m.sum()),
+        "elastic_joint_share": elastic.of_all, "elastic_joint_share_above_openings": elastic.above_openings,
         "peak_base_shear_n": float(np.abs(series["base_shear_n"]).max()),
         "max_opening_mm": _largest(told.opening_m) * 1e3,
         "max_slip_mm": _largest(told.slip_m) * 1e3,
@@ -49,7 +52,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "crushed_length_m": float(history.joint_length_m[crushed].sum()),
         "split_length_m": float((history.joints["length_m"] - history.joint_length_m).iloc[broken].sum()),
-        "energy_error_fraction": energy_error, "warnings": doubts(history, energy_error),
+        "energy_error_fraction": energy_error, "warnings": doubts(history, energy_error, elastic),
         **motion_measures(history), "period_s": period_of(history), **first_loading(history),
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),

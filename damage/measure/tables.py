@@ -23,6 +23,7 @@ from damage.measure.cycles import cycles_table, index_by_all
 from damage.measure.motion import motion_measures
 from damage.measure.summary import summarise
 from damage.motion.intensity import APPLIED
+from damage.provenance import measures_digest
 from damage.units import GRAVITY, MILLIMETRE
 
 
@@ -39,12 +40,13 @@ def summary_row(history, run="", point=""):
         del numbers[key]  # status and the columns say it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
-    row |= _motion_columns(history) | asdict(history.model) | {name: history.parameters.get(name) for name in (
+    row |= _motion_columns(history) | asdict(history.model) | {"joints": history.joint_normals}
+    row |= {name: history.parameters.get(name) for name in (
         "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "time_step_s", "eigen_period_s")}
     joint = history.masonry_wall.joint
     row |= {f"{name}_j_m2": getattr(joint, name) or 0.0
             for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
-    row |= made_by(history)
+    row |= made_by(history) | {"measures_digest": measures_digest()}
     for key, value in numbers.items():
         if re.fullmatch(r"(max|residual)(_accumulated|_shear_limit)?", key):
             row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}

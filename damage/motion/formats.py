@@ -63,7 +63,8 @@ def read_record(path, response=None) -> Record:
     """Read one component of acceleration from a CSV, PEER AT2 or miniSEED file.
 
     The suffix decides (.csv, .at2, .mseed), or the content where it says nothing. `response` is
-    the StationXML of a miniSEED file; without it NET.STA.xml beside the file is taken.
+    the StationXML of a miniSEED file; without it NET.STA.xml beside the file is taken. The record holds the SHA-256
+    of every file that was read: a format that reads further ones names theirs in `beside_sha256`.
     """
     data = _content(path)
     if Path(path).suffix.lower() in (".mseed", ".miniseed", ".msd") or _MINISEED_START.match(data):
@@ -195,7 +196,7 @@ def _read_miniseed(path, data: bytes, response) -> Record:
     obspy = _obspy(path)
     trace = _only_trace(obspy, path, data)
     beside = Path(path).parent / f"{trace.stats.network}.{trace.stats.station}.xml"
-    sensitivity = _sensitivity(obspy, Path(response) if response else beside, trace)
+    sensitivity, station_sha256 = _sensitivity(obspy, Path(response) if response else beside, trace)
     counts = trace.data.astype(np.float64)
     quiet = round(QUIET_S / trace.stats.delta)
     if counts.size < quiet:
@@ -204,7 +205,7 @@ def _read_miniseed(path, data: bytes, response) -> Record:
     with np.errstate(over="ignore"):  # an infinite sample is refused with its number
         acceleration = (counts - counts[:quiet].mean()) / sensitivity
     start_utc = str(trace.stats.starttime)
-    return Record(trace.id, trace.stats.delta, acceleration, start_utc, str(path))
+    return Record(trace.id, trace.stats.delta, acceleration, start_utc, str(path), beside_sha256=(station_sha256,))
 
 
 def _obspy(path):
@@ -249,8 +250,8 @@ def _stream(obspy, data: bytes):
     return stream
 
 
-def _sensitivity(obspy, station_xml: Path, trace) -> float:
-    """Overall sensitivity of the trace's instrument [counts per m/s2]."""
+def _sensitivity(obspy, station_xml: Path, trace) -> tuple[float, str]:
+    """Overall sensitivity of the trace's instrument [counts per m/s2], and the SHA-256 of the file that gives it."""
     if not station_xml.is_file():
         raise InputError(f"{station_xml}: no such file; expected the StationXML of {trace.id} there,"
                          " or another path given as response")
@@ -262,7 +263,7 @@ def _sensitivity(obspy, station_xml: Path, trace) -> float:
     if units not in ACCELERATION_UNITS:
         raise InputError(f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
                          " in counts per M/S**2, give an acceleration channel")
-    return found.value
+    return found.value, hashlib.sha256(text).hexdigest()
 
 
 def without_entities(xml: bytes) -> bytes:

@@ -1,7 +1,7 @@
 """Intensity measures of a ground-motion record.
 
-Each function measures the record as it is given; `summary` filters where the custom is to filter, `applied_measures` is
-of the motion that a run applied and filters nothing.
+Every function measures the record as it is given and filters nothing.  To filter, pass what
+`damage.motion.record.band_passed` returns.
 """
 
 import math
@@ -11,7 +11,7 @@ import numpy as np
 from scipy import integrate, signal
 
 from damage.errors import InputError
-from damage.motion.record import Record, band_passed
+from damage.motion.record import Record
 from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = (0.06, 0.08, 0.1, 0.15, 0.2, 0.25, 0.33, 0.5, 1.0)
@@ -23,11 +23,8 @@ AVERAGE_PERIODS_S = tuple(np.geomspace(0.01, 1.0, 10))
 APPLIED = ("pgv_m_s", "avg_sa_g", "sa_eigen_period_g", "arias_m_s", "d5_75_s", "d5_95_s")
 """Keys of `applied_measures`."""
 
-BAND_HZ = (0.1, 40.0)
-"""Band of the filter before PGV, Arias intensity and durations [Hz]."""
-
-HIGHEST_CORNER = 0.8
-"""Upper limit of the filter's high corner, as a share of half the sampling rate."""
+MOST_END_VELOCITY = 0.2
+"""Largest velocity at a motion's end, as a share of PGV, that `describe` passes over."""
 
 POINTS_PER_PERIOD = 100
 """Instants a period at which an oscillator's peak is sought: misses 1 - cos(pi/100) < 0.05 %."""
@@ -42,14 +39,8 @@ def pga_g(record: Record) -> float:
 
 
 def pgv_cm_s(record: Record) -> float:
-    """Peak ground velocity, from rest at the first sample [cm/s].
-
-    Midpoint rule: a sample stands for the step around it, the velocities are those half a step
-    after the samples. On motion of frequency f its error is (pi f step)^2 / 6, half that of the
-    trapezoidal rule and of the other sign.
-    """
-    velocity_m_s = np.cumsum(record.acceleration_m_s2) * record.time_step_s
-    return 100.0 * float(np.abs(velocity_m_s).max())
+    """Peak ground velocity as `pgv_m_s` has it [cm/s]."""
+    return 100.0 * pgv_m_s(record)
 
 
 def pgv_m_s(record: Record) -> float:
@@ -191,30 +182,57 @@ def _ramp_weights(exponent: complex, elapsed_s: float) -> tuple[complex, complex
     return elapsed_s * growth / exponent, elapsed_s * (growth - exponent) / exponent**2
 
 
-def summary(record: Record) -> dict:
-    """Intensity measures under the keys of the command line's JSON.
+def end_velocity_m_s(record: Record) -> float:
+    """Velocity of the base at the last sample, from rest at the first [m/s].
 
-    PGA [g], AvgSa [g] and the 5 % spectrum [g] are of the record as it is; PGV [cm/s], Arias intensity [m/s]
-    and the durations [s] after a zero-phase 4th-order Butterworth of 0.1-40 Hz, its high corner at
-    80 % of half the sampling rate where that is less.
+    It is 0 for a motion that comes to rest.  A baseline that is off and a window that cuts the motion leave more.
     """
-    low_hz, high_hz = BAND_HZ
-    high_hz = min(high_hz, HIGHEST_CORNER * 0.5 / record.time_step_s)
-    filtered = band_passed(record, low_hz, high_hz)
+    return float(integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
+
+
+def summary(record: Record) -> dict:
+    """Intensity measures of a record as it is, under the keys of the command line's JSON.
+
+    PGA [g], PGV and the velocity at the end [cm/s], Arias intensity [m/s], durations [s], AvgSa [g] and the 5 %
+    spectrum [g], {period [s]: ordinate}.  Those in APPLIED are the ones that a run with this motion has.
+    Raises InputError for a record without motion.
+    """
     spectrum_g = response_spectrum(record, SPECTRUM_PERIODS_S)
     return {
         "pga_g": pga_g(record),
-        "pgv_cm_s": pgv_cm_s(filtered),
-        "arias_m_s": arias_m_s(filtered),
-        "d5_75_s": significant_duration_s(filtered, 0.05, 0.75),
-        "d5_95_s": significant_duration_s(filtered, 0.05, 0.95),
-        "avg_sa_g": avg_sa_g(record),
+        "pgv_cm_s": pgv_cm_s(record),
+        "end_velocity_cm_s": 100.0 * end_velocity_m_s(record),
+        "arias_m_s": arias_m_s(record),
+        "d5_75_s": significant_duration_s(record, 0.05, 0.75),
+        "d5_95_s": significant_duration_s(record, 0.05, 0.95),
+        "avg_sa_g": avg_sa_g(rested(record, AVERAGE_PERIODS_S[-1])),
         "sa_g": {str(t): float(g) for t, g in zip(SPECTRUM_PERIODS_S, spectrum_g, strict=True)},
     }
 
 
-def describe(measures: dict) -> str:
-    """A `summary` as lines for people."""
-    lines = [f"{name:12s}{value:10.4f}" for name, value in measures.items() if name != "sa_g"]
-    return "\n".join([*lines, *(f"sa_g({period} s){value:>{19 - len(period) - 5}.4f}"
-                                for period, value in measures["sa_g"].items())])
+def motion_summary(loading) -> dict:
+    """The `summary` of a `damage.motion.loading.Recorded` as a run applies it, with what prepared it.
+
+    Beside the measures: "motion", its name; "gravity_m_s2", 1 g; "scale", "window_s", "baseline_order" and "band_hz" as
+    given; "filtered", the names of the measures that are of a band-passed motion: all of them or none.
+    """
+    measures = summary(loading.applied())
+    return {"motion": loading.name, "gravity_m_s2": GRAVITY, "scale": loading.scale, "window_s": loading.window_s,
+            "baseline_order": loading.baseline_order, "band_hz": loading.band_hz,
+            "filtered": [] if loading.band_hz is None else list(measures), **measures}
+
+
+def describe(found: dict) -> str:
+    """A `motion_summary` as lines for people."""
+    names = list(found)
+    measures = {name: found[name] for name in names[names.index("filtered") + 1:] if name != "sa_g"}
+    filtered = "no measure (--band LOW_HZ HIGH_HZ filters)" if found["band_hz"] is None else \
+        "all measures, zero-phase band-pass {:g} to {:g} Hz".format(*found["band_hz"])
+    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2", f"filtered: {filtered}"]
+    lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
+    lines += [f"sa_g({period} s){value:>{28 - len(period) - 8}.4f}" for period, value in found["sa_g"].items()]
+    if abs(found["end_velocity_cm_s"]) > MOST_END_VELOCITY * found["pgv_cm_s"]:
+        lines.append("note: the base still moves when the motion ends; PGV, Arias intensity and durations include what "
+                     "the baseline or the window adds (--baseline ORDER, --band LOW_HZ HIGH_HZ and another --window "
+                     "change it)")
+    return "\n".join(lines)

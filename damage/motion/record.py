@@ -27,6 +27,7 @@ class Record:
     start_utc: time of the first sample in ISO 8601, UTC, or "".
     source: path of the file as it was given, or "".
     sha256: checksum of that file's bytes when it was read, or "".
+    beside_sha256: those of every other file that was read with it, as a StationXML.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Record:
     start_utc: str = ""
     source: str = ""
     sha256: str = ""
+    beside_sha256: tuple[str, ...] = ()
 
     def __post_init__(self):
         where = self.source or self.name or "record"

@@ -6,6 +6,7 @@ from pathlib import Path
 import numba
 
 from damage.errors import one_line
+from damage.provenance import shown_path
 from damage.reference.solver import ReferenceSolver
 from damage.run.session import EXIT_INPUT, Backend, run_session
 from damage.run.settings import Softening
@@ -25,4 +26,4 @@ def run_reference(arguments):
         return EXIT_INPUT
     if wall.startswith("-"):
         wall, options = "walls/NAME.py", ["--help"]
-    return run_session(BACKEND, wall, lambda: load_wall(wall), options, prog=f"{PROG} {wall}")
+    return run_session(BACKEND, wall, lambda: load_wall(wall), options, prog=f"{PROG} {shown_path(wall)}")

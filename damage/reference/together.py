@@ -6,6 +6,7 @@ so, those that are to go equally far are moved as lanes of one block.  Nothing o
 
 from damage.history.writer import HistoryWriter
 from damage.memory import hold_buffers
+from damage.provenance import shown_path
 from damage.reference.lanes import MOST_LANES, are_alike, run_together
 from damage.reference.session import BACKEND, PROG
 from damage.reference.settled import SettledWalls
@@ -51,7 +52,7 @@ def _run_group(lines, histories, settled):
     prepared, statuses = {}, {}
 
     def begin(name, wall, words):
-        settings = parse_run(words, prog=f"{PROG} {wall}", solver=BACKEND.name)
+        settings = parse_run(words, prog=f"{PROG} {shown_path(wall)}", solver=BACKEND.name)
         write = histories.get(name, HistoryWriter)
         prepared[name] = prepare(BACKEND, wall, lambda: load_wall(wall), settings, write)
         if name in histories:

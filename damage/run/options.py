@@ -12,8 +12,13 @@ from damage.errors import InputError
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
+from damage.provenance import shown_command
 from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, STEPS, RunSettings, rayleigh_factors
 from damage.wall.parameters import ModelOptions
+from damage.wall.plausible import ACCEPT
+
+WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someone else before you use it."
+"""For the help of every command that takes one."""
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -56,15 +61,16 @@ def parse_run(arguments, prog, solver):
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed,
-        past_collapse_s=getattr(parsed, "past_collapse", 0.0), step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
+        past_collapse_s=getattr(parsed, "past_collapse", 0.0), accept_implausible=parsed.accept_implausible,
+        step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
-        command=" ".join([prog, *arguments]), model=model_of(parsed))
+        command=f"{prog} {shown_command(arguments)}".strip(), model=model_of(parsed))
 
 
 def make_parser(prog, solver):
     """The parser of a run's command line."""
     parser = OneLineParser(prog=prog, allow_abbrev=False, description=(
-        f"Shake one wall ({solver} solver) and write its history, summary and pictures."))
+        f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
     _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
     _add_model(parser.add_argument_group("model"), solver)
@@ -78,16 +84,21 @@ def _add_motion(group):
                        "drift of --cyclic (default 2)")
     group.add_argument("--record", type=file_path, metavar="FILE",
                        help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
-    group.add_argument("--scale", type=float, help="factor on the record (default 1)")
-    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
+    add_preparation(group)
     group.add_argument("--vertical", type=file_path, metavar="FILE", help="the record's vertical component")
-    group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
-    group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
-                       help="band-pass the record, 4th order Butterworth, zero phase")
     group.add_argument("--free-vibration", action="store_true", default=None,
                        help="no base motion: start in the first mode with 1 mm/s at the top")
     group.add_argument("--sequence", metavar="F,F,...", help="shake the same wall again and again: the harmonic "
                        "or recorded motion times each factor, with rest and settling after each (default 1)")
+
+
+def add_preparation(group):
+    """Add the options that prepare a record to a parser, or a group of one; `recorded` reads them."""
+    group.add_argument("--scale", type=float, help="factor on the record (default 1)")
+    group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
+    group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
+    group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
+                       help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)")
 
 
 def _add_push(group):
@@ -116,8 +127,19 @@ def model_of(parsed):
     return ModelOptions(**{one.name: getattr(parsed, one.name) for one in fields(ModelOptions) if one.name in parsed})
 
 
+def _face(word):
+    """The type of --joints, which had a second choice until version 0.2."""
+    if word != "face":
+        raise argparse.ArgumentTypeError(f"{word}: expected face; joints between the centres of cells were removed in "
+                                         "version 0.2, version 0.1 has them; leave the option out")
+    return word
+
+
 def _add_model(group, solver):
-    add_model_options(group, [one.name for one in fields(ModelOptions) if solver in one.metadata["solvers"]])
+    add_model_options(group, [one.name for one in fields(ModelOptions)])
+    if solver == "yade":
+        group.add_argument("--joints", default="face", type=_face, metavar="face",
+                           help="joints keep their face's normal: since version 0.2 the only choice")
     group.add_argument("--beta", type=float, metavar="S", help="stiffness-proportional damping (default 0, and "
                        f"{SOFTENING_BETA_S:g} where joints soften)")
     if solver == "reference":
@@ -131,12 +153,19 @@ def _add_model(group, solver):
     group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "
                        "for ensembles: coefficient of variation (default 0)")
     group.add_argument("--seed", type=int, default=0, help="of the random offsets and the scatter (default 0)")
+    add_accept(group)
+
+
+def add_accept(group):
+    """Add the option that accepts implausible values to a parser, or a group of one."""
+    group.add_argument(ACCEPT, action="store_true", help="take the values of the wall and the motion as given, even "
+                       "where they look like a wrong unit (docs/ranges.md)")
 
 
 def _add_run(group, solver):
     group.add_argument("--out", type=file_path, metavar="FILE.h5", help="the history "
                        "(default: a free name below results/)")
-    group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5")
+    group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
     group.add_argument("--rest", type=float, default=2.0, metavar="S",
                        help="free vibration after the motion (default 2)")
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
@@ -169,7 +198,7 @@ def _loading(parsed):
         if getattr(parsed, option) is not None and motion not in owners:
             raise InputError(f"--{option} belongs to --{' or --'.join(owners)}, not to "
                              f"--{motion.replace('_', '-')}; leave it out")
-    return {"harmonic": _harmonic, "record": _recorded, "free_vibration": lambda parsed: FreeVibration(),
+    return {"harmonic": _harmonic, "record": recorded, "free_vibration": lambda parsed: FreeVibration(),
             "pushover": _pushed, "cyclic": _pushed}[motion](parsed)
 
 
@@ -212,10 +241,11 @@ def _pushed(parsed):
                            **_given(cycles=parsed.cycles), **more)
 
 
-def _recorded(parsed):
-    record = read_record(parsed.record)
+def recorded(parsed):
+    """The Recorded motion of parsed options: `record`, those of `add_preparation`, and `vertical` where offered."""
+    record, vertical = read_record(parsed.record), getattr(parsed, "vertical", None)
     return Recorded(
-        record, vertical=aligned_with(read_record(parsed.vertical), record) if parsed.vertical else None,
+        record, vertical=aligned_with(read_record(vertical), record) if vertical else None,
         **_given(scale=parsed.scale, window_s=parsed.window and tuple(parsed.window), baseline_order=parsed.baseline,
                  band_hz=parsed.band and tuple(parsed.band)))
 
@@ -230,6 +260,11 @@ def free_name(wall, settings, solver, folder="results"):
         stem = f"{stem[:_LONGEST_STEM // 4 - 9]}_{hashlib.sha256(stem.encode()).hexdigest()[:8]}"
     while True:
         path = Path(folder) / f"{stem}{'' if count == 1 else f'_{count}'}.h5"
-        if not path.exists():
+        if not path.exists() and not (settings.pictures and pictures_folder(path).exists()):
             return path
         count += 1
+
+
+def pictures_folder(path):
+    """Folder for the pictures of a run whose history is FILE.h5: FILE beside it."""
+    return path.with_suffix("")

@@ -2,9 +2,11 @@
 
 import sys
 
-from damage.errors import one_line
+from damage.errors import InputError, one_line
 from damage.measure.doubts import static_doubts
 from damage.measure.summary import summarise
+from damage.run.options import pictures_folder
+from damage.wall.lintel import ElasticShare, describe_share
 
 
 def report(history, pictures=True):
@@ -24,12 +26,19 @@ def report(history, pictures=True):
         try:
             from damage.draw.run import save_all
 
-            folder = path.with_suffix("")
-            for picture in save_all(history, folder):
+            for picture in save_all(history, pictures_folder(path)):
                 print(f"picture: {picture}")
         except Exception as error:
             print(f"warning: the history is whole, its pictures failed ({one_line(error)}); "
-                  f"try: python3 -m damage plot {path} --out {path.with_suffix('')}", file=sys.stderr)
+                  f"try: python3 -m damage plot {path} --out {pictures_folder(path)}", file=sys.stderr)
+
+
+def check_pictures(path, overwrite=False):
+    """Raise InputError where pictures of a new run with the history `path` would go among what is there already."""
+    folder = pictures_folder(path)
+    if not overwrite and folder.is_dir() and next(folder.iterdir(), None) is not None:
+        raise InputError(f"{folder} is not empty, and the pictures of {path.name} would go there: give another --out, "
+                         "--no-pictures, or --overwrite to replace what has their names")
 
 
 def warn(warnings):
@@ -50,6 +59,8 @@ def describe(summary):
                        ("residual_shear_limit", "residual, shear limit")):
         if summary[key] is not None:
             lines.append(f"{label:22s}" + "".join(f"{value:8.4f}" for value in summary[key].values()))
+    lines.append(describe_share(ElasticShare(summary["elastic_joint_share"],
+                                             summary["elastic_joint_share_above_openings"])))
     lines.append(f"drift ratio up to {100 * summary['max_drift_ratio']:.4f} %, base shear up to "
                  f"{summary['peak_base_shear_n'] / 1e3:.2f} kN, opening up to "
                  f"{summary['max_opening_mm']:.3f} mm, "

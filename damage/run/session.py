@@ -17,15 +17,15 @@ from damage.measure.doubts import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures
 from damage.provenance import file_origin, versions
+from damage.run.opening import opening_lines
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
-from damage.run.report import report
+from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, choose_time_step, softening_warnings
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import take_turns
 from damage.start import is_of_output
-from damage.wall.caps import describe_top
 from damage.wall.layout import Layout, lay_out
 from damage.wall.modes import Modes, natural_modes
 
@@ -129,6 +129,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to be no file.
     """
     wall = make_wall()
+    settings.check_plausible(wall)
     if wall.joint.softens and not backend.softening:
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
                          "not know; leave them out, or use the reference solver: python3 -m damage reference")
@@ -136,6 +137,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
+    if settings.pictures:
+        check_pictures(out, settings.overwrite)
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
     settings.check_offsets(layout.contacts)
     modes = natural_modes(layout)
@@ -144,7 +147,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     if wall.joint.softens:
         for warning in softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening):
             print(f"warning: {warning}", file=sys.stderr)
-    _announce(layout, settings, modes, time_step)
+    print(*opening_lines(layout, settings.loading, modes, time_step), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
@@ -153,16 +156,6 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                    versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
     print(f"history: {writer.where}", flush=True)
     return Prepared(backend, settings, layout, modes, time_step, writer)
-
-
-def _announce(layout, settings, modes, time_step):
-    wall = layout.wall
-    print(f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses} courses, "
-          f"{layout.n_bricks} bricks, {layout.n_joints} contact points on "
-          f"{layout.total_joint_length:.2f} m of joints\n" + "\n".join(describe_top(layout)) + "\n"
-          f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
-          f"({time_step / modes.critical_time_step_s:.2f} of the critical)\n"
-          f"motion: {settings.loading.name}", flush=True)
 
 
 @contextmanager

@@ -10,8 +10,10 @@ from damage.checks import check_range, check_whole
 from damage.errors import InputError
 from damage.index import THRESHOLD
 from damage.motion.loading import HIGHEST_G
+from damage.motion.plausible import implausible_peak
 from damage.motion.record import MOST_SCALE
 from damage.wall.parameters import MOST_SEED, ModelOptions
+from damage.wall.plausible import ACCEPT, check_plausible
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
@@ -56,8 +58,8 @@ class RunSettings:
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
     by it the members of an ensemble differ; past_collapse_s: how long bodies are followed after the first brick fell
-    [s]; step: one of STEPS; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors only; command:
-    what asked for it.
+    [s]; accept_implausible: do not check whether the wall and the motion are plausible; step: one of STEPS; out: history
+    file, None for a name of its own below `results/`; quiet: print warnings and errors only; command: what asked for it.
     """
 
     loading: object
@@ -72,6 +74,7 @@ class RunSettings:
     scatter: float = 0.0
     seed: int = 0
     past_collapse_s: float = 0.0
+    accept_implausible: bool = False
     step: str = "fast"
     out: Path | None = None
     overwrite: bool = False
@@ -100,10 +103,23 @@ class RunSettings:
         if self.duration_s > LONGEST_S:
             raise InputError(f"a run of {self.duration_s:.6g} s: expected up to {LONGEST_S:g} s, a million samples; "
                              "give a shorter motion, fewer --cycles or shocks, or a shorter --rest")
-        peak_g = self.loading.peak_g * max(map(abs, self.sequence))
-        if peak_g > HIGHEST_G:
-            raise InputError(f"a base motion of up to {peak_g:.3g} g: expected up to {HIGHEST_G:g} g; give a smaller "
-                             "--scale or --sequence, or look at the record's unit")
+        if self.peak_g > HIGHEST_G:
+            raise InputError(f"a base motion of up to {self.peak_g:.3g} g: expected up to {HIGHEST_G:g} g; give a "
+                             "smaller --scale or --sequence, or look at the record's unit")
+
+    @property
+    def peak_g(self):
+        """Largest acceleration of the base, at the largest factor of the sequence [g]."""
+        return self.loading.peak_g * max(map(abs, self.sequence))
+
+    def check_plausible(self, wall):
+        """InputError where a damage.Wall or the motion has values that are beyond those of masonry and earthquakes,
+        unless they are accepted."""
+        if self.accept_implausible:
+            return
+        check_plausible(wall)
+        if told := implausible_peak(self.peak_g):
+            raise InputError(f"{told}. Correct the unit, or accept all values as given: {ACCEPT}")
 
     def check_offsets(self, contacts):
         """InputError where the bricks' offsets come near what breaks a joint of a damage.wall.layout.Contacts."""

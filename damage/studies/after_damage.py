@@ -9,7 +9,8 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.measure.columns import read_table
-from damage.studies.fragility import INTENSITIES, LEVELS, fragility
+from damage.studies.fragility import fragility
+from damage.studies.states import INTENSITIES, STATES, check_states
 
 BEFORE = {"undamaged": (0.0, 0.25), "Psi about 0.5": (0.25, 0.75), "Psi about 1": (0.75, 1.25),
           "Psi about 1.5": (1.25, 1.75)}
@@ -20,19 +21,23 @@ _SQUARED = ("arias_m_s",)
 """Intensities that go with the square of the motion."""
 
 
-def load_shocks(runs, folder):
+def load_shocks(runs, folder, states=STATES):
     """Every shock of runs (rows of a study's summary.csv) as a row like theirs, with `shock`, `psi_before` [-] and its
     class `before`, a word of BEFORE, else "more".
 
     Measures are those within the shock, intensities its own: the run's, of its strongest shock, by the factors.  What
     several runs share, as the first shock of all that differ by the second one, counts once.
-    folder: the study's, with tables/shocks.csv.  InputError where there is no sequence, or a run's shocks are missing.
+    folder: the study's, with tables/shocks.csv; states: of whose measures there are columns in it.  InputError where
+    there is no sequence, or a run's shocks or a measure are missing.
     """
     path, rows, known = folder / "tables" / "shocks.csv", [], set()
     if not path.is_file():
         raise InputError(f"{folder} holds no tables/shocks.csv; expected a study of sequences, as "
                          "studies/aftershocks.toml, summed up by this version: run ./run_all.sh again")
-    by_run = dict(list(read_table(path, ("run", "shock", "factor", "end_s", *LEVELS, "residual_psi")).groupby("run")))
+    measures = list(dict.fromkeys(state.measure for state in states))
+    shocks = read_table(path, ("run", "shock", "factor", "end_s", "residual_psi"))
+    check_states(shocks.assign(collapsed_at_s=0.0), states, "shocks.csv")  # a wall that fell lacks its last shocks
+    by_run = dict(list(shocks.groupby("run")))
     for _, run in runs[runs["shocks"] > 1].iterrows():
         if run["run"] not in by_run:
             raise InputError(f"{path} lacks the shocks of {run['run']}; expected those of every run, run "
@@ -43,14 +48,14 @@ def load_shocks(runs, folder):
         for (_, shock), psi in zip(table.iterrows(), before):
             factor = abs(shock["factor"]) / strongest
             so_far = table["factor"][table["shock"] <= shock["shock"]] * (run["pga_g"] / strongest)
-            story = (run["wall"], str(run["record"]), run["strength_seed"], *so_far.round(9), *shock[[*LEVELS]])
+            story = (run["wall"], str(run["record"]), run["strength_seed"], *so_far.round(9), *shock[measures])
             if story in known:
                 continue
             known.add(story)
             fell = run["collapsed_at_s"] <= shock["end_s"] + 1e-9
             rows.append(run.to_dict() | {name: run[name] * factor ** (2 if name in _SQUARED else 1)
                                          for name in INTENSITIES if name in run}
-                        | {name: shock[name] for name in LEVELS}
+                        | {name: shock[name] for name in measures}
                         | {"shock": int(shock["shock"]), "psi_before": psi, "before": _class(psi),
                            "collapsed_at_s": run["collapsed_at_s"] if fell else None})
     if not rows:
@@ -63,18 +68,20 @@ def _class(psi):
     return next((words for words, (low, high) in BEFORE.items() if low <= psi < high), "more")
 
 
-def table_after_damage(shocks, intensity, replicates):
-    """A DataFrame with a row for each wall, class of the damage before, measure and level: fits of `fragility`.
+def table_after_damage(shocks, intensity, replicates, states=STATES):
+    """A DataFrame with a row for each wall, class of the damage before and State: fits of `fragility`.
 
-    InputError where no class has enough shocks."""
+    intensity: a name of INTENSITIES.  InputError where no class has enough shocks."""
+    if intensity not in INTENSITIES or shocks[intensity].isna().any():
+        raise InputError(f"--after-damage --intensity {intensity}: expected one of {', '.join(INTENSITIES)} that every "
+                         "run has, as how it follows a shock's factor must be known; choose one")
     rows = []
     for (wall, before), of_class in shocks.groupby(["wall", "before"], sort=False):
         if len(of_class) < LEAST_SHOCKS:
             continue
-        for measure, levels in LEVELS.items():
-            for level in levels:
-                one = fragility(of_class, measure, level, intensity, replicates)
-                rows.append({"wall": wall, "before": before, "intensity": intensity, **one.row()})
+        for state in states:
+            one = fragility(of_class, state.measure, state.level, intensity, replicates, name=state.name)
+            rows.append({"wall": wall, "before": before, "intensity": intensity, **one.row()})
     if not rows:
         raise InputError(f"{len(shocks)} shocks; expected {LEAST_SHOCKS} or more of one class of damage before; run "
                          "more of them")

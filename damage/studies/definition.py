@@ -27,7 +27,6 @@ YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a poin
 """
 
 import hashlib
-import json
 import re
 import tomllib
 from dataclasses import dataclass
@@ -37,6 +36,7 @@ from damage.checks import check_file, check_path, check_whole
 from damage.errors import InputError
 from damage.run.options import parse_run
 from damage.studies.grid import expand, read_rows
+from damage.studies.states import check_choices
 
 PATH_OPTIONS = ("--record", "--vertical")
 RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
@@ -57,6 +57,8 @@ KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
     "title": "one line for people", "pictures": "of single runs: all (default) or none",
     "conclusion": "a command that sums the whole study up, as readings does the paper's claims",
+    "states": "damage states of fragility curves, as [\"moderate: max_psi > 2\"]: columns of summary.csv and levels",
+    "intensity": "column of summary.csv that fragility curves are fitted against",
     "runs": "points of the study, one table [[runs]] each",
     "grid": "points of the study, every combination of the values in `vary` in a table [[grid]]"}
 ENTRY_KEYS = {
@@ -123,14 +125,14 @@ class StudyRun:
         """The words of its command line, the wall file first."""
         return [self.wall, *self.words, *self.varied, *([str(number)] if self.is_ensemble else [])]
 
-    def inputs(self, root=Path()):
-        """One word for all that its runs are made from, but for their number."""
-        return hashlib.sha256(json.dumps([self.wall, self.words, self.varied, self.digests(root)]).encode()).hexdigest()
+    def settings(self, root):
+        """RunSettings of its first, or only, run; root: the repository, which relative paths start from.
 
-    def digests(self, root=Path()):
-        """SHA-256 of every file that the run reads, in a fixed order: what changes when they do."""
-        paths = [self.wall] + [word for option, word in zip(self.words, self.words[1:]) if option in PATH_OPTIONS]
-        return [hashlib.sha256((root / path).read_bytes()).hexdigest() for path in paths]
+        Raises InputError where the options or a record are not accepted.
+        """
+        words = [str(root / word) if option in PATH_OPTIONS else word
+                 for option, word in zip(["", *self.words], self.words)]
+        return parse_run([*words, *self.varied, *(["1"] if self.is_ensemble else [])], prog="study", solver=self.solver)
 
 
 @dataclass(frozen=True)
@@ -183,6 +185,7 @@ def load_study(path, solver="yade", root=None):
         raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, mend it") from error
     _check_depth(table, path)
     _check_keys(table, set(KEYS), f"{path}")
+    check_choices(path, table.get("states", []), table.get("intensity"))
     runs = [run for entry, where in _entries(table, path, root) for run in _load_entry(entry, where, path.parent, root)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
     study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
@@ -352,12 +355,11 @@ def _find(path, where, folder, root):
 
 def _try_options(run, where, root):
     """Have the run's own parser look at the options, those of the first member included."""
-    words = [str(root / word) if option in PATH_OPTIONS else word for option, word in zip(["", *run.words], run.words)]
     taken = [word for word in run.varied if word.startswith("--") and word in run.words]
     if taken:
         raise InputError(f"{where}: {taken[0]} is set by members or samples; take it out")
     try:
-        settings = parse_run([*words, *run.varied, *(["1"] if run.varied else [])], prog="study", solver=run.solver)
+        settings = run.settings(root)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
     if run.varied == ("--strength-seed",) and not settings.model.strength_cov:

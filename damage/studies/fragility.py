@@ -2,14 +2,16 @@
 
 The curve is the lognormal one, P(x) = Phi(ln(x / median) / dispersion), fitted by maximum likelihood to how many of
 the runs at each intensity exceed the level: J. W. Baker (2015), Efficient analytical fragility function fitting
-using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation (11).  Bounds are
-percentiles over bootstrap samples, drawn anew with replacement, of the walls, which are the seeds of their joints'
-strengths, of the records, or of both, each with all its runs.  Those over walls hold the records and tell nothing of
-other earthquakes; of few records those over records are themselves uncertain.  Samples drawn from few scatter less than
-new ones would: so they are stretched about the fit, the more the fewer there are (`stretch`).
+using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation (11).  It is the mean
+over the records.  Its bounds are percentiles over bootstrap samples, drawn anew with replacement, of the walls, which
+are the seeds of their joints' strengths, of the records, or of both, each with all its runs.  Those over walls leave
+other earthquakes out; of few records those over records are themselves uncertain.  Samples drawn from few scatter less
+than new ones would: so they are stretched about the fit, the more the fewer there are (`stretch`).  Where the next
+record's own curve lies is another question, and its interval is wider: `damage.studies.new_record`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -19,19 +21,25 @@ from scipy.special import log_ndtr, ndtr, ndtri
 from scipy.stats import t as student
 
 from damage.errors import InputError
-from damage.measure.columns import read_table
+from damage.measure.columns import check_names, read_table
+from damage.studies.new_record import CONFIDENCE, new_record
+from damage.studies.states import (
+    LEVELS,
+    STATES,
+    State,
+    check_intensity,
+    check_states,
+    in_unit,
+    leading,
+    there,
+    unit_of,
+)
 
-LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}
-"""Levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
-INTENSITIES = {"pga_g": "PGA [g]", "pgv_m_s": "PGV [m/s]", "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]",
-               "sa_eigen_period_g": r"S$_\mathrm{a}$(T$_1$, 5 %) [g]", "avg_sa_g": "AvgSa [g]",
-               "arias_m_s": "Arias intensity [m/s]"}
-"""Columns of summary.csv that curves can be fitted against; what an axis says."""
 OVER = ("walls", "records", "both")
 """What bootstrap samples draw anew."""
 FEW_RECORDS = 10
 """Fewer are said to be few: 10 to 20 usually serve, D. Vamvatsikos, C. A. Cornell (2002), doi:10.1002/eqe.141."""
-REPLICATES, CONFIDENCE = 500, 0.9
+REPLICATES = 500
 _PERCENTILES = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
 DISPERSIONS = 1e-3, 3.0
 """Range of a fitted dispersion [-]."""
@@ -41,11 +49,12 @@ DISPERSIONS = 1e-3, 3.0
 class Fragility:
     """A fitted curve with its bounds.
 
-    intensity: a name of INTENSITIES, in the unit of which all intensities are; median, dispersion [-]: NaN where no run
-    or every run exceeds the level; n_runs, n_exceeding, n_records, n_walls; replicates: by a name of OVER (n, 2)
+    intensity: a column of summary.csv, in the unit of which all intensities are; median, dispersion [-]: NaN where no
+    run or every run exceeds the level; n_runs, n_exceeding, n_records, n_walls; replicates: by a name of OVER (n, 2)
     medians and dispersions of the bootstrap samples that could be fitted; n_replicates: how many were drawn of each.
-    step: the two neighbouring intensities where up to one no run exceeds the level and from the other on all do;
-    the dispersion is then 0 and the median lies anywhere between.  None where there are none.
+    step: two intensities where up to one no run exceeds the level and from the other on all do, with one other at
+    most between them; the data then give no dispersion (it is 0), and bound the median by the two.  None where there
+    are none.  name: of the damage state, "" for the condition.  stripes: what `new_record` takes, None where unknown.
     """
 
     measure: str
@@ -60,6 +69,18 @@ class Fragility:
     n_walls: int
     intensity: str
     step: tuple[float, float] | None = None
+    name: str = ""
+    stripes: tuple | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def state(self):
+        """The damage state in words."""
+        return State(self.measure, self.level, self.name).words
+
+    @cached_property
+    def new_record(self):
+        """The NewRecord of the runs, None where there is none."""
+        return new_record(*self.stripes) if self.stripes else None
 
     def probability(self, intensity):
         """P(measure > level) at intensities of any shape."""
@@ -104,15 +125,20 @@ class Fragility:
 
     def row(self):
         """The fit as a flat dictionary: a row of the table; medians have the intensity's unit in their names."""
-        unit = unit_of(self.intensity)[0]
-        row = {"measure": self.measure, "level": self.level, "runs": self.n_runs, "exceeding": self.n_exceeding,
-               "records": self.n_records, f"median_{unit}": self.median, "dispersion": self.dispersion}
+        def named(name):
+            return in_unit(name, self.intensity)
+
+        row = {"state": self.state, "measure": self.measure, "level": self.level, "runs": self.n_runs,
+               "exceeding": self.n_exceeding, "records": self.n_records, named("median"): self.median,
+               "dispersion": self.dispersion}
         for over in OVER:
             (low, least), (high, largest) = self.median_bounds(over)
-            row |= {f"median_{over}_low_{unit}": low, f"median_{over}_high_{unit}": high,
+            row |= {named(f"median_{over}_low"): low, named(f"median_{over}_high"): high,
                     f"dispersion_{over}_low": least, f"dispersion_{over}_high": largest,
                     f"fitted_{over}": len(self.replicates.get(over, ()))}
-        return row | {"confidence": CONFIDENCE, "replicates": self.n_replicates}
+        low, high = self.new_record.median_bounds() if self.new_record else (np.nan, np.nan)
+        return row | {named("median_new_record_low"): low, named("median_new_record_high"): high,
+                      "confidence": CONFIDENCE, "replicates": self.n_replicates}
 
 
 def stretch(n):
@@ -128,11 +154,6 @@ def stretch(n):
     return np.sqrt(n / (n - 1)) * student.ppf(low, n - 1) / ndtri(low)
 
 
-def unit_of(intensity):
-    """The unit of an intensity as it stands in a column's name, and as one writes it."""
-    return ("m_s", "m/s") if intensity.endswith("_m_s") else ("g", "g")
-
-
 def curve(intensity, median, dispersion):
     """The lognormal fragility curve, with no dispersion a step; broadcasts."""
     return ndtr(np.log(np.asarray(intensity) / median) / np.maximum(dispersion, 1e-12))
@@ -142,15 +163,16 @@ def fit(intensity, exceeding, runs):
     """(median, dispersion) by maximum likelihood.
 
     intensity: (n,) [g]; exceeding, runs: (n,) how many of how many runs exceed the level there.
-    NaN where none or all do: the data then bound the median on one side only.  Where intensities tell runs that exceed
-    from those that do not, all medians between are as likely, and no dispersion is the likeliest: their geometric mean
-    and 0.
+    NaN where none or all do: the data then bound the median on one side only.  Where the runs turn from none to all at
+    once (`step_of`), no dispersion is the likeliest: 0, and the median is the intensity where some exceed, or else the
+    geometric mean of the two, between which all medians are as likely.
     """
     x, y, n = np.log(np.asarray(intensity, float)), np.asarray(exceeding, float), np.asarray(runs, float)
     if y.sum() in (0, n.sum()):
         return np.nan, np.nan
     if ends := step_of(intensity, exceeding, runs):
-        return float(np.sqrt(ends[0] * ends[1])), 0.0
+        some = np.exp(x[(y > 0) & (y < n)])
+        return float(some[0] if len(some) else np.sqrt(ends[0] * ends[1])), 0.0
 
     def misfit(parameters):  # Baker (2015), equation (11), with the sign changed
         z = (x - parameters[0]) / np.exp(parameters[1])
@@ -166,12 +188,14 @@ def fit(intensity, exceeding, runs):
 
 
 def step_of(intensity, exceeding, runs):
-    """The neighbouring intensities between which none exceeding turns into all, None where some do in between."""
+    """The intensities up to which none and from which on all exceed, with one other at most between them where some do;
+    else None: a lognormal curve needs some at two."""
     x, y, n = np.asarray(intensity, float), np.asarray(exceeding), np.asarray(runs)
     none, all_ = x[(n > 0) & (y == 0)], x[(n > 0) & (y == n)]
-    if len(none) + len(all_) < np.count_nonzero(n) or not len(none) or not len(all_) or none.max() > all_.min():
+    some = x[(y > 0) & (y < n)]
+    if len(some) > 1 or not len(none) or not len(all_) or none.max() > all_.min():
         return None
-    return float(none.max()), float(all_.min())
+    return (float(none.max()), float(all_.min())) if all(none.max() < x < all_.min() for x in some) else None
 
 
 def exceeding(runs, measure, level):
@@ -179,11 +203,13 @@ def exceeding(runs, measure, level):
     return (runs[measure] > level) | runs["collapsed_at_s"].notna()
 
 
-def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, seed=1, over=OVER):
+def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=1, over=OVER, name=""):
     """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every level.
 
-    The runs' walls are told apart by `strength_seed`; over: names of OVER of what is drawn anew.
+    The runs' walls are told apart by `strength_seed`; intensity: None for the first that they have; over: names of OVER
+    of what is drawn anew; name: of the damage state.
     """
+    intensity = intensity or leading(runs)
     exceeds = exceeding(runs, measure, level)
     records = runs["record"].fillna("") if "record" in runs else pd.Series("", runs.index)
     (wall, walls), (record, known), (place, values) = (
@@ -193,17 +219,17 @@ def fragility(runs, measure, level, intensity="pga_g", replicates=REPLICATES, se
     np.add.at(counts[0], (wall, record, place), 1)
     np.add.at(counts[1], (wall, record, place), exceeds.to_numpy(float))
     found = {}
-    for name in over:
-        random = [np.random.default_rng((seed, kind)) for kind in range(2)]  # so that "both" has the draws of either
-        drawn = [name in (kind, "both") and size > 1 for kind, size in zip(OVER, sizes)]
-        if not any(drawn) or (name == "both" and not all(drawn)):
+    for kind in over:
+        random = [np.random.default_rng((seed, number)) for number in range(2)]  # so that "both" has either's draws
+        drawn = [kind in (one, "both") and size > 1 for one, size in zip(OVER, sizes)]
+        if not any(drawn) or (kind == "both" and not all(drawn)):
             continue
         fits = [fit(values, *_drawn(counts, sizes, drawn, random)[::-1]) for _ in range(replicates)]
         fits = np.array(fits).reshape(-1, 2)
-        found[name] = fits[np.isfinite(fits).all(axis=1)]
+        found[kind] = fits[np.isfinite(fits).all(axis=1)]
     n, y = counts.sum(axis=(1, 2))
     return Fragility(measure, level, *fit(values, y, n), len(runs), int(exceeds.sum()), found, replicates, len(known),
-                     len(walls), intensity, step_of(values, y, n))
+                     len(walls), intensity, step_of(values, y, n), name, (values, *counts.sum(axis=1)[::-1]))
 
 
 def _drawn(counts, sizes, drawn, random):
@@ -220,6 +246,7 @@ def load_runs(folder):
         raise InputError(f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
                          "./run_all.sh fragility --solver reference")
     runs = read_table(path, (*LEVELS, "pga_g", "strength_cov", "strength_seed"))
+    check_names(runs, path)
     runs = runs[(runs["strength_cov"] > 0) & (runs["status"] == "complete")]
     if len(runs) == 0:
         raise InputError(f"{path} holds no finished run with scattered strengths; expected some with strength-cov, "
@@ -227,22 +254,16 @@ def load_runs(folder):
     return runs
 
 
-def fit_all(runs, intensity="pga_g", replicates=REPLICATES):
-    """{wall: [Fragility of each level]} of runs."""
-    if intensity not in INTENSITIES:
-        raise InputError(f"--intensity {intensity}: expected {' or '.join(INTENSITIES)}; mend it")
+def fit_all(runs, intensity=None, replicates=REPLICATES, states=STATES):
+    """{wall: [Fragility of each State]} of runs; intensity: a column of theirs, None for the first of INTENSITIES that
+    they have."""
     if replicates < 0:
-        raise InputError(f"--replicates {replicates}: expected zero or more; mend it")
-    if intensity not in there(runs):
-        raise InputError(f"not every run has {intensity}; expected a study of recorded motions, its tables of this "
-                         f"version; choose {' or '.join(there(runs)) or 'another study'}")
-    return {wall: [fragility(of_wall, measure, level, intensity, replicates) for measure, levels in LEVELS.items()
-                   for level in levels] for wall, of_wall in runs.groupby("wall", sort=False)}
-
-
-def there(runs):
-    """Names of the INTENSITIES that every one of the runs has."""
-    return [name for name in INTENSITIES if name in runs and runs[name].notna().all()]
+        raise InputError(f"--replicates {replicates}: expected zero or more; correct it")
+    intensity = intensity or leading(runs)
+    check_intensity(runs, intensity)
+    check_states(runs, states)
+    return {wall: [fragility(of_wall, state.measure, state.level, intensity, replicates, name=state.name)
+                   for state in states] for wall, of_wall in runs.groupby("wall", sort=False)}
 
 
 def fragility_table(fits, intensity):
@@ -251,30 +272,72 @@ def fragility_table(fits, intensity):
                          for one in ones])
 
 
-def efficiency_table(runs):
-    """Which intensity serves best: a DataFrame with a row for each wall, measure, level and intensity, best first.
+def in_words(fits):
+    """Text about curves {wall: [Fragility]}: a line each, the intervals of the median in the mean of all records and in
+    a new one."""
+    lines = []
+    for wall, ones in fits.items():
+        one = ones[0]
+        lines += [f"{wall} wall by {one.intensity} [{unit_of(one.intensity)[1]}], {one.n_runs} runs, {one.n_walls} "
+                  f"walls, {one.n_records} records; intervals of {100 * CONFIDENCE:.0f} %",
+                  f"{'damage state':28} {'exceed':>6} {'median':>16} {'dispersion':>10} {'mean curve':>16} "
+                  f"{'a new record':>16}"]
+        for one in ones:
+            median = _span(one.step) if one.step else f"{one.median:#.3g}" if np.isfinite(one.median) else "-"
+            dispersion = "step" if one.step else f"{one.dispersion:.2f}" if np.isfinite(one.median) else "-"
+            new = one.new_record.median_bounds() if one.new_record else (np.nan, np.nan)
+            lines.append(f"{one.state:28} {one.n_exceeding:6} {median:>16} {dispersion:>10} "
+                         f"{_span(one.median_bounds('both')[:, 0]):>16} {_span(new):>16}")
+    return "\n".join(lines)
+
+
+def _span(bounds):
+    return "{:#.3g} to {:#.3g}".format(*bounds) if np.isfinite(bounds).all() else "-"
+
+
+def at_intensities(fits, values):
+    """A DataFrame with a row for each curve {wall: [Fragility]} and intensity of values: the probability of exceeding
+    by the curve, the interval of the mean curve, and that of a new record's own probability."""
+    rows = []
+    for wall, one in ((wall, one) for wall, ones in fits.items() for one in ones):
+        mean, new = one.bounds(values, "both"), one.new_record
+        for place, value in enumerate(values):
+            rows.append({"wall": wall, "state": one.state, "measure": one.measure, "level": one.level,
+                         "intensity": one.intensity, "value": value, "unit": unit_of(one.intensity)[1],
+                         "probability": one.probability(value),
+                         **_ends("mean", mean[:, place] if mean is not None else (np.nan, np.nan)),
+                         "new_record": new.probability([value])[0] if new else np.nan,
+                         **_ends("new_record", new.bounds([value])[:, 0] if new else (np.nan, np.nan))})
+    return pd.DataFrame(rows)
+
+
+def _ends(name, bounds):
+    return dict(zip((f"{name}_low", f"{name}_high"), bounds))
+
+
+def efficiency_table(runs, states=STATES, intensity=None):
+    """Which intensity serves best: a DataFrame with a row for each wall, State and intensity, best first.
 
     dispersion: of the fitted curve, 0 where the intensity tells those that exceed from the others; NaN where no run or
     every run exceeds.  scatter: standard deviation of ln(measure) about a straight line over ln(intensity), of the runs
     that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
-    intensity efficient where it is small.  median: in `unit`.
+    intensity efficient where it is small.  median: in `unit`.  intensity: one more than INTENSITIES.
     """
-    rows = [{"wall": wall, **row} for wall, of_wall in runs.groupby("wall", sort=False) for intensity in there(runs)
-            for measure in LEVELS for row in _efficiencies(of_wall, measure, intensity)]
-    by = ["wall", "measure", "level", "dispersion", "scatter"]
-    table = pd.DataFrame(rows)
-    order = {name: place for place, name in enumerate(LEVELS)}
-    return table.sort_values(by, key=lambda column: column.map(order) if column.name == "measure" else column,
-                             kind="stable", ignore_index=True)
+    names = list(dict.fromkeys([*there(runs), *([intensity] if intensity else [])]))
+    rows = [{"wall": wall, **_efficiency(of_wall, state, name)} for wall, of_wall in runs.groupby("wall", sort=False)
+            for name in names for state in states]
+    measures = list(dict.fromkeys(state.measure for state in states))
+    return pd.DataFrame(rows).sort_values(
+        ["wall", "measure", "level", "dispersion", "scatter"], kind="stable", ignore_index=True,
+        key=lambda column: column.map(measures.index) if column.name == "measure" else column)
 
 
-def _efficiencies(runs, measure, intensity):
-    """Rows of the table for one wall, measure and intensity."""
-    scatter = _scatter(runs, measure, intensity)
-    ones = [fragility(runs, measure, level, intensity, replicates=0) for level in LEVELS[measure]]
-    return [{"measure": measure, "level": one.level, "intensity": intensity, "dispersion": one.dispersion,
-             "scatter": scatter, "median": one.median, "unit": unit_of(intensity)[1], "runs": one.n_runs,
-             "exceeding": one.n_exceeding, "records": one.n_records} for one in ones]
+def _efficiency(runs, state, intensity):
+    """The row of the table for one wall, State and intensity."""
+    one = fragility(runs, state.measure, state.level, intensity, replicates=0, name=state.name)
+    return {"state": one.state, "measure": one.measure, "level": one.level, "intensity": intensity,
+            "dispersion": one.dispersion, "scatter": _scatter(runs, one.measure, intensity), "median": one.median,
+            "unit": unit_of(intensity)[1], "runs": one.n_runs, "exceeding": one.n_exceeding, "records": one.n_records}
 
 
 def _scatter(runs, measure, intensity):

@@ -13,7 +13,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.measure.columns import read_table
+from damage.measure.columns import check_names, read_table
 from damage.measure.tables import index_table
 from damage.wall.parameters import USUAL_MODEL
 
@@ -128,6 +128,8 @@ def load_results(folder, records=Path("records")):
     tables = [pd.concat([read_table(path.with_name(name), needed).assign(folder=path.parents[1]) for path in paths],
                         ignore_index=True)
               for name, needed in (("points.csv", NEEDED), ("summary.csv", ("run", "point", "solver")))]
+    for table in tables:
+        check_names(table, folder)
     return Results(*tables, Path(records))
 
 

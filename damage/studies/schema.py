@@ -35,6 +35,7 @@ def study_schema():
         "properties": _told(KEYS, {
             "name": _identifier(), "title": {"type": "string"}, "pictures": {"enum": list(PICTURES)},
             "conclusion": {"enum": list(CONCLUSIONS)},
+            "states": {"type": "array", "items": {"type": "string", "pattern": ">"}}, "intensity": {"type": "string"},
             "runs": {"type": "array", "items": _entry(grid=False)},
             "grid": {"type": "array", "items": _entry(grid=True)}})}
 

@@ -21,7 +21,9 @@ from damage.history.apart import apart
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, names, slip_criteria
 from damage.measure.tables import summary_row, write_table
-from damage.studies.records import TABLES, all_records
+from damage.studies.records import TABLES, all_records, is_of_today
+
+_NAMED = 5  # runs that a message names
 
 
 def runs_there(run, folder):
@@ -35,9 +37,13 @@ def runs_there(run, folder):
 def row_of(folder, name, point):
     """The summary's row of a run that left no record: from its file or, where that is missing or old, the history."""
     history, kept = folder / "runs" / f"{name}.h5", folder / "tables" / "rows" / f"{name}.json"
+    if not history.is_file():
+        raise InputError(f"{folder}: the run {name} has neither a record nor a history; run the study again")
     if kept.is_file() and kept.stat().st_mtime_ns >= history.stat().st_mtime_ns:
         try:
-            return json.loads(kept.read_text(encoding="utf-8"))
+            row = json.loads(kept.read_text(encoding="utf-8"))
+            if is_of_today(row):
+                return row
         except ValueError:  # torn, as by a power failure
             pass
     return write_row(read_history(history), kept, point)
@@ -48,6 +54,18 @@ def write_row(history, path, point):
     row = summary_row(history, run=path.stem, point=point)
     write_text(path, json.dumps(row))
     return row
+
+
+def refuse_other_measures(rows, folder):
+    """Raise InputError for rows {name of a run: row} that another version's index and measures made, and whose
+    histories are not there to make others: a table has one definition."""
+    lost = [name for name, row in rows.items()
+            if not is_of_today(row) and not (folder / "runs" / f"{name}.h5").is_file()]
+    if lost:
+        more = f" and {len(lost) - _NAMED} more" if len(lost) > _NAMED else ""
+        raise InputError(f"{folder}: the index or measures of {len(lost)} runs are defined as in another version, and "
+                         f"their histories were not kept: {', '.join(lost[:_NAMED])}{more}; expected one definition in "
+                         "a table, give --remake to make these runs again, or go on with the version that made them")
 
 
 def summary_of(study, folder, jobs=1, records=None):
@@ -62,6 +80,8 @@ def summary_of(study, folder, jobs=1, records=None):
         raise InputError(f"{folder} holds no run of the study {study.name}; run it first with ./run_all.sh")
     records = all_records(folder) if records is None else records
     rows = {name: records[name]["row"] for name, *_ in there if name in records}
+    refuse_other_measures(rows, folder)
+    rows = {name: row for name, row in rows.items() if is_of_today(row)}
     others = [(name, point) for name, point, _ in there if name not in rows]
     if jobs > 1 and len(others) > 8:
         with ProcessPoolExecutor(jobs) as pool:
@@ -149,7 +169,8 @@ def write_study_tables(study, folder, jobs=1):
     paths = [write_table(points, tables / "points.csv"), tables / "study.h5"]
     write_hdf5({"runs": summary, "points": points}, paths[1])
     for name in TABLES:
-        rows = [{"run": run, **row} for run in summary["run"] if run in records for row in records[run][name]]
+        rows = [{"run": run, **row} for run in summary["run"]
+                if run in records and is_of_today(records[run]["row"]) for row in records[run][name]]
         if rows:
             paths.append(write_table(pd.DataFrame(rows), tables / f"{name}.csv"))
     return [*paths, write_table(summary, tables / "summary.csv")]

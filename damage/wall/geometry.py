@@ -18,12 +18,12 @@ def body_table(layout):
 
 
 def joint_table(layout):
-    """The joints of a Layout as `History.joints` has them: kind, bodies, x_m, z_m, length_m."""
+    """The joints of a Layout as `History.joints` has them: kind, bodies, x_m, z_m, length_m, elastic."""
     contacts, n = layout.contacts, layout.n_joints
     return pd.DataFrame({
         "kind": np.array(KINDS)[contacts.kind[:n]], "first_body": contacts.first[:n],
         "second_body": contacts.second[:n], "x_m": contacts.x[:n], "z_m": contacts.z[:n],
-        "length_m": contacts.length[:n]})
+        "length_m": contacts.length[:n], "elastic": contacts.elastic[:n]})
 
 
 def displaced(bodies, motion, body, points, magnify=1.0):

@@ -22,6 +22,7 @@ from damage.units import GRAVITY
 from damage.wall.compliance import lumped_stiffness
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
+from damage.wall.lintel import in_lintel
 from damage.wall.parameters import ModelOptions, Wall
 from damage.wall.split import CUT_POINTS, split_bricks
 
@@ -371,7 +372,7 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
     middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie on the edges of its courses
-    elastic = (kind == CAP) | _in_lintel(wall, options, middle_x, middle_z)
+    elastic = (kind == CAP) | in_lintel(wall, options.lintel, middle_x, middle_z)
     strengths = [np.where(elastic, np.inf, strength) for strength in (
         wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]
     return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
@@ -445,29 +446,3 @@ def _strength_factors(first, second, variation, seed):
     spread = np.sqrt(np.log1p(variation**2))
     normal = np.random.default_rng(seed).standard_normal(len(joints))
     return np.exp(spread * normal - spread**2 / 2)[number]
-
-
-def _in_lintel(wall, options, x, z):
-    """Which joints lie strictly inside a lintel: in the courses over an opening, or the lowest of them, one brick of
-    bearing on each side; the bed joints under the bearing and over the highest of these courses are not inside.
-
-    x, z: middles of the joints' parts between two bricks [m].
-    """
-    inside = np.zeros(len(x), dtype=bool)
-    for opening in wall.openings:
-        bottom, top = _lintel_courses(wall, options.lintel, opening)
-        inside |= ((x > opening.left - wall.brick.length + _TINY)
-                   & (x < opening.right + wall.brick.length - _TINY)
-                   & (z > bottom * wall.brick.height + _TINY) & (z < top * wall.brick.height - _TINY))
-    return inside
-
-
-def _lintel_courses(wall, lintel, opening):
-    """The first course of an opening's lintel and the first above it: up to the sill of the next opening above, or to
-    the wall's top, unless `lintel` (of ModelOptions) says fewer."""
-    above = wall.opening_courses(opening)[1]
-    sills = [wall.opening_courses(other)[0] for other in wall.openings
-             if other.left < opening.right and other.right > opening.left]
-    top = min([sill for sill in sills if sill >= above] + [wall.courses])
-    most = {"elastic": wall.courses, "none": 0}.get(lintel)
-    return above, min(top, above + (int(lintel) if most is None else most))

@@ -266,11 +266,11 @@ def _check_opening_apart(wall, opening, other, what):
 def _option(default, help_, **more):
     """A field of ModelOptions and all that the command line, file names and tables need of it.
 
-    help_: for people; metavar: of a number; choices: of a word; solvers: that have it; tag: what a history's file is
+    help_: for people; metavar: of a number; choices: of a word; tag: what a history's file is
     called where the option is not the default, a template of the options; seed: it only draws one of many alike.
     """
-    return field(default=default, metadata={"help": help_, "metavar": None, "choices": None,
-                                            "solvers": ("yade", "reference"), "tag": None, "seed": False, **more})
+    return field(default=default, metadata={"help": help_, "metavar": None, "choices": None, "tag": None,
+                                            "seed": False, **more})
 
 
 @dataclass(frozen=True)
@@ -286,7 +286,6 @@ class ModelOptions:
     cells: contact points per half brick of a bed joint.
     contacts: where the points of a bed joint lie: "interior" of the cells, or at the "corners"
         (ends) of each overlap; head joints have one at mid-height, or one at each end.
-    joints: in YADE, a contact's normal is that of the "face", or the line between the "centres" of two cells.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
@@ -302,8 +301,6 @@ class ModelOptions:
     cells: int = _option(2, "contact points per half brick", metavar="N")
     contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
                             tag="{contacts}")
-    joints: str = _option("face", "joints keep their face's normal, or lean with the centres of cells as before 0.2",
-                          choices=("face", "centres"), solvers=("yade",), tag="joints-{joints}")
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
@@ -342,5 +339,5 @@ def _lintel_word(lintel):
     return str(int(lintel)) if int(lintel) else "none"
 
 
-USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]}
-"""{option: default} of the choices that tell one model from another."""
+USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]} | {"joints": "face"}
+"""{column: default} of the choices that tell one model from another; joints: `History.joint_normals`."""

@@ -22,13 +22,13 @@ def _exit_saved(status, leave=os._exit):
 
 
 class _EngineTracing:
-    """On the first import of yade_scripts within YADE: what its PyRunners run is traced, too."""
+    """On the first import from yade_scripts within YADE: what its PyRunners run is traced, too."""
 
     def __init__(self):
         self.tracer = None
 
     def find_spec(self, name, path=None, target=None):
-        if name == "yade_scripts" and "yade" in sys.modules:
+        if name.startswith("yade_scripts") and "yade" in sys.modules:
             yade = sys.modules["yade"]
             plain = yade.PyRunner
             sys.meta_path.remove(self)

@@ -78,6 +78,26 @@ function outlines(run, at) {
   return lines;
 }
 
+// Both ends of joint j of a list, each halfway between where the two bodies carry it.
+function endsOf(run, at, ends, first, second, j) {
+  return [4 * j, 4 * j + 2].map((e) => {
+    const [ax, az] = moved(run, at, first[j], ends[e], ends[e + 1]);
+    const [bx, bz] = moved(run, at, second[j], ends[e], ends[e + 1]);
+    return [(ax + bx) / 2, (az + bz) / 2];
+  });
+}
+
+// The joints that cannot fail, one line with gaps.
+function elasticLine(run, at) {
+  const line = {x: [], y: []};
+  for (let j = 0; j < run.n_elastic; j++) {
+    const ends = endsOf(run, at, run.elastic_ends, run.elastic_first, run.elastic_second, j);
+    line.x.push(ends[0][0], ends[1][0], null);
+    line.y.push(ends[0][1], ends[1][1], null);
+  }
+  return line;
+}
+
 function widthClass(legend, millimetres) {
   let found = 0;
   legend.widths.forEach((one, number) => { if (millimetres >= one.from_mm) found = number; });
@@ -94,12 +114,7 @@ function cracks(run, k, at, legend, withWords) {
     const state = run.state[n * k + j];
     if (!state) continue;
     counts[state] = (counts[state] || 0) + 1;
-    const mm = run.width_um[n * k + j] / 1000, ends = [];
-    for (const e of [4 * j, 4 * j + 2]) {
-      const [ax, az] = moved(run, at, run.first[j], run.ends[e], run.ends[e + 1]);
-      const [bx, bz] = moved(run, at, run.second[j], run.ends[e], run.ends[e + 1]);
-      ends.push([(ax + bx) / 2, (az + bz) / 2]);
-    }
+    const mm = run.width_um[n * k + j] / 1000, ends = endsOf(run, at, run.ends, run.first, run.second, j);
     const place = legend.states.findIndex((one) => one.code === state);
     const line = state === BROKEN ? lines[0] : lines[1 + widthClass(legend, mm) * legend.states.length + place];
     line.x.push(ends[0][0], ends[1][0], null);
@@ -122,7 +137,9 @@ function wallTraces(legend) {
   const line = (colour, width, dash) => ({...LINE, x: [], y: [], connectgaps: false, showlegend: false,
     line: {color: colour, width, dash: dash || "solid", simplify: false}, hoverinfo: "text"});
   const area = (colour) => ({...line("#b0b0b0", 0.6), fill: "toself", fillcolor: colour, hoverinfo: "skip"});
-  const traces = [area("#f6f4f0"), area("#c4c4c4"), line("#777777", 0.9)];
+  const {elastic} = legend;
+  const traces = [area("#f6f4f0"), area("#c4c4c4"),
+    {...line(elastic.colour, elastic.pixels, elastic.dash), hoverinfo: "skip"}, line("#777777", 0.9)];
   for (const width of legend.widths) for (const state of legend.states) traces.push(
     line(state.colour, width.pixels, state.dash));
   traces.push({type: "scatter", mode: "markers", x: [], y: [], hoverinfo: "skip", showlegend: false,
@@ -204,9 +221,9 @@ function printable(run, legend, onPaper) {
   const lines = legend.widths.flatMap((width) => legend.states.map((state) => (
     onPaper ? {color: "#000000", width: 1.7 * width.pixels} : {color: state.colour, width: width.pixels})));
   Plotly.restyle(byId(`wall-${run.letter}`), {"line.color": lines.map((one) => one.color),
-    "line.width": lines.map((one) => one.width)}, lines.map((_, number) => 3 + number));
+    "line.width": lines.map((one) => one.width)}, lines.map((_, number) => 4 + number));
   Plotly.restyle(byId(`wall-${run.letter}`), {"marker.size": (onPaper ? 1.8 : 1) * CROSS_PX,
-    "marker.line.width": onPaper ? 1.6 : 1}, [3 + lines.length]);
+    "marker.line.width": onPaper ? 1.6 : 1}, [4 + lines.length]);
 }
 
 function drawInto(id, traces, layout) {
@@ -273,7 +290,7 @@ async function drawOverTime(runs, panels) {
   return new Mark(byId("over-time"), "cursor");
 }
 
-function drawLegend(legend) {
+function drawLegend(legend, withElastic) {
   const sample = (colour, width, dash, cross) => '<svg width="46" height="14" aria-hidden="true">'
     + `<line x1="2" y1="7" x2="44" y2="7" stroke="${colour}" stroke-width="${width}" `
     + `stroke-dasharray="${dash === "solid" ? "none" : dash}"/>`
@@ -281,6 +298,8 @@ function drawLegend(legend) {
   const middle = legend.widths[2].pixels;
   const parts = legend.states.map((state, number) => `<span>${sample(state.colour, middle, state.dash,
     number === legend.states.length - 1)}${state.name}</span>`);
+  const {elastic} = legend;
+  if (withElastic) parts.push(`<span>${sample(elastic.colour, 2 * elastic.pixels, elastic.dash)}${elastic.name}</span>`);
   parts.push(`<span>${sample("#777", 0.8, "solid")}broken, up to ${legend.widths[0].from_mm} mm</span>`);
   parts.push(...legend.widths.map((one) => (
     `<span>${sample("#444", one.pixels, "solid")}from ${one.from_mm} mm</span>`)));
@@ -367,7 +386,7 @@ class Player {
   linesOf(run) {
     const k = lastUpTo(run.times, this.times[this.at]), at = places(run, k, MAGNIFICATIONS[this.magnification]);
     const {lines, counts} = cracks(run, k, at, this.page.states, !this.playing);
-    return {k, counts, lines: [...outlines(run, at), ...lines]};
+    return {k, counts, lines: [...outlines(run, at), elasticLine(run, at), ...lines]};
   }
 
   showWall(run) {
@@ -409,7 +428,7 @@ async function start() {
     + "Edge 80, Firefox 113, Safari 16.4 or later draws them");
   await Promise.all(page.runs.map(arraysOf));
   page.drift = page.charts.find((panel) => panel.lines[0].series === "drift_ratio");
-  drawLegend(page.states);
+  drawLegend(page.states, page.runs.some((run) => run.n_elastic > 0));
   const player = new Player(page);
   await Promise.all(page.runs.map((run) => drawWall(run, page.states, player.linesOf(run).lines)));
   performance.mark("wall-drawn");

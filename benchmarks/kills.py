@@ -1,0 +1,169 @@
+"""Processes of a small study killed by SIGKILL at random times, each kill followed by the same command: the proof that
+it always completes, with the tables of a study that was left alone.
+
+    python3 benchmarks/kills.py --out DIR [--kills 20] [--who worker|any] [--seed N] [-j 2]
+
+A worker is a process in which runs of the reference solver step; any: also the shard's own process and Snakemake's.
+Studies keep all histories and only those of a summary in turns.  DIR must be new.  Exit status: 0 all completed with
+equal tables, 1 not.
+"""
+
+import argparse
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
+STUDY = '''name = "kills"
+pictures = "none"
+[[grid]]
+wall = "tiny.py"
+options = { harmonic = [0.1, "{g}"], cycles = 1, rest = 0, strength-cov = 0.3 }
+samples = 6
+vary = { g = [0.5, 0.4] }
+[[grid]]
+wall = "tiny.py"
+options = { harmonic = [0.1, "{g}"], cycles = 1, rest = 0 }
+members = 3
+vary = { g = [0.45, 0.01] }
+[[runs]]
+id = "alone"
+wall = "tiny.py"
+options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
+'''
+PROGRAMS = {"worker": "run_shard.py", "any": ("run_shard.py", "simulate.py", "snakemake", "damage study-tables")}
+MOST_CALLS = 3
+"""Of the same command after a kill, the last of which must complete."""
+
+
+def main():
+    """Run the proof; returns the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--who", choices=PROGRAMS, default="worker")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("-j", dest="jobs", default="2")
+    asked = parser.parse_args()
+    out = asked.out.absolute()
+    out.mkdir(parents=True)
+    (out / "tiny.py").write_text(WALL)
+    (out / "study.toml").write_text(STUDY)
+    draw = random.Random(asked.seed)
+    proof = Proof(out, asked.jobs, asked.who)
+    longest_s = proof.run_alone("alone")
+    whole, good, kills = tables(out / "alone"), 0, 0
+    while kills < asked.kills:
+        name, keep = f"killed_{kills:02d}", ("all", "summary")[kills % 2]
+        told = proof.kill(name, keep, draw, longest_s)
+        if told is None:  # it had ended before
+            longest_s *= 0.7
+            continue
+        kills += 1
+        calls = next((n for n in range(1, MOST_CALLS + 1) if proof.run_to_end(name, keep) == 0), None)
+        equal = tables(out / name) == whole
+        good += equal and calls is not None
+        print(f"{kills}: {told}, --keep {keep}; "
+              f"{f'completed by call {calls}' if calls else f'NOT complete after {MOST_CALLS} calls'}, "
+              f"{len(whole)} tables {'equal' if equal else 'DIFFER'}", flush=True)
+    print(f"{good} of {kills} kills ended complete with equal tables")
+    return 0 if good == kills else 1
+
+
+class Proof:
+    """Batches of the study in one folder."""
+
+    def __init__(self, out, jobs, who):
+        self.out, self.jobs, self.who = out, jobs, who
+
+    def start(self, name, keep="all"):
+        """Start the batch in a folder of this name."""
+        return subprocess.Popen(
+            [sys.executable, ROOT / "workflow" / "batch.py", self.out / "study.toml", "--solver", "reference", "-j",
+             self.jobs, "--out", self.out / name, "--keep", keep], cwd=ROOT,
+            env=os.environ | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
+            stdout=subprocess.DEVNULL, stderr=(self.out / f"{name}.log").open("a"))
+
+    def run_alone(self, name):
+        """Leave the batch alone; returns how long there was something to kill [s]."""
+        batch, seen = self.start(name), []
+        while batch.poll() is None:
+            if victims(batch.pid, self.who):
+                seen.append(time.monotonic())
+            time.sleep(0.02)
+        assert batch.returncode == 0 and seen, "the study that is left alone fails"
+        return seen[-1] - seen[0]
+
+    def run_to_end(self, name, keep="all"):
+        """Exit status of the batch."""
+        return self.start(name, keep).wait()
+
+    def kill(self, name, keep, draw, longest_s):
+        """Start a batch and kill one of its processes; returns what was killed, None where nothing was left to kill or
+        the batch completed nevertheless."""
+        batch = self.start(name, keep)
+        while not victims(batch.pid, self.who) and batch.poll() is None:
+            time.sleep(0.01)
+        began = time.monotonic()
+        wait_s = draw.uniform(0, 0.9 * longest_s)
+        while time.monotonic() - began < wait_s and batch.poll() is None:
+            time.sleep(0.01)
+        found = victims(batch.pid, self.who)
+        if not found:
+            batch.wait()
+            subprocess.run(["rm", "-rf", self.out / name], check=True)
+            return None
+        pid, program = draw.choice(found)
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        status = batch.wait()
+        return f"{program} killed after {time.monotonic() - began:.1f} s, status {status}"
+
+
+def victims(pid, who):
+    """[(pid, program)] of the descendants of a batch that are to be killed."""
+    found, todo = [], children(pid)
+    while todo:
+        one, parent = todo.pop()
+        todo += children(one)
+        if who == "worker":
+            if PROGRAMS[who] in words(one) and PROGRAMS[who] in words(parent) and "--shard" not in words(parent):
+                found.append((one, "worker"))
+        else:
+            found += [(one, program) for program in PROGRAMS[who] if program in words(one)][:1]
+    return found
+
+
+def children(pid):
+    """[(pid, pid of its parent)] of the children of a process."""
+    found = []
+    for told in Path(f"/proc/{pid}/task").glob("*/children"):  # of every thread
+        try:
+            found += [(int(child), pid) for child in told.read_text().split()]
+        except OSError:  # gone meanwhile
+            pass
+    return found
+
+
+def words(pid):
+    """The command line of a process, empty of one that is gone."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+    except OSError:
+        return ""
+
+
+def tables(folder):
+    """{name: content} of the tables of a study."""
+    return {path.name: path.read_bytes() for path in (folder / "tables").glob("*.csv")}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,56 @@
+"""What a run is, in lines for people at its start: sizes, masses in t, strengths in MPa, the first period."""
+
+import math
+
+from damage.wall.caps import describe_top
+from damage.wall.geometry import body_table, joint_table
+from damage.wall.lintel import describe_share, elastic_share
+
+MEGA, TONNE = 1e6, 1e3
+
+
+def opening_lines(layout, loading, modes, time_step):
+    """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step [s]."""
+    wall, options = layout.wall, layout.options
+    return [
+        f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses} courses, "
+        f"{layout.n_bricks} bricks of {(layout.total_mass - layout.top_mass) / TONNE:.3g} t, {layout.n_joints} contact "
+        f"points on {layout.total_joint_length:.2f} m of joints",
+        *describe_top(layout),
+        describe_joint(wall.joint, options.strength_cov),
+        describe_brick(wall.brick),
+        f"lintel {options.lintel}: {describe_share(elastic_share(wall, joint_table(layout), body_table(layout)))}",
+        f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
+        f"({time_step / modes.critical_time_step_s:.2f} of the critical)",
+        f"motion: {loading.name}"]
+
+
+def describe_joint(joint, scatter=0.0):
+    """A damage.Joint in one line; scatter: coefficient of variation of its strengths [-].
+
+    >>> from damage.wall.parameters import Joint
+    >>> describe_joint(Joint())
+    'joints: tensile strength 0.21 MPa, cohesion 0.24 MPa, friction angle 32 deg, brittle'
+    """
+    parts = [f"tensile strength {joint.tensile_strength / MEGA:.4g} MPa", f"cohesion {joint.cohesion / MEGA:.4g} MPa"]
+    parts += [f"both scattered by {100 * scatter:.3g} %"] if scatter else []
+    parts += [f"friction angle {math.degrees(joint.friction_angle):.4g} deg"]
+    parts += [f"fracture energies {joint.mode_i_fracture_energy:.4g} and {joint.mode_ii_fracture_energy:.4g} J/m2"] \
+        if joint.softens else ["brittle"]
+    parts += [f"compressive strength {joint.compressive_strength / MEGA:.4g} MPa"] if joint.compressive_strength else []
+    return f"joints: {', '.join(parts)}"
+
+
+def describe_brick(brick):
+    """A damage.Brick in one line.
+
+    >>> from damage.wall.parameters import Brick
+    >>> describe_brick(Brick(tensile_strength=1e6))
+    'bricks: 0.225 x 0.075 x 0.1025 m, 1900 kg/m3, modulus 5200 MPa, splitting at 1 MPa in tension'
+    """
+    line = (f"bricks: {brick.length:.4g} x {brick.height:.4g} x {brick.thickness:.4g} m, {brick.density:.4g} kg/m3, "
+            f"modulus {brick.young_modulus / MEGA:.4g} MPa")
+    if not brick.splits:
+        return f"{line}, never splitting"
+    shear = "" if brick.cohesion is None else f" and {brick.cohesion / MEGA:.4g} MPa in shear"
+    return f"{line}, splitting at {brick.tensile_strength / MEGA:.4g} MPa in tension{shear}"

@@ -1,0 +1,85 @@
+"""What the runs of a point are made from: the wall as built, every option as parsed, every file that was read.
+
+A study keeps a note of it for each point (DIR/runs/.inputs/RUN) and compares it before it goes on.  The wall file
+counts by the Wall that it makes, so that a module that it imports counts and a comment does not; options count by the
+values that a run gets, defaults included.
+"""
+
+import json
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+
+from damage.motion.record import Record
+from damage.run.settings import RunSettings
+from damage.wall.file import load_wall
+from damage.wall.parameters import Wall
+
+NO_INPUT = {RunSettings: {"out", "overwrite", "pictures", "quiet", "view", "command", "step"},
+            Record: {"acceleration_m_s2", "time_step_s", "start_utc", "source"}}
+"""Fields that decide no value, or that follow from the files whose checksums stand beside them."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The wall as built, and the settings of a point's first run; the others differ from it by their number alone."""
+
+    wall: Wall
+    settings: RunSettings
+
+
+def inputs_of(run, root):
+    """The Inputs of a StudyRun; root: the repository.  Raises InputError where wall, options or a file are bad."""
+    return Inputs(load_wall(root / run.wall), run.settings(root))
+
+
+def as_note(inputs):
+    """Inputs as JSON, for a file."""
+    return json.dumps(_plain(inputs), indent=1, default=float)
+
+
+def differences(note, inputs):
+    """What differs between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty where they agree.
+
+    note: of `as_note`, read as JSON.  A field that the note lacks came with a later version and agrees at its default.
+    """
+    return list(_differing(note, inputs, ""))
+
+
+def _fields(record):
+    """The fields of a record that are inputs."""
+    return [one for one in fields(record) if one.name not in NO_INPUT.get(type(record), ())]
+
+
+def _plain(value):
+    """A value as JSON has it: a record is a table with its kind."""
+    if is_dataclass(value):
+        return {"kind": type(value).__name__} | {one.name: _plain(getattr(value, one.name)) for one in _fields(value)}
+    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
+
+
+def _differing(then, now, name):
+    if is_dataclass(now) and isinstance(then, dict) and then.get("kind") == type(now).__name__:
+        known = _fields(now)
+        for one in known:
+            value, place = getattr(now, one.name), f"{name}.{one.name}".lstrip(".")
+            if one.name in then:
+                yield from _differing(then[one.name], value, place)
+            elif value != _default(one):
+                yield f"{place} {_word(value)}, which was not there"
+        for other in sorted(then.keys() - {"kind", *(one.name for one in known)}):
+            yield f"{name}.{other} of a later version".lstrip(".")
+    elif isinstance(now, (list, tuple)) and isinstance(then, list) and len(then) == len(now):
+        for number, pair in enumerate(zip(then, now)):
+            yield from _differing(*pair, f"{name}[{number}]")
+    elif then != _plain(now):
+        yield f"{name} {_word(then)} -> {_word(_plain(now))}"
+
+
+def _default(one):
+    """The default of a field; MISSING, which equals no value, where it has none."""
+    return one.default_factory() if one.default_factory is not MISSING else one.default
+
+
+def _word(value):
+    """A value in a message, a checksum or a table cut short."""
+    word = value if isinstance(value, str) else json.dumps(_plain(value), default=float)
+    return word if len(word) <= 40 else f"{word[:12]}..."

@@ -1,0 +1,124 @@
+"""The share of joints that a lintel keeps elastic: by hand, alike in layout and history, reported and warned of."""
+
+import numpy as np
+import pytest
+from small_history import make_history
+from test_html import Page
+
+from damage.draw.run import wall_picture
+from damage.draw.wall import wall_shape
+from damage.history.in_memory import HistoryInMemory
+from damage.html.packing import unpack_arrays
+from damage.html.report import page
+from damage.measure.summary import summarise
+from damage.measure.tables import summary_row
+from damage.run.opening import opening_lines
+from damage.run.options import parse_run
+from damage.run.report import describe
+from damage.wall.geometry import body_table, joint_table
+from damage.wall.layout import lay_out
+from damage.wall.lintel import LARGE_SHARE, elastic_share, warn_of_share
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
+
+DOOR = Wall("door", 1.8, 0.6, (Opening(0.45, 0.9, 0.45),))
+"""Eight bricks by eight courses, a door of four bricks by six courses in it."""
+FACADE = Wall("facade", 6.0, 3.0, precompression=0.1e6, openings=(
+    Opening(0.6, 0.9, 2.0), *(Opening(left, 0.675, 1.4, 0.6) for left in (2.1, 3.375, 4.65))))
+
+
+def share_of(wall, **options):
+    layout = lay_out(wall, ModelOptions(**options))
+    return elastic_share(wall, joint_table(layout), body_table(layout))
+
+
+def test_the_share_of_a_door_by_hand():
+    """Above it: 1.8 m of bed joint between two courses, and head joints of 75 mm, seven in the one course (whole
+    bricks) and eight in the other (half ones at the ends).  Elastic, within 0.225 and 1.575 m: 1.35 m of bed joint and
+    the five and six head joints that lie strictly inside."""
+    above, elastic = 1.8 + 15 * 0.075, 1.35 + (5 + 6) * 0.075
+    share, total = share_of(DOOR), lay_out(DOOR).total_joint_length
+    assert share.above_openings == pytest.approx(elastic / above)
+    assert share.of_all == pytest.approx(elastic / total)
+
+
+@pytest.mark.parametrize("lintel", ["elastic", "1", "none"])
+def test_the_share_depends_neither_on_contact_points_nor_on_bricks_that_split(lintel):
+    share = share_of(DOOR, lintel=lintel)
+    assert share_of(DOOR, lintel=lintel, contacts="corners") == pytest.approx(share)
+    assert share_of(DOOR, lintel=lintel, cells=3) == pytest.approx(share)
+    splitting = Wall("door", DOOR.length, DOOR.height, DOOR.openings, brick=Brick(tensile_strength=1e6))
+    assert share_of(splitting, lintel=lintel) == pytest.approx(share)
+
+
+def test_an_ordinary_facade_has_three_times_the_share_of_the_paper_s_walls(symmetric_wall):
+    assert share_of(FACADE) == pytest.approx((0.331, 0.784), abs=5e-4)
+    assert share_of(symmetric_wall) == pytest.approx((0.100, 0.608), abs=5e-4)
+    assert share_of(FACADE, lintel="1") == pytest.approx((0.007, 0.016), abs=5e-4)
+    assert share_of(Wall("solid", 1.8, 0.6)) == (0.0, None)
+    assert warn_of_share(share_of(symmetric_wall)) == [] != warn_of_share(share_of(FACADE))
+    assert 0.1 < LARGE_SHARE < 0.33
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """A History of the wall with a door; a few joints of its lintel are between others that crack."""
+    return make_history(tmp_path_factory.mktemp("door") / "door.h5", lay_out(DOOR), opening={0: 3e-4 * np.ones(21)})
+
+
+def test_every_summary_tells_the_share(run):
+    share, summary, row = share_of(DOOR), summarise(run), summary_row(run)
+    for told in (summary, row):
+        assert (told["elastic_joint_share"], told["elastic_joint_share_above_openings"]) == pytest.approx(share)
+    assert summary["warnings"] == warn_of_share(share) != []
+    assert "(74 % above the openings) is elastic and cannot fail" in describe(summary)
+    solid = summarise(make_history(run.path, write=HistoryInMemory))
+    assert (solid["elastic_joint_share"], solid["elastic_joint_share_above_openings"]) == (0.0, None)
+    assert solid["warnings"] == [] and "every joint can fail" in describe(solid)
+
+
+def test_a_run_tells_strengths_masses_period_and_share_at_its_start():
+    layout, loading = lay_out(DOOR), parse_run([], "test", "reference").loading
+    modes, brickwork_t = natural_modes(layout), 1.9 * 0.1025 * (1.8 * 0.6 - 0.9 * 0.45)
+    told = "\n".join(opening_lines(layout, loading, modes, 1e-5))
+    for words in (f"{layout.n_bricks} bricks of {brickwork_t:.3g} t", "top: 5.64 t", "tensile strength 0.21 MPa",
+                  "cohesion 0.24 MPa", "friction angle 32 deg, brittle", "modulus 5200 MPa",
+                  f"first period by eigenvalue {modes.period_s[0]:.4f} s", "(74 % above the openings) is elastic"):
+        assert words in told
+
+
+def collection(figure, label):
+    (found,) = (one for one in figure.axes[0].collections if one.get_label() == label)
+    return found
+
+
+def test_pictures_draw_elastic_joints_in_a_way_of_their_own(run):
+    elastic = np.flatnonzero(run.joints["elastic"])
+    assert wall_shape(run).select("elastic").tolist() == elastic.tolist()
+    assert not set(elastic) & set(wall_shape(run).select("intact"))
+    figure = wall_picture(run)
+    assert len(collection(figure, "elastic").get_segments()) == len(elastic)
+    styles = [(tuple(collection(figure, kind).get_colors()[0]), str(collection(figure, kind).get_linestyles()))
+              for kind in ("elastic", "intact")]
+    assert styles[0][0] != styles[1][0] and styles[0][1] != styles[1][1]
+    (legend,) = figure.legends
+    assert "elastic, cannot fail" in [text.get_text() for text in legend.get_texts()]
+    figure.draw_without_rendering()
+    box = legend.get_window_extent()
+    assert box.x0 >= 0 and box.x1 <= figure.bbox.x1  # the longest legend still fits
+
+
+def test_the_legend_names_elastic_joints_only_where_there_are_any(run):
+    (legend,) = wall_picture(make_history(run.path, write=HistoryInMemory)).legends
+    assert "elastic, cannot fail" not in [text.get_text() for text in legend.get_texts()]
+
+
+def test_the_report_tells_and_draws_them(run):
+    text = page([run.path], [])
+    drawn = Page(text).data["runs"][0]
+    elastic = np.flatnonzero(run.joints["elastic"])
+    arrays = unpack_arrays(drawn)
+    assert drawn["n_elastic"] == len(elastic) == len(arrays["elastic_ends"]) / 4
+    assert np.array_equal(arrays["elastic_second"], run.joints["second_body"].iloc[elastic])
+    assert "is elastic and cannot fail" in text and "elastic_joint_share" in text.replace("<wbr>", "")
+    assert "thin dashed lines" in text and f"{len(elastic)} are elastic and cannot fail" in text

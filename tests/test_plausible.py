@@ -1,0 +1,124 @@
+"""Values in a wrong unit: found in a wall and a motion where a run begins, and in no wall that is made in Python."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY, one_line_error
+
+import damage
+from damage.__main__ import main
+from damage.motion.formats import shipped_record_path
+from damage.run.options import parse_run
+from damage.wall.file import load_wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.plausible import RANGES, check_plausible, implausible, markdown
+
+SOFTENING = Joint(mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6)
+SPLITTING = Brick(tensile_strength=1e6, cohesion=2e6)
+WALL = Wall("w", 2.0, 1.0, (Opening(0.5, 0.5, 0.5),), brick=SPLITTING, joint=SOFTENING)
+PARTS = {"Brick": "brick", "Joint": "joint"}
+IN_MPA = Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.15))
+
+
+def with_value(name, value):
+    """The wall with a value in a field, "Joint.cohesion", past the checks of what can be computed."""
+    record, field = name.split(".")
+    changed = {"Wall": WALL, "Opening": WALL.openings[0]}.get(record) or getattr(WALL, PARTS[record])
+    changed = replace(changed)
+    vars(changed)[field] = value
+    if record == "Wall":
+        return changed
+    wall = replace(WALL)
+    vars(wall)[PARTS.get(record, "openings")] = (changed,) if record == "Opening" else changed
+    return wall
+
+
+@pytest.mark.parametrize("name", RANGES)
+def test_each_field_is_held_to_its_range(name):
+    least, most, unit, *_ = RANGES[name]
+    for value in (least, np.sqrt(least * most), most):
+        assert implausible(with_value(name, value)) == []
+    for value in (least / 1.01, most * 1.01):
+        (told,) = implausible(with_value(name, value))
+        assert told.startswith(f"{name} = ") and f" {unit}, expected " in told
+    assert implausible(with_value(name, 0.0)) == []  # no wrong unit makes it; where it cannot be, it is refused before
+
+
+def test_every_number_of_a_wall_but_places_has_a_range():
+    numbers = {f"{kind.__name__}.{one.name}" for kind in (Wall, Opening, Brick, Joint) for one in fields(kind)
+               if one.type in (float, float | None, "float", "float | None")}
+    assert numbers == {*RANGES, "Opening.left", "Opening.sill"}
+
+
+@pytest.mark.parametrize("name, value, meant", [
+    ("Joint.tensile_strength", 0.1, "0.1 MPa is 0.1e6 Pa"), ("Joint.cohesion", 150.0, "150 kPa is 150e3 Pa"),
+    ("Joint.normal_stiffness", 82.0, "82 N/mm3 is 82e9 Pa/m"), ("Joint.shear_stiffness", 4e5, "400000 MPa/m is"),
+    ("Joint.mode_i_fracture_energy", 0.012, "0.012 N/mm is 0.012e3 J/m2"),
+    ("Wall.precompression", 0.3, "0.3 MPa is 0.3e6 Pa"), ("Brick.young_modulus", 5.2, "5.2 GPa is 5.2e9 Pa"),
+    ("Brick.density", 1.9, "1.9 t/m3 is 1.9e3 kg/m3"), ("Brick.density", 18.6, "18.6 kN/m3 is 1896 kg/m3"),
+    ("Brick.length", 21.0, "21 cm is 21e-2 m"), ("Wall.length", 600.0, "600 mm is 600e-3 m, 600 cm is 600e-2 m")])
+def test_the_unit_that_was_meant_is_named(name, value, meant):
+    (told,) = implausible(with_value(name, value))
+    assert meant in told
+
+
+def test_a_fault_is_told_in_one_line_of_all_fields_and_once():
+    said = one_line_error(check_plausible, IN_MPA)
+    assert "tensile_strength = 0.1 Pa, expected 1000 to 1e7 Pa, or 0: 0.1 MPa is 0.1e6 Pa" in said
+    assert "cohesion = 0.15 Pa" in said and "--accept-implausible" in said
+    assert damage.check_plausible is check_plausible
+    two = replace(WALL, openings=(Opening(0.3, 0.02, 0.5), Opening(1.0, 0.5, 0.5), Opening(1.7, 0.02, 0.5)))
+    assert len(implausible(two)) == 1
+
+
+SHIPPED = [REPOSITORY / "examples/two_windows.py", *sorted(
+    path for path in (REPOSITORY / "walls").glob("**/*.py") if "def wall()" in path.read_text())]
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_walls_that_ship_are_plausible(path):
+    assert implausible(load_wall(path)) == []
+
+
+def test_dry_joints_without_precompression_are_plausible():
+    dry = Joint(tensile_strength=0.0, cohesion=0.0, friction_angle=0.0)
+    assert implausible(Wall("dry", 2.0, 1.0, precompression=0.0, joint=dry)) == []
+
+
+def settings(*words):
+    return parse_run([str(word) for word in words], "test", "reference")
+
+
+def test_a_run_refuses_a_wall_and_a_motion_unless_they_are_accepted():
+    assert "0.1 MPa is" in one_line_error(settings().check_plausible, IN_MPA)
+    assert "peak of 49 g, expected up to 5 g" in one_line_error(settings("--harmonic", 0.2, 49).check_plausible, WALL)
+    shaken = ("--harmonic", 0.2, 1, "--sequence", "0.1,-6")
+    assert "peak of 6 g" in one_line_error(settings(*shaken).check_plausible, WALL)
+    settings("--harmonic", 0.2, 5).check_plausible(WALL)
+    settings("--harmonic", 0.2, 49, "--accept-implausible").check_plausible(IN_MPA)
+
+
+def test_modes_refuses_a_wall_unless_it_is_accepted(tmp_path, capsys):
+    path = tmp_path / "wall.py"
+    path.write_text("from damage import Joint, Wall\n\n\ndef wall():\n"
+                    "    return Wall('w', 0.45, 0.15, joint=Joint(tensile_strength=0.1, cohesion=0.15))\n")
+    assert main(["modes", str(path)]) == 2
+    told = capsys.readouterr()
+    assert told.out == "" and told.err.startswith("error: ") and "0.15 MPa is 0.15e6" in told.err
+    assert main(["modes", str(path), "--accept-implausible"]) == 0
+    assert "mode 1" in capsys.readouterr().out
+
+
+def test_a_record_in_gal_is_warned_of(tmp_path, capsys):
+    rows = shipped_record_path().read_text().splitlines()
+    in_gal = [f"{time},{100 * float(value)}" for time, value in (
+        row.split(",") for row in rows if not row.startswith(("#", "time")))]
+    path = tmp_path / "gal.csv"
+    path.write_text("\n".join(["time_s,acc_m_s2", *in_gal]))
+    assert main(["record", str(path)]) == 0
+    assert "cm/s2 (gal) where m/s2 is expected" in capsys.readouterr().err
+
+
+def test_the_document_has_the_ranges():
+    assert markdown() in (REPOSITORY / "docs/ranges.md").read_text()
