@@ -39,8 +39,9 @@ def is_cached():
 def _delete_other_versions():
     """Delete what numba has cached of this folder's files as other sources had them: nothing else would."""
     folder = kept_in()
-    for source in SOURCES if folder else []:
-        for kept in folder.glob(f"{source.stem}.*.nb[ic]"):
+    patterns = [f"{source.stem}.*.nb[ic]" for source in SOURCES] + ["speed-*.json"]
+    for pattern in patterns if folder else []:
+        for kept in folder.glob(pattern):
             if DIGEST not in kept.name:
                 with suppress(OSError):  # another process is at the same work, or the folder cannot be written
                     kept.unlink()

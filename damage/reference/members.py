@@ -47,6 +47,8 @@ def run_members(backend, wall_file, make_wall, settings):
     for path in ended.keys() - {out}:
         path.unlink(missing_ok=True)  # of one that grew too large for the memory
     report(ended[out], pictures=settings.pictures)
+    if len(ended) < len(members):
+        print(f"{len(ended)} of {len(members)} members ended: median and range are of these")
     return max(statuses)
 
 
