@@ -118,12 +118,15 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
     shared."""
     package = tmp_path / "damage"
     shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
-    env = {**os.environ, "PYTHONPATH": str(tmp_path)} | ({"NUMBA_CACHE_DIR": str(tmp_path / "kept")} if elsewhere else {})
+    env = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    if elsewhere:
+        env["NUMBA_CACHE_DIR"] = str(tmp_path / "kept")
 
     def tried():
         """Where a function is cached, and whether the line was printed that the solver is compiled."""
         program = ("from damage.reference import cache, bodies, compiled; import numpy as np;"
-                   "bodies.clear(np.zeros(64), np.uint64(0), np.uint64(8)); print(cache.kept_in(), compiled.DIGEST, sep='\\n')")
+                   "bodies.clear(np.zeros(64), np.uint64(0), np.uint64(8));"
+                   "print(cache.kept_in(), compiled.DIGEST, sep='\\n')")
         *said, folder, digest = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, env=env,
                                                capture_output=True, text=True).stdout.splitlines()
         assert said in ([], [compiled.COMPILING])

@@ -122,8 +122,8 @@ def machine_speed():
     """(Speed of this machine, where it is from in words)."""
     found = speed()
     if found is not None:
-        return found, (f"this machine's speed, measured once: {found.alone_ns:.1f} ns a contact point and step of a wall "
-                       f"alone, {found.together_ns:.1f} ns of eight together")
+        return found, (f"this machine's speed, measured once: {found.alone_ns:.1f} ns a contact point and step of a "
+                       f"wall alone, {found.together_ns:.1f} ns of eight together")
     factor = python_seconds() / PYTHON_S
     return Speed(*(factor * one for one in MEASURED_AT)), UNKNOWN
 
@@ -196,7 +196,8 @@ def scales(costs, there, ways, folder):
         return Cost(1.0, 1.0), ""
     seconds = [taken.seconds / cost.seconds for cost, taken, way in measured if way != "together"]
     n_bytes = np.median([taken.n_bytes / cost.n_bytes for cost, taken, _ in measured])
-    return Cost(np.median(seconds) if seconds else 1.0, n_bytes), f", and what those that are there took ({len(measured)})"
+    by = f", and what those that are there took ({len(measured)})"
+    return Cost(np.median(seconds) if seconds else 1.0, n_bytes), by
 
 
 def took(path):

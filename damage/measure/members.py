@@ -1,4 +1,5 @@
-"""Members of a single run: the same run with strengths that scatter a little, which shows how far its numbers are known.
+"""Members of a single run: the same run with strengths that scatter a little, which shows how far its numbers are
+known.
 
 `python3 -m damage reference WALL.py ... --members N` writes FILE_members.csv beside FILE.h5, the history of the first
 member: a row a member, columns as of summary.csv.
@@ -17,8 +18,8 @@ from damage.units import rounded
 SHOWN = {"max_DI": ("maximum DI", 1.0, "", None), "residual_DI": ("residual DI", 1.0, "", None),
          "max_drift_ratio": ("drift ratio", 100.0, " %", 3), "max_crack_width_mm": ("widest crack", 1.0, " mm", 2),
          "max_psi": ("Psi", 1.0, "", 2), "peak_base_shear_n": ("base shear", 1e-3, " kN", 3)}
-"""Column -> (name, factor, unit, significant digits, None for three decimals) of the measures whose median and range are
-shown."""
+"""Column -> (name, factor, unit, significant digits, None for three decimals) of the measures whose median and range
+are shown."""
 
 
 def members_path(path):

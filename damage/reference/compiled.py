@@ -40,11 +40,10 @@ def _delete_other_versions():
     """Delete what numba has cached of this folder's files as other sources had them: nothing else would."""
     folder = kept_in()
     patterns = [f"{source.stem}.*.nb[ic]" for source in SOURCES] + ["speed-*.json"]
-    for pattern in patterns if folder else []:
-        for kept in folder.glob(pattern):
-            if DIGEST not in kept.name:
-                with suppress(OSError):  # another process is at the same work, or the folder cannot be written
-                    kept.unlink()
+    for kept in [path for pattern in patterns for path in folder.glob(pattern)] if folder else []:
+        if DIGEST not in kept.name:
+            with suppress(OSError):  # another process is at the same work, or the folder cannot be written
+                kept.unlink()
 
 
 def _compiler(**options):

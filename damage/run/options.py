@@ -131,9 +131,9 @@ def _add_model(group, solver):
     group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "
                        "for ensembles: coefficient of variation (default 0)")
     group.add_argument("--seed", type=int, default=0, help="of the random offsets and the scatter (default 0)")
-    group.add_argument("--members", type=int, default=1, metavar="N", help="reference solver: N runs with strengths that "
-                       f"scatter by --scatter (default {SCATTER:g}), seeds from --seed (default 1) on; prints the median "
-                       "and range of what is measured, and keeps the history of the first")
+    group.add_argument("--members", type=int, default=1, metavar="N", help="reference solver: N runs with strengths "
+                       f"that scatter by --scatter (default {SCATTER:g}), seeds from --seed (default 1) on; prints the "
+                       "median and range of what is measured, and keeps the history of the first")
 
 
 def _add_run(group, solver):

@@ -115,9 +115,9 @@ def _run(backend, wall_file, make_wall, arguments, prog):
 def _members_of(backend):
     """What runs the members of a run; raises InputError where the solver runs one wall only."""
     if backend.run_members is None:
-        raise InputError(f"--members: the {backend.name} solver runs one wall at a time; expected the reference solver, "
-                         "python3 -m damage reference WALL.py --members N; or give --scatter 0.001 --seed 1, then 2, "
-                         "..., a run each")
+        raise InputError(f"--members: the {backend.name} solver runs one wall at a time; expected the reference "
+                         "solver, python3 -m damage reference WALL.py --members N; or give --scatter 0.001 --seed 1, "
+                         "then 2, ..., a run each")
     return backend.run_members
 
 

@@ -56,9 +56,9 @@ class RunSettings:
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
-    by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long bodies are followed after the first brick fell
-    [s]; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors only; command:
-    what asked for it.
+    by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
+    bodies are followed after the first brick fell [s]; out: history file, None for a name of its own below `results/`;
+    quiet: print warnings and errors only; command: what asked for it.
     """
 
     loading: object
