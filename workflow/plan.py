@@ -41,8 +41,9 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
-YADE_OVER_REFERENCE = 51.0
-"""Time of a step in YADE over that of the reference solver: python3 benchmarks/speed.py."""
+YADE_NS = 800.0
+"""Of one processor, a contact point and step of a whole run in YADE: on three machines the record of `quick` took 640
+to 1300.  It does not follow the reference solver's speed, which vector instructions decide."""
 MEASURED_AT = Speed(2.6, 1.25)
 """Of the machine that the following seconds were measured on (AMD EPYC, family 26, one of two cores)."""
 RUN = {"alone": (0.75, 1.5), "together": (0.25, 2.0), "yade": (5.0, 1.0)}
@@ -98,9 +99,9 @@ def tell(study, folder, jobs):
     for run in study.runs:
         told = f"there, {len(there[run])} runs" if run.is_ensemble else "there"
         print(f"  {run.id:60s}  {told if there[run] else _planned(run, costs[run], scale)}")
-    least, most = (sum(count(run) for run in left) for count in (lambda run: run.members, most_members))
-    times = [spread(study, left, costs, scale.seconds, jobs, count, machine)
-             for count in (lambda run: run.members, most_members)]
+    counts = [{run: run.members for run in left}, {run: most_members(run) for run in left}]
+    least, most = (sum(count.values()) for count in counts)
+    times = [seconds_of(study, count, costs, scale.seconds, jobs, machine) for count in counts]
     compiles = not is_cached() and any(run.solver == "reference" for run in left)
     unsure = UNMEASURED if compiles or how is UNKNOWN else 1.0
     once_s = COMPILING_S * python_seconds() / PYTHON_S if compiles else 0.0
@@ -111,8 +112,8 @@ def tell(study, folder, jobs):
           f"{duration((times[1] + once_s) * MOST * unsure)} with {jobs} at a time, where nothing else runs; "
           f"{n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
           f"{free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
-          f"by {how}{by}" + (f"; with compiling the solver once, about {duration(once_s)}" if compiles else ""),
-          flush=True)
+          f"by {how}{', YADE by other machines' if 'yade' in ways.values() else ''}{by}"
+          + (f"; with compiling the solver once, about {duration(once_s)}" if compiles else ""), flush=True)
 
 
 UNKNOWN = "the speed of Python on this machine, as the solver is not compiled yet"
@@ -140,14 +141,14 @@ def ways_of(runs, jobs):
             "together" if count[company[run]] >= LEAST_LANES * jobs else "alone" for run in runs}
 
 
-def spread(study, left, costs, scale, jobs, count, machine):
-    """Seconds of a batch of the runs that are left; count(run): how many runs a StudyRun comes to."""
-    if not left:
+def seconds_of(study, count, costs, scale, jobs, machine):
+    """Seconds of a batch; count: {StudyRun that is left: how many runs it comes to}."""
+    if not count:
         return 0.0
     slower = machine.alone_ns / MEASURED_AT.alone_ns
-    each = [count(run) * costs[run].seconds * scale for run in left]
-    longest = max((one for one, run in zip(each, left) if not run.is_ensemble), default=0.0)
-    pictures = slower * PICTURES_S * len(left) if study.pictures == "all" else 0.0
+    each = [number * costs[run].seconds * scale for run, number in count.items()]
+    longest = max(costs[run].seconds * scale for run in count)  # one run is one process's
+    pictures = slower * PICTURES_S * len(count) if study.pictures == "all" else 0.0
     return max(sum(each) / jobs, longest) + pictures / jobs + slower * BATCH_S
 
 
@@ -171,8 +172,7 @@ def estimate(run, way, machine):
     steps = (RAMP_S + HOLD_S + shaken_s) / step_s
     samples = shaken_s / step_s / sample_steps(step_s)
     besides_s, factor = RUN[way]
-    ns = {"together": machine.together_ns, "alone": machine.alone_ns,
-          "yade": YADE_OVER_REFERENCE * machine.alone_ns}[way]
+    ns = {"together": machine.together_ns, "alone": machine.alone_ns, "yade": YADE_NS}[way]
     return Cost(besides_s * machine.alone_ns / MEASURED_AT.alone_ns + factor * steps * n_joints * ns * 1e-9,
                 samples * n_joints * BYTES_A_CONTACT_AND_SAMPLE)
 
