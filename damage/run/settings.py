@@ -60,8 +60,8 @@ class RunSettings:
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
     by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
     bodies are followed after the first brick fell [s]; accept_implausible: do not check whether the wall and the motion
-    are plausible; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors only;
-    command: what asked for it.
+    are plausible; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors
+    only; command: what asked for it.
     """
 
     loading: object
