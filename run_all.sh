@@ -133,4 +133,17 @@ fi
 source "$root/scripts/environment.sh" run
 # Runs side by side are what uses the processors; threads of linear algebra would only wait on them.
 export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
+
+# The first run of `quick` in the reference solver: a result within a minute or two, while YADE's take several.
+show_first_result() {
+    local folder=${out:-$root/results/quick}/first
+    local history=$folder/symmetric_harmonic-0.2-0.05_rest-1_reference.h5
+    ! "$PYTHON" -m damage --quiet check "$history" 2>/dev/null || return 0
+    echo "first result, by the reference solver; YADE's runs follow"
+    "$PYTHON" -m damage reference "$root/walls/symmetric.py" --harmonic 0.2 0.05 --rest 1 --out "$history" --overwrite ||
+        [ $? -ne 130 ] || exit 130
+}
+if [[ $study == quick && $program == batch.py && $solver != reference && -z $slurm && ${#more[@]} -eq 0 ]]; then
+    show_first_result
+fi
 exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm $remake "${more[@]}"

@@ -7,7 +7,8 @@
 
 The older package is taken from git into a temporary folder under another name.  The symmetric wall is intact, or
 shaken until it is cracked, by the older kernel and the present one alike; it steps alone, by the plain step, as 4, 8
-and 16 walls together, and with damping proportional to stiffness.  Times are those of the processor, a wall and step; a ratio is
+and 16 walls together, and with damping proportional to stiffness.  Times are those of the processor, a wall and step;
+a ratio is
 the median over the rounds of new to old.
 """
 

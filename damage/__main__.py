@@ -170,10 +170,11 @@ def _save(figures, folder, made=""):
                              help="when a joint counts as slipped (default displacement)"), _PSI_FROM)
 def _index(asked):
     from damage.measure.summary import summarise
-    from damage.run.report import describe, warn
+    from damage.run.report import describe, warn, with_members
 
-    summary = summarise(read_history(asked.history), asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
-                        asked.slip, asked.psi_from_mm * MILLIMETRE)
+    history = read_history(asked.history)
+    summary = with_members(summarise(history, asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
+                                     asked.slip, asked.psi_from_mm * MILLIMETRE), history)
     warn(summary["warnings"])
     _tell(asked, summary, describe)
 

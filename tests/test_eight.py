@@ -8,8 +8,8 @@ import numpy as np
 from conftest import REPOSITORY
 from numba import njit
 
-from damage.reference.fast.blocks import INDEX
 from damage.mechanics.eight import add, bits, either, flags_of, load, spread, store
+from damage.reference.fast.blocks import INDEX
 from damage.reference.fast.rows import add_rows, rows_of, set_rows
 
 ZERO, FOUR, EIGHT, NINE, WIDER, WIDEST = (INDEX(number) for number in (0, 4, 8, 9, 16, 24))

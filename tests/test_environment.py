@@ -297,6 +297,27 @@ class TestRunAll:
         assert (done.returncode, done.stderr) == (0, "")
         assert "quick" in done.stdout and "--out DIR" in done.stdout
 
+    @pytest.mark.yade
+    @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
+    @pytest.mark.parametrize(("words", "status", "started"), [
+        ((), 0, ["check", "reference", "batch.py"]),
+        ((), 1, ["check", "reference", "batch.py"]),  # the batch says what is wrong
+        ((), 130, ["check", "reference"]),
+        (("--solver", "reference"), 0, ["batch.py"]),
+        (("--dry-run",), 0, ["plan.py"]),
+    ], ids=str)
+    def test_quick_starts_with_a_run_in_the_reference_solver(self, tmp_path, words, status, started):
+        calls = tmp_path / "calls"
+        python = write_script(tmp_path / "python", f"""
+            [ "$1" = -c ] && exec {sys.executable} "$@"
+            echo "$@" >>{calls}
+            case "$*" in *" check "*) exit 1 ;; *" reference "*) exit {status} ;; esac""")
+        done = run_all("quick", "--out", tmp_path / "out", *words, PYTHON=str(python))
+        assert done.returncode == (130 if status == 130 else 0), done.stderr
+        lines = calls.read_text().splitlines()
+        assert len(lines) == len(started) and all(name in line for name, line in zip(started, lines)), lines
+        assert ("first result" in done.stdout) == ("reference" in started)
+
     def test_it_is_refused_before_anything_is_looked_for(self, tmp_path):
         """A wrong name must not start an installation."""
         done = run_all("nothing", PYTHON="/nowhere", SYSTEM_PYTHON="/nowhere")

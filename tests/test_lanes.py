@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from damage.motion.loading import Harmonic
 from damage.mechanics import tables
+from damage.motion.loading import Harmonic
 from damage.reference.lanes import MOST_LANES, run_together
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out

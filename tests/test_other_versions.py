@@ -147,7 +147,8 @@ def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
         "history/structure": "refuses", "history/values": "refuses", "measure/columns": "words",
         "measure/doubts": "words", **dict.fromkeys(
             ("motion/loading", "motion/record", *(f"wall/{name}" for name in (
-                "caps", "fibres", "kinds", "kinematics", "layout", "parameters", "split"))), "of the model's digest")}
+                "caps", "compliance", "fibres", "kinds", "kinematics", "layout", "lintel", "parameters",
+                "split"))), "of the model's digest")}
     modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles"}
     while left:
         found.add(name := left.pop())

@@ -86,8 +86,9 @@ def compare(kind, action):
 def test_a_run_by_the_plain_step_has_the_same_history(tmp_path):
     from benchmarks.same_bits import differences
 
-    (tmp_path / "small.py").write_text("from damage import Wall\n\n\ndef wall():\n    return Wall('small', 0.9, 0.45)\n")
+    wall = "from damage import Wall\n\n\ndef wall():\n    return Wall('small', 0.9, 0.45)\n"
+    (tmp_path / "small.py").write_text(wall)
     for step in ("fast", "plain"):
-        assert run_reference([str(tmp_path / "small.py"), "--harmonic", "0.05", "1.2", "--cycles", "2", "--rest", "0.05",
-                              "--no-pictures", "--step", step, "--out", str(tmp_path / f"{step}.h5")]) == 0
+        words = ["--harmonic", "0.05", "1.2", "--cycles", "2", "--rest", "0.05", "--no-pictures", "--step", step]
+        assert run_reference([str(tmp_path / "small.py"), *words, "--out", str(tmp_path / f"{step}.h5")]) == 0
     assert differences(tmp_path / "fast.h5", tmp_path / "plain.h5") == []

@@ -79,11 +79,12 @@ class Clockwork:
         displacement, n = np.zeros((len(self.layout.bodies), 3)), self.layout.n_joints
         if self.falls_at_step is not None and self.clock >= self.falls_at_step:
             displacement[0, 1] = -1.0
+        contacts = {"opening_m": np.zeros(n), "slip_m": np.full(n, self.slip_m(self.clock)),
+                    "offset_m": np.full(n, self.offset_m(self.clock)), "state": np.zeros(n, int)}
         return Instants.one(
-            clock=self.clock, displacement=displacement, joints=slice(None), contacts={
-                "opening_m": np.zeros(n), "slip_m": np.full(n, self.slip_m(self.clock)),
-                "offset_m": np.full(n, self.offset_m(self.clock)), "state": np.zeros(n, int)}, base_shear_n=0.0, top_force_n=np.nan, kinetic_j=self.kinetic_j(self.clock),
-            elastic_j=0.0, input_j=self.input_j(self.clock), friction_j=0.0, fracture_j=0.0, damping_j=self.damping_j)
+            clock=self.clock, displacement=displacement, joints=slice(None), contacts=contacts, base_shear_n=0.0,
+            top_force_n=np.nan, kinetic_j=self.kinetic_j(self.clock), elastic_j=0.0, input_j=self.input_j(self.clock),
+            friction_j=0.0, fracture_j=0.0, damping_j=self.damping_j)
 
     def forces(self):
         weight = np.column_stack([np.zeros_like(self.layout.bodies.mass), GRAVITY * self.layout.bodies.mass,

@@ -3,8 +3,11 @@
 import io
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 
 import pandas as pd
@@ -373,3 +376,27 @@ def test_a_run_that_is_missing_is_asked_for_though_the_summary_is_there(study, t
          f"study={json.dumps(str(study))}", "solver=reference"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert all(f"rule {name}:" in done.stdout + done.stderr for name in ("shard", "summary"))
+
+
+def test_an_interruption_says_what_it_loses(workflow, tmp_path):
+    """Six walls that step together through 100 s: none has ended."""
+    (tmp_path / "tiny.py").write_text(TINY)
+    one = point("p", 6)
+    one = replace(one, wall=str(tmp_path / "tiny.py"), words=(
+        "--harmonic", "0.1", "0.5", "--rest", "100", "--strength-cov", "0.3"))
+    shard = tmp_path / "shards" / "0000.json"
+    shard.parent.mkdir()
+    (tmp_path / "runs").mkdir()
+    shard.write_text(json.dumps({"keep": "all", "points": [asdict(one)]}))
+    process = subprocess.Popen([sys.executable, REPOSITORY / "workflow" / "run_shard.py", shard, "--jobs", "1"],
+                               cwd=REPOSITORY, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                               env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
+    until = time.monotonic() + 200
+    while len([*(tmp_path / "runs").glob("*.part.h5")]) < 6 and process.poll() is None and time.monotonic() < until:
+        time.sleep(0.02)
+    process.send_signal(signal.SIGTERM)
+    _, told = process.communicate(timeout=100)
+    assert process.returncode == 130
+    assert ("@@ 6 runs step together and are saved when they have ended: an interruption loses those under way\n"
+            in told)
+    assert "@@ interrupted: 6 runs were under way and are lost; 0 that had ended are kept\n" in told

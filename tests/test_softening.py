@@ -16,7 +16,6 @@ from damage.errors import InputError
 from damage.measure.summary import summarise
 from damage.motion.loading import Harmonic
 from damage.reference.session import BACKEND
-from damage.reference.solver import ReferenceSolver
 from damage.run.options import parse_run
 from damage.run.schedule import SOFTENING_STEP_FACTOR, STEP_FACTOR, choose_time_step
 from damage.run.session import Backend, run_session

@@ -49,7 +49,7 @@ class TestLoading:
         assert {sine.wall, record.wall} == {"walls/symmetric.py"}
         assert sine.words == ("--harmonic", "0.2", "0.05", "--rest", "1")
         assert record.words == ("--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv",
-                                "--window", "17", "23", "--rest", "1")
+                                "--window", "18.7", "22.1", "--rest", "0.5")
 
     @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
     def test_shipped_studies_are_named_like_their_files(self, path):
@@ -61,7 +61,7 @@ class TestLoading:
         runs = load_study(REPOSITORY / "studies" / "quick.toml").runs
         assert [run.id for run in runs] == [
             "symmetric_harmonic-0.2-0.05_rest-1_yade",
-            "symmetric_record-BGAR_HGE_acc_m_s2_window-17-23_rest-1_yade"]
+            "symmetric_record-BGAR_HGE_acc_m_s2_window-18.7-22.1_rest-0.5_yade"]
 
     def test_an_own_id_is_kept(self, tmp_path):
         path = write_study(tmp_path, f'name = "s"\n[[runs]]\nid = "a"\n{WALL}{HARMONIC}')

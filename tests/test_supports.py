@@ -79,5 +79,5 @@ def test_reactions_on_tilted_ground_are_those_of_statics(wall):
     weight, x = weights(wall), wall.layout.bodies.x + wall.displacement[:, 0]
     assert_allclose((fx, fz), (0.0, -weight.sum()), rtol=1e-9, atol=1e-9 * weight.sum())
     assert_allclose(moment, -weight @ x, rtol=1e-9)
-    z = wall.layout.bodies.z
-    assert_allclose(wall.displacement[:, 0], -math.sin(tilt) * z + (math.cos(tilt) - 1) * wall.layout.bodies.x, atol=1e-4)
+    x, z = wall.layout.bodies.x, wall.layout.bodies.z
+    assert_allclose(wall.displacement[:, 0], -math.sin(tilt) * z + (math.cos(tilt) - 1) * x, atol=1e-4)

@@ -12,7 +12,7 @@ import pytest
 from conftest import REPOSITORY, contents, without_progress
 
 from damage.history.reader import read_history
-from damage.reference import lanes, settled, together
+from damage.reference import companies, lanes, settled, together
 from damage.reference.session import run_reference
 from damage.reference.settled import SettledWalls, State
 from damage.reference.together import run_references
@@ -66,7 +66,7 @@ def alone(tiny, tmp_path):
 
 def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, monkeypatch):
     widths = set()
-    monkeypatch.setattr(together, "run_together", lambda walls, *steps: widths.add(len(walls)) or lanes.run_together(
+    monkeypatch.setattr(companies, "run_together", lambda walls, *steps: widths.add(len(walls)) or lanes.run_together(
         walls, *steps))
     asked = lines(tiny, tmp_path / "together", 10)
     ended = list(run_references(asked))
@@ -81,7 +81,7 @@ def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, monke
 def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, monkeypatch):
     """As of the next point of a study: the same joints, another motion."""
     walls, asked_for = SettledWalls(), []
-    monkeypatch.setattr(together, "run_together", lambda walls, *steps: asked_for.append(steps) or lanes.run_together(
+    monkeypatch.setattr(companies, "run_together", lambda walls, *steps: asked_for.append(steps) or lanes.run_together(
         walls, *steps))
 
     def run(folder, numbers, *words):
@@ -126,7 +126,7 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
 
     simulate_as_before = together.simulate
     monkeypatch.setattr(together, "simulate", simulate)
-    monkeypatch.setattr(together, "LEAST_LANES", 2)
+    monkeypatch.setattr(companies, "LEAST_LANES", 2)
     asked = lines(tiny, tmp_path / "together")
     asked["m2"] += ["--dt", "0.1"]
     (ended,) = run_references(asked)
@@ -147,8 +147,8 @@ def test_an_error_of_steps_ends_those_that_took_them_together(fewest, failed, ti
             raise MemoryError
         return lanes.run_together(walls, *steps)
 
-    monkeypatch.setattr(together, "run_together", run_together)
-    monkeypatch.setattr(together, "LEAST_LANES", fewest)
+    monkeypatch.setattr(companies, "run_together", run_together)
+    monkeypatch.setattr(companies, "LEAST_LANES", fewest)
     (ended,) = run_references(lines(tiny, tmp_path / "together"))
     assert ended == {name: int(name in failed) for name in ended}
     told = without_progress(capsys.readouterr().err).splitlines()

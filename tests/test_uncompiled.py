@@ -1,6 +1,8 @@
 """The compiled functions run once as plain Python: where coverage sees them, and with the same results."""
 
+import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -9,8 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import REPOSITORY
+from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
 
+from damage.mechanics import compiled, samples, step
+from damage.reference.fast import blocks
+from damage.reference.fast import step as fast_step
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
@@ -68,9 +74,10 @@ def all_results(fast):
 @pytest.mark.parametrize("fast", [True, False], ids=["fast", "plain"])
 def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, fast):
     """But for fused multiply-adds, which round once instead of twice."""
-    done = subprocess.run([sys.executable, __file__, tmp_path / "plain.npz", "fast" if fast else "plain"], capture_output=True, text=True,
-                          env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(
-                              [str(REPOSITORY), os.environ.get("PYTHONPATH", "")])})
+    done = subprocess.run([sys.executable, __file__, tmp_path / "plain.npz", "fast" if fast else "plain"],
+                          capture_output=True, text=True, env={
+                              **os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(
+                                  [str(REPOSITORY), os.environ.get("PYTHONPATH", "")])})
     assert done.returncode == 0, done.stderr
     plain, compiled = np.load(tmp_path / "plain.npz"), all_results(fast)
     assert set(compiled["shaken_events"][:, 2]) == {1, 2, 3, 4}  # tension, shear, opened, slipped
@@ -82,29 +89,68 @@ def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, fast):
             assert_allclose(plain[name] / scale, value / scale, rtol=0, atol=1e-8, err_msg=name)
 
 
-if __name__ == "__main__":
-    np.savez(sys.argv[1], **all_results(sys.argv[2] == "fast"))
+def imports_of(path):
+    """Files of this package that a module imports from."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("damage"):
+            base = REPOSITORY.joinpath(*node.module.split("."))
+            found |= {base / f"{one.name}.py" for one in node.names} | {base.with_suffix(".py")}
+    return {path for path in found if path.is_file()}
+
+
+def test_all_sources_of_compiled_code_are_in_the_digest():
+    """What a module of compiled functions imports, directly or not, is compiled into them: functions and constants."""
+    compiler = REPOSITORY / "damage" / "mechanics" / "compiled.py"  # decides how; what it imports is not compiled
+    needed, to_follow = {compiler}, {
+        path for path in (REPOSITORY / "damage").rglob("*.py") if compiler in imports_of(path)
+        and re.search(r"^@(compiled|inlined)$", path.read_text(), re.MULTILINE)}
+    assert len(to_follow) > 5
+    while to_follow:
+        needed |= to_follow
+        to_follow = {imported for path in to_follow - {compiler} for imported in imports_of(path)} - needed
+    assert set(compiled.SOURCES) == needed
+    functions = [value for module in (step, fast_step, samples, blocks) for value in vars(module).values()
+                 if isinstance(value, Dispatcher)]
+    assert len(functions) > 20
+    assert all(compiled.DIGEST in one.py_func.__qualname__ for one in functions)
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
-def test_a_newer_law_is_compiled_anew(tmp_path, elsewhere):
-    """numba's cache looks at the kernel's own file: without a look at the law's it would go on with the old one, in a
-    folder that NUMBA_CACHE_DIR names, too."""
+def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_path, elsewhere):
+    """A file of another version may be older than what is cached, as tar and rsync -a leave it; NUMBA_CACHE_DIR may be
+    shared."""
     package = tmp_path / "damage"
     shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
     env = {**os.environ, "PYTHONPATH": str(tmp_path)}
     if elsewhere:
         env["NUMBA_CACHE_DIR"] = str(tmp_path / "kept")
-    told = subprocess.run([sys.executable, "-c", "from damage.mechanics import cache; print(cache.kept_in())"],
-                          cwd=tmp_path, check=True, env=env, capture_output=True, text=True).stdout
-    folder = Path(told.strip())
-    assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "mechanics")
-    index = folder / "contacts.spring-1.py311.nbi"
-    index.parent.mkdir(parents=True, exist_ok=True)
-    index.touch()
-    os.utime(package / "mechanics" / "tables.py", (0, 0))
-    law = package / "wall" / "joint_law.py"
-    for age_s, kept in ((-10, True), (10, False)):
-        os.utime(law, (index.stat().st_mtime + age_s,) * 2)
-        subprocess.run([sys.executable, "-c", "import damage.reference.fast.step"], cwd=tmp_path, check=True, env=env)
-        assert index.exists() == kept
+
+    def tried():
+        """Where a function is cached, and whether the line was printed that the solver is compiled."""
+        program = ("from damage.mechanics import cache, compiled; from damage.reference.fast import bodies;"
+                   "import numpy as np;"
+                   "bodies.clear(np.zeros(64), np.uint64(0), np.uint64(8));"
+                   "print(cache.kept_in(compiled.FAST), compiled.DIGEST, sep='\\n')")
+        *said, folder, digest = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, env=env,
+                                               capture_output=True, text=True).stdout.splitlines()
+        assert said in ([], [compiled.COMPILING])
+        folder = Path(folder)
+        assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "reference" / "fast")
+        (index,) = folder.glob("bodies.clear-*.nbi")
+        assert digest in index.name  # and the machine code of other sources is deleted
+        return index, bool(said)
+
+    first, compiles = tried()
+    assert compiles and tried() == (first, False)
+    for name in ("history/schema.py", "wall/joint_law.py"):
+        with (package / name).open("a", encoding="utf-8") as file:
+            file.write("\nANOTHER = 1\n")
+        os.utime(package / name, (0, 0))
+        index, compiles = tried()
+        assert compiles and index != first
+        first = index
+
+
+if __name__ == "__main__":
+    np.savez(sys.argv[1], **all_results(sys.argv[2] == "fast"))

@@ -283,7 +283,8 @@ def report(batch, status):
     folder, done = batch.folder, len(batch.simulated())
     print(f"\nstudy {batch.study.name}: {done} of {len(batch.study.runs)} {batch.unit} done")
     if batch.interrupted:
-        print("interrupted: the same command goes on from here", file=sys.stderr)
+        print("interrupted: runs that had ended are kept, those that were under way begin again: the same command "
+              "goes on from here", file=sys.stderr)
         return EXIT_INTERRUPTED
     if batch.short:
         print(f"error: {shortage(folder)}, and the same command goes on from here", file=sys.stderr)

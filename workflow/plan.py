@@ -2,9 +2,10 @@
 
     plan.py STUDY.toml|STUDIES [-j N] [--out DIR] [--solver yade|reference|both]
 
-`run_all.sh --dry-run` starts this.  Time goes by contact points and steps at the speeds of docs/two-solvers.md, disk by
-contact points and samples; where runs of the study are there, both are scaled by what these took.  Nothing is written.
-Exit status: 0 told, 2 bad input.
+`run_all.sh --dry-run` starts this.  Time follows from contact points and steps at the speed of this machine, which is
+measured once (`speed.py`), and from what each run, picture and batch takes besides; disk from contact points and
+samples.  Where runs of the study are there, the times of those that ran alone, and the bytes of all, scale both.
+Nothing is written in the study's folder.  Exit status: 0 told, 2 bad input.
 """
 
 from damage.start import begin, leave
@@ -14,7 +15,8 @@ if __name__ == "__main__":
 
 import argparse
 import sys
-from collections import namedtuple
+from collections import Counter, namedtuple
+from contextlib import chdir
 from datetime import datetime, timedelta
 from functools import cache
 from pathlib import Path
@@ -22,9 +24,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 from room import free_bytes
+from run_shard import company_of
 from shared import ROOT
+from speed import Speed, python_seconds, speed
 
 from damage.errors import InputError
+from damage.mechanics.compiled import is_cached
+from damage.reference.companies import LEAST_LANES
 from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step, sample_steps
 from damage.run.settings import HOLD_S, RAMP_S, SETTLE_S, Softening
@@ -35,8 +41,19 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 
-NS_A_CONTACT_AND_STEP = {"reference": 6.1, "yade": 310.0}
-"""Of one core, the symmetric wall: python3 benchmarks/speed.py."""
+YADE_NS = 800.0
+"""Of one processor, a contact point and step of a whole run in YADE: on three machines the record of `quick` took 640
+to 1300.  It does not follow the reference solver's speed, which vector instructions decide."""
+MEASURED_AT = Speed(2.6, 1.25)
+"""Of the machine that the following seconds were measured on (AMD EPYC, family 26, one of two cores)."""
+RUN = {"alone": (0.75, 1.5), "together": (0.25, 2.0), "yade": (5.0, 1.0)}
+"""Of a run: seconds besides its steps (layout, periods, history, tables), and its steps' time over that of a wall at
+rest."""
+PICTURES_S, BATCH_S, COMPILING_S, PYTHON_S = 4.5, 7.0, 25.0, 0.0114
+"""Seconds of the pictures of a run; of starting Snakemake and its jobs and of the study's tables; of compiling; and of
+`speed.python_seconds`."""
+LEAST, MOST, UNMEASURED = 0.7, 2.0, 1.5
+"""Of the time that is expected: from and to, and by how much less and more where the machine was not measured."""
 BYTES_A_CONTACT_AND_SAMPLE = 1.15
 """Of a history, compressed: the symmetric wall at 0.2 s, 0.05 g (YADE) and 0.1 g (reference)."""
 
@@ -72,34 +89,78 @@ def main():
 
 def tell(study, folder, jobs):
     """Print the plan of a Study in its folder."""
-    costs = {run: estimate(run) for run in study.runs}
+    ways = ways_of(study.runs, jobs)
+    machine, how = machine_speed()
+    costs = {run: estimate(run, ways[run], machine) for run in study.runs}
     there = {run: runs_there(run, folder) for run in study.runs}
     left = [run for run in study.runs if not there[run]]
-    scale, by = scales(costs, there, folder)
+    scale, by = scales(costs, there, ways, folder)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
     for run in study.runs:
         told = f"there, {len(there[run])} runs" if run.is_ensemble else "there"
         print(f"  {run.id:60s}  {told if there[run] else _planned(run, costs[run], scale)}")
-    least, most = (sum(count(run) for run in left) for count in (lambda run: run.members, most_members))
-    each = [most_members(run) * costs[run].seconds * scale.seconds for run in left]
-    seconds = max(sum(each) / jobs, *each, 0)  # the members of an ensemble come one after the other
+    counts = [{run: run.members for run in left}, {run: most_members(run) for run in left}]
+    least, most = (sum(count.values()) for count in counts)
+    times = [seconds_of(study, count, costs, scale.seconds, jobs, machine) for count in counts]
+    compiles = not is_cached() and any(run.solver == "reference" for run in left)
+    unsure = UNMEASURED if compiles or how is UNKNOWN else 1.0
+    once_s = COMPILING_S * python_seconds() / PYTHON_S if compiles else 0.0
     n_bytes = sum(most_members(run) * costs[run].n_bytes for run in left) * scale.n_bytes
-    up_to = "up to " if most != least else ""
-    print(f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; runs to make: {up_to}{most}\n"
-          f"expected: {up_to}about {duration(seconds)} with {jobs} at a time, {n_bytes / 1e6:.3g} MB of histories in "
-          f"{folder}, which has {free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
-          f"by {by}; compiling, tables and pictures come to it", flush=True)
+    print(f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; runs to make: "
+          f"{'up to ' if most != least else ''}{most}\n"
+          f"expected: {duration((times[0] + once_s) * LEAST / unsure)} to "
+          f"{duration((times[1] + once_s) * MOST * unsure)} with {jobs} at a time, where nothing else runs; "
+          f"{n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
+          f"{free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
+          f"by {how}{', YADE by other machines' if 'yade' in ways.values() else ''}{by}"
+          + (f"; with compiling the solver once, about {duration(once_s)}" if compiles else ""), flush=True)
+
+
+UNKNOWN = "the speed of Python on this machine, as the solver is not compiled yet"
+
+
+def machine_speed():
+    """(Speed of this machine, where it is from in words)."""
+    found = speed()
+    if found is not None:
+        return found, (f"this machine's speed, measured once: {found.alone_ns:.1f} ns a contact point and step of a "
+                       f"wall alone, {found.together_ns:.1f} ns of eight together")
+    factor = python_seconds() / PYTHON_S
+    return Speed(*(factor * one for one in MEASURED_AT)), UNKNOWN
+
+
+def ways_of(runs, jobs):
+    """{StudyRun: "yade", "alone" or "together"}: whether so many runs in the reference solver are alike that groups of
+    them step together in every process."""
+    with chdir(ROOT):  # where the paths of runs lead from
+        company = {run: company_of(run) for run in runs if run.solver == "reference"}
+    count = Counter()
+    for run, name in company.items():
+        count[name] += most_members(run)
+    return {run: "yade" if run.solver == "yade" else
+            "together" if count[company[run]] >= LEAST_LANES * jobs else "alone" for run in runs}
+
+
+def seconds_of(study, count, costs, scale, jobs, machine):
+    """Seconds of a batch; count: {StudyRun that is left: how many runs it comes to}."""
+    if not count:
+        return 0.0
+    slower = machine.alone_ns / MEASURED_AT.alone_ns
+    each = [number * costs[run].seconds * scale for run, number in count.items()]
+    longest = max(costs[run].seconds * scale for run in count)  # one run is one process's
+    pictures = slower * PICTURES_S * len(count) if study.pictures == "all" else 0.0
+    return max(sum(each) / jobs, longest) + pictures / jobs + slower * BATCH_S
 
 
 def _planned(run, cost, scale):
     """What is to be made of a run or an ensemble, in words."""
-    each = f"{duration(cost.seconds * scale.seconds)}, {cost.n_bytes * scale.n_bytes / 1e6:.2g} MB"
+    each = f"about {duration(max(cost.seconds * scale.seconds, 1))}, {cost.n_bytes * scale.n_bytes / 1e6:.2g} MB"
     most = most_members(run)
     return each if most == 1 else f"{run.members}{f' to {most}' if most != run.members else ''} runs of {each}"
 
 
-def estimate(run):
-    """Cost of one run of a StudyRun, by the speeds above."""
+def estimate(run, way, machine):
+    """Cost of one run of a StudyRun; way: of `ways_of`; machine: a Speed."""
     words = [str(ROOT / word) if option in PATH_OPTIONS else word for option, word in zip(["", *run.words], run.words)]
     settings = parse_run(words, prog="plan", solver=run.solver)
     softens, n_joints, critical_s, height = _wall(str(ROOT / run.wall), settings.model)
@@ -110,7 +171,9 @@ def estimate(run):
         shocks * (loading.duration_s + settings.rest_s + SETTLE_S)
     steps = (RAMP_S + HOLD_S + shaken_s) / step_s
     samples = shaken_s / step_s / sample_steps(step_s)
-    return Cost(steps * n_joints * NS_A_CONTACT_AND_STEP[run.solver] * 1e-9,
+    besides_s, factor = RUN[way]
+    ns = {"together": machine.together_ns, "alone": machine.alone_ns, "yade": YADE_NS}[way]
+    return Cost(besides_s * machine.alone_ns / MEASURED_AT.alone_ns + factor * steps * n_joints * ns * 1e-9,
                 samples * n_joints * BYTES_A_CONTACT_AND_SAMPLE)
 
 
@@ -122,15 +185,19 @@ def _wall(path, model):
             layout.pushed_height)
 
 
-def scales(costs, there, folder):
-    """Factors on the estimates that make them those of the runs that are there, of both solvers alike, and by what all
-    is reckoned, in words."""
-    measured = [(costs[run], taken) for run, names in there.items() for name in names
+def scales(costs, there, ways, folder):
+    """Factors on the estimates that make them those of the runs that are there, and what they are from, in words.
+
+    Of runs that stepped together the bytes alone count: all of a group took the time of the group.
+    """
+    measured = [(costs[run], taken, ways[run]) for run, names in there.items() for name in names
                 if (taken := took(folder / "runs" / f"{name}.h5")) is not None]
     if not measured:
-        return Cost(1.0, 1.0), "the speeds of docs/two-solvers.md, no run being there"
-    factors = np.median([[real / guess for guess, real in zip(*pair)] for pair in measured], axis=0)
-    return Cost(*factors), f"what those that are there took ({len(measured)})"
+        return Cost(1.0, 1.0), ""
+    seconds = [taken.seconds / cost.seconds for cost, taken, way in measured if way != "together"]
+    n_bytes = np.median([taken.n_bytes / cost.n_bytes for cost, taken, _ in measured])
+    by = f", and what those that are there took ({len(measured)})"
+    return Cost(np.median(seconds) if seconds else 1.0, n_bytes), by
 
 
 def took(path):

@@ -33,10 +33,12 @@ from damage.files import plain_file, write_text
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
+from damage.mechanics.compiled import COMPILING, is_cached
+from damage.reference.companies import LEAST_LANES
 from damage.reference.lanes import MOST_LANES
 from damage.reference.settled import SettledWalls
 from damage.reference.solver import ReferenceSolver
-from damage.reference.together import LEAST_LANES, run_references
+from damage.reference.together import run_references
 from damage.run.options import parse_run
 from damage.run.session import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from damage.studies.definition import StudyRun
@@ -118,6 +120,11 @@ class Point:
         return not task.kept or (task.history.is_file() and (task.number > 1 or all(
             task.folder.joinpath("tables", f"{task.name}_{table}.csv").is_file() for table in FIRST_TABLES)))
 
+    @property
+    def done(self):
+        """How many of its runs are done."""
+        return len(self._records)
+
     def next_tasks(self):
         """What is to be done now, by what is known, and was not asked for yet."""
         numbers = set(range(1, runs_needed(self.run, self._records) + 1)) - self._records.keys() - self._asked
@@ -150,7 +157,7 @@ class Shard:
         runs = [StudyRun(**{name: tuple(value) if isinstance(value, list) else value for name, value in one.items()})
                 for one in told["points"]]
         self.points = {run.id: Point(run, folder, told["keep"] == "all", records) for run in runs}
-        self.status, self.interrupted = EXIT_OK, False
+        self.status, self.interrupted, self.lost = EXIT_OK, False, 0
 
     def run(self):
         """Bring all points up to date; returns the exit status."""
@@ -166,14 +173,21 @@ class Shard:
                 self.jobs, multiprocessing.get_context("fork"), _begin_worker) as workers:
             rows.write("\n")  # ends a line that a kill tore
             self._work(waiting, workers, rows)
+        if self.interrupted:
+            ended = sum(point.done for point in self.points.values())
+            tell(f"interrupted: {self.lost} runs were under way and are lost; {ended} that had ended are kept")
         return EXIT_INTERRUPTED if self.interrupted else self.status
 
     def _work(self, waiting, workers, rows):
         """Hand out groups of runs until none is waiting or under way."""
-        under_way = set()
+        under_way, told = set(), False
         while waiting or under_way:
             while waiting and len(under_way) < self.jobs and not self.interrupted:
                 group = take_group(waiting, self.jobs - len(under_way))
+                if len(group) > 1 and not told:
+                    told = True
+                    tell(f"{len(group)} runs step together and are saved when they have ended: an interruption loses "
+                         "those under way")
                 under_way.add(workers.submit(do_group, group))
             if not under_way:
                 return
@@ -186,6 +200,7 @@ class Shard:
         """Take note of how a run ended; returns the tasks that follow."""
         if record is None:
             self.interrupted |= status == EXIT_INTERRUPTED
+            self.lost += status == EXIT_INTERRUPTED
             self.status = status
             tell(f"{task.name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
             return []
@@ -214,6 +229,8 @@ def take_group(waiting, idle):
 
 def load_compiled(task):
     """Compile the reference solver, or load it, before there are processes: once for all of them."""
+    if not is_cached():
+        tell(COMPILING)
     wall = ReferenceSolver(lay_out(load_wall(task.point.wall)), 1e-6)
     wall.run(1)
     wall.instants()

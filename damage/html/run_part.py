@@ -11,6 +11,8 @@ from damage.html.instants import instants, points
 from damage.html.packing import as_png, pack_arrays, quantised
 from damage.index import COMPONENTS
 from damage.measure.energy import DISSIPATED, STORED
+from damage.measure.members import in_words as members_in_words
+from damage.measure.members import members_of, spread
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.units import GRAVITY
@@ -55,18 +57,29 @@ def said_first(history, warnings=()):
 
 
 def _key_numbers(history, summary, index):
-    """(name, value or None, unit, what else is said) of what one asks first."""
+    """(name, value or None, unit, what else is said) of what one asks first; of a run with members their median and
+    range, too."""
+    table = members_of(history)
+    found = {} if table is None else spread(table)
+
+    def of_members(name):
+        return f"; {found['count']} members: {members_in_words(found, name)}" if name in found else ""
+
     time_s, drift = (history.series[name].to_numpy() for name in ("time_s", "drift_ratio"))
     (factor, unit), residual, offset = drift_scale(drift), summary["residual"], summary["max_offset_mm"]
     by = "" if offset is not None else ", slip accumulated"
     return [
-        ("Maximum DI", summary["max"]["DI"], "", f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{by}"),
-        ("Residual DI", residual and residual["DI"], "", f"at the end{by}" if residual else "no end, no residual"),
+        ("Maximum DI", summary["max"]["DI"], "",
+         f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{by}{of_members('max_DI')}"),
+        ("Residual DI", residual and residual["DI"], "",
+         f"at the end{by}{of_members('residual_DI')}" if residual else "no end, no residual"),
         ("Largest drift", factor * summary["max_drift_ratio"], unit,
-         f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f} s"),
-        ("Widest crack", summary["max_crack_width_mm"], "mm", "opening and offset together"),
-        ("Psi", summary["max_psi"], "", f"{summary['psi_class']} (Korswagen)"),
-        ("Largest base shear", summary["peak_base_shear_n"] / 1e3, "kN", "")]
+         f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f} s{of_members('max_drift_ratio')}"),
+        ("Widest crack", summary["max_crack_width_mm"], "mm",
+         f"opening and offset together{of_members('max_crack_width_mm')}"),
+        ("Psi", summary["max_psi"], "", f"{summary['psi_class']} (Korswagen){of_members('max_psi')}"),
+        ("Largest base shear", summary["peak_base_shear_n"] / 1e3, "kN",
+         of_members("peak_base_shear_n").removeprefix("; "))]
 
 
 # --- what is drawn -----------------------------------------------------------------------------------

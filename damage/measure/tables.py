@@ -174,6 +174,6 @@ def describe_table(table):
     for _, row in table.iterrows():
         status = row["status"] + (f", collapsed at {row['collapsed_at_s']:.2f} s"
                                   if pd.notna(row["collapsed_at_s"]) else "")
-        lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.4f}" for key in columns) + f"  {status}")
+        lines.append(f"{row['run']:{width}s}" + "".join(f"{row[key]:10.3f}" for key in columns) + f"  {status}")
     judged = slip_criteria(table)
     return "\n".join(lines + [f"slip by {' and '.join(judged)}"] * (judged != ["displacement"]))

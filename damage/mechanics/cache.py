@@ -20,11 +20,13 @@ def find_a_place():
               "NUMBA_CACHE_DIR to a folder that can", file=sys.stderr)
 
 
-def kept_in():
-    """The folder where numba keeps what it compiles of this folder's files; None where it is switched off."""
-    cache = getattr(numba.njit(cache=True)(_any), "_cache", None)
+def kept_in(folder=Path(__file__).parent):
+    """The folder where numba keeps what it compiles of the files of a folder; None where it is switched off."""
+    made = {}
+    exec(compile("def function(): pass", folder / "__init__.py", "exec"), made)  # numba judges by a function's file
+    cache = getattr(numba.njit(cache=True)(made["function"]), "_cache", None)
     return None if cache is None else Path(cache.cache_path)
 
 
 def _any():
-    """A function beside those that are compiled: numba judges by its file."""
+    """A function beside those that are compiled."""

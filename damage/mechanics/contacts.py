@@ -1,7 +1,7 @@
 """Contact points one by one: elastic between two decisions of the joint law, and shown to it beyond their range.
 
-The law keeps of a contact what `STATE` names.  From there on the contact is a linear spring that changes no state, until
-a trial leaves the elastic range that the law left.
+The law keeps of a contact what `STATE` names.  From there on the contact is a linear spring that changes no state,
+until a trial leaves the elastic range that the law left.
 """
 
 from typing import NamedTuple
@@ -105,8 +105,8 @@ def remember(contacts, states, start, stop, motion):
 
 @inlined
 def law_resultant(system, law, p, step, motion, before, damped):
-    """Resultant of an interface's contacts by the joint law [N, N m]; if damped, the change of what stayed elastic since
-    the last step; and whether a contact has failed, softened or been crushed.
+    """Resultant of an interface's contacts by the joint law [N, N m]; if damped, the change of what stayed elastic
+    since the last step; and whether a contact has failed, softened or been crushed.
 
     motion, before: RelativeMotion now and in the last step.
     """

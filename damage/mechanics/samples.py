@@ -32,7 +32,8 @@ class Stiffness(NamedTuple):
 class Samples(NamedTuple):
     """Samples of some walls, one after the other.
 
-    contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement: (walls, samples, bodies, 3) [m, m, rad] without the supports; totals: (walls, samples, TOTALS).
+    contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement:
+    (walls, samples, bodies, 3) [m, m, rad] without the supports; totals: (walls, samples, TOTALS).
     """
 
     contacts: np.ndarray

@@ -1,5 +1,1 @@
-"""The built-in reference solver: the compiled step, a wall and its state, the stages of a run, its command."""
-
-from damage.mechanics.cache import find_a_place
-
-find_a_place()  # before anything of this folder is compiled
+"""The built-in reference solver: a wall and its state, the fast step, the solver of a run, its command."""

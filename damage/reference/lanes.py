@@ -98,7 +98,8 @@ class Lanes:
 
     def find_forces(self, singly):
         """Forces at the present places without damping; and, if `singly`, stresses: then each contact by itself."""
-        fast.find_forces(self.tables, self._columns, self._blocks, self._width, self._law, self._clock(), 0, singly, False)
+        fast.find_forces(self.tables, self._columns, self._blocks, self._width, self._law, self._clock(), 0, singly,
+                         False)
 
     def _controls(self):
         return np.array([wall.controls for wall in self.walls], float)

@@ -7,6 +7,7 @@ import numba
 
 from damage.errors import one_line
 from damage.provenance import shown_path
+from damage.reference.members import run_members
 from damage.reference.solver import ReferenceSolver
 from damage.run.session import EXIT_INPUT, Backend, run_session
 from damage.run.settings import Softening
@@ -14,7 +15,8 @@ from damage.wall.file import load_wall
 
 PROG = "python3 -m damage reference"
 BACKEND = Backend("reference", {"numba": numba.__version__}, lambda layout, time_step, settings: ReferenceSolver(
-    layout, time_step, fast=settings.step == "fast"), Path(__file__).parent, softening=Softening())
+    layout, time_step, fast=settings.step == "fast"), Path(__file__).parent, softening=Softening(),
+    run_members=run_members)
 
 
 def run_reference(arguments):

@@ -7,16 +7,14 @@ so, those that are to go equally far are moved as lanes of one block.  Nothing o
 from damage.history.writer import HistoryWriter
 from damage.memory import hold_buffers
 from damage.provenance import shown_path
-from damage.reference.lanes import MOST_LANES, are_alike, run_together
+from damage.reference.companies import LEAST_LANES, Companies
+from damage.reference.lanes import MOST_LANES
 from damage.reference.session import BACKEND, PROG
 from damage.reference.settled import SettledWalls
 from damage.run.options import parse_run
-from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, tell, told
+from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, telling, told
 from damage.run.turns import take_turns
 from damage.wall.file import load_wall
-
-LEAST_LANES = 6
-"""Fewer walls are faster one by one: a block is of eight, however many of its lanes are used."""
 
 
 def run_references(lines, histories=None, settled=None):
@@ -64,46 +62,7 @@ def _run_group(lines, histories, settled):
     with attended(f"{next(iter(lines))}{others}") as keep_going:
         for name, (wall, *words) in lines.items():
             statuses[name] = told(lambda name=name, wall=wall, words=words: begin(name, wall, words), f"{name}: ")
-        runs = [_told(name, simulate(one, keep_going, wall))
+        runs = [telling(f"{name}: ", simulate(one, keep_going, wall))
                 for (name, one), wall in zip(prepared.items(), settled.of_group(prepared.values()))]
         statuses |= zip(prepared, take_turns(runs, Companies().move))
     return statuses
-
-
-def _told(name, run):
-    """A run whose errors are told with its name and end no other."""
-    try:
-        return (yield from run)
-    except Exception as error:
-        return tell(error, f"{name}: ")
-
-
-class Companies:
-    """Moves walls: those of the same bricks that are to go equally far as lanes of one block."""
-
-    def __init__(self):
-        self._kinds = {}  # {wall: the first of those that have the same bricks}
-
-    def move(self, asked):
-        """As `damage.run.turns.run_each`, of ReferenceSolvers."""
-        companies = {}  # {(kind, what is asked): walls}
-        for wall, *steps in asked:
-            companies.setdefault((self._kind(wall), *steps), []).append(wall)
-        failures = {}
-        for (_, *steps), walls in companies.items():
-            for group in [walls] if len(walls) >= LEAST_LANES else [[wall] for wall in walls]:
-                failures |= zip(group, _advance(group, *steps))
-        return [failures[wall] for wall, *_ in asked]
-
-    def _kind(self, wall):
-        if wall not in self._kinds:
-            self._kinds[wall] = next((kind for kind in self._kinds.values() if are_alike(kind, wall)), wall)
-        return self._kinds[wall]
-
-
-def _advance(walls, *steps):
-    """As `run_together`, with an error that ends all of them as that of each."""
-    try:
-        return run_together(walls, *steps)
-    except Exception as error:
-        return [error] * len(walls)

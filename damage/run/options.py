@@ -13,7 +13,7 @@ from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
 from damage.provenance import shown_command
-from damage.run.settings import RELAXATIONS, SOFTENING_BETA_S, STEPS, RunSettings, rayleigh_factors
+from damage.run.settings import RELAXATIONS, SCATTER, SOFTENING_BETA_S, STEPS, RunSettings, rayleigh_factors
 from damage.wall.parameters import ModelOptions
 from damage.wall.plausible import ACCEPT
 
@@ -60,7 +60,7 @@ def parse_run(arguments, prog, solver):
     return RunSettings(
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
-        perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed,
+        perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), accept_implausible=parsed.accept_implausible,
         step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
@@ -153,6 +153,9 @@ def _add_model(group, solver):
     group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "
                        "for ensembles: coefficient of variation (default 0)")
     group.add_argument("--seed", type=int, default=0, help="of the random offsets and the scatter (default 0)")
+    group.add_argument("--members", type=int, default=1, metavar="N", help="reference solver: N runs with strengths "
+                       f"that scatter by --scatter (default {SCATTER:g}), seeds from --seed (default 1) on; prints the "
+                       "median and range of what is measured, and keeps the history of the first")
     add_accept(group)
 
 

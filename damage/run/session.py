@@ -37,9 +37,11 @@ class Backend:
     """A solver as a session needs it.
 
     versions: {software: version} beside this software's own; code: the folder of the solver's modules;
-    make(layout, time_step, settings): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot do;
-    open_view: opens a live view and returns a function that refreshes it; None where there is none;
-    softening: what it gives joints with fracture energies; None where it does not know them.
+    make(layout, time_step, settings): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot
+    do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
+    softening: what it gives joints with fracture energies; None where it does not know them;
+    run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
+    it runs one wall only.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Backend:
     check: Callable = lambda settings: None
     open_view: Callable | None = None
     softening: Softening | None = None
+    run_members: Callable | None = None
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
@@ -91,12 +94,31 @@ def tell(error, of):
     return EXIT_INPUT if isinstance(error, InputError) else EXIT_FAILED
 
 
+def telling(name, run):
+    """A run, as of `simulate`, whose errors are told with its name and end no other; it returns the exit status."""
+    try:
+        return (yield from run)
+    except Exception as error:
+        return tell(error, name)
+
+
 def _run(backend, wall_file, make_wall, arguments, prog):
     hold_buffers()
     settings = parse_run(arguments, prog=prog, solver=backend.name)
     with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
+        if settings.members > 1:
+            return _members_of(backend)(backend, wall_file, make_wall, settings)
         show = backend.open_view() if settings.view and backend.open_view else None  # before there is a history
         return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings), show)
+
+
+def _members_of(backend):
+    """What runs the members of a run; raises InputError where the solver runs one wall only."""
+    if backend.run_members is None:
+        raise InputError(f"--members: the {backend.name} solver runs one wall at a time; expected the reference "
+                         "solver, python3 -m damage reference WALL.py --members N; or give --scatter 0.001 --seed 1, "
+                         "then 2, ..., a run each")
+    return backend.run_members
 
 
 def _run_to_its_pictures(prepared, show):

@@ -35,6 +35,9 @@ OFFSETS_BELOW = 20
 f_t / k_n."""
 MOST_SCATTER = 0.2
 """Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall."""
+SCATTER, MOST_MEMBERS = 0.001, 100
+"""Of members: coefficient of variation of the strengths where nothing else is asked for (docs/softening.md), and how
+many a single run may have."""
 SOFTENING_BETA_S = 1e-6
 """Stiffness-proportional damping that joints get which soften, where none is asked for [s] (docs/softening.md)."""
 
@@ -57,9 +60,10 @@ class RunSettings:
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
-    by it the members of an ensemble differ; past_collapse_s: how long bodies are followed after the first brick fell
-    [s]; accept_implausible: do not check whether the wall and the motion are plausible; step: one of STEPS; out: history
-    file, None for a name of its own below `results/`; quiet: print warnings and errors only; command: what asked for it.
+    by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
+    bodies are followed after the first brick fell [s]; accept_implausible: do not check whether the wall and the motion
+    are plausible; step: one of STEPS; out: history file, None for a name of its own below `results/`; quiet: print
+    warnings and errors only; command: what asked for it.
     """
 
     loading: object
@@ -73,6 +77,7 @@ class RunSettings:
     perturb_m: float = 0.0
     scatter: float = 0.0
     seed: int = 0
+    members: int = 1
     past_collapse_s: float = 0.0
     accept_implausible: bool = False
     step: str = "fast"
@@ -94,6 +99,7 @@ class RunSettings:
         check_range("--perturb [m]", self.perturb_m, 0, THRESHOLD)  # more is a visible crack by itself
         check_range("--scatter", self.scatter, 0, MOST_SCATTER)
         check_whole("--seed", self.seed, 0, MOST_SEED)
+        check_whole("--members", self.members, 1, MOST_MEMBERS)
         check_range("--past-collapse [s]", self.past_collapse_s, 0, LONGEST_S)
         if self.time_step_s is not None:
             check_range("--dt [s]", self.time_step_s, 1e-9, 1)
@@ -135,6 +141,12 @@ class RunSettings:
         beta_s = self.beta_s if self.beta_s is not None else softening.beta_s if joint.softens else 0.0
         fibres = self.model.fibres or (softening.fibres if joint.softens else 0)
         return replace(self, beta_s=beta_s, model=replace(self.model, fibres=fibres))
+
+    def of_members(self):
+        """Settings of each member: seeds 1, 2, ... or from `seed` on, scatter SCATTER where neither it nor `perturb_m`
+        is given."""
+        first, scatter = self.seed or 1, self.scatter or (0.0 if self.perturb_m else SCATTER)
+        return [replace(self, members=1, seed=first + k, scatter=scatter) for k in range(self.members)]
 
     @property
     def duration_s(self):

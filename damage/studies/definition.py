@@ -35,18 +35,17 @@ from pathlib import Path
 from damage.checks import check_file, check_path, check_whole
 from damage.errors import InputError
 from damage.run.options import parse_run
+from damage.run.settings import SCATTER
 from damage.studies.grid import expand, read_rows
 from damage.studies.states import check_choices
 
 PATH_OPTIONS = ("--record", "--vertical")
-RESERVED_OPTIONS = ("--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
+RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
 SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
 CONCLUSIONS = ("readings",)
-SCATTER = 0.001
-"""Coefficient of variation of the strengths in an ensemble where the study says nothing else (docs/softening.md)."""
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
 MOST_DOTS = 100

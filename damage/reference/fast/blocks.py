@@ -169,9 +169,3 @@ def pack_limits(tables, blocks, lanes):
             interface, k = tables.interfaces[lane, p], place_of(INDEX(p * lanes + lane), LIMITS)
             blocks.limits[k + OPENING] = -np.inf if interface.failed else interface.largest_opening
             blocks.limits[k + SLIDE] = interface.largest_slide
-
-
-@compiled
-def place_of(slot, size):
-    """Where the first field of a slot lies in an array of blocks of this size."""
-    return slot // WIDTH * size + slot % WIDTH

@@ -71,7 +71,7 @@ def intact_springs(contacts, start, stop, motion):
 
 @inlined
 def read_intact(tables, bench, start, stop, motion, intact):
-    """`damage.mechanics.contacts.read` of an interface in those walls where it is intact (bits), by way of the bench."""
+    """`damage.mechanics.contacts.read` of an interface in those walls where it is intact (bits), by the bench."""
     readings = tables.readings
     for i in range(start, stop):
         contact = tables.contacts[0, i]

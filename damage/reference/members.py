@@ -1,0 +1,60 @@
+"""Members of a single run: the same run with strengths that scatter a little, which step together."""
+
+import io
+import sys
+from contextlib import nullcontext, redirect_stderr, redirect_stdout
+from dataclasses import replace
+from pathlib import Path
+
+from damage.history.in_memory import HistoryInMemory, HistoryKept
+from damage.measure.members import members_path, write_members
+from damage.reference.companies import Companies
+from damage.reference.lanes import MOST_LANES
+from damage.run.options import free_name
+from damage.run.report import report
+from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, telling
+from damage.run.turns import take_turns
+
+
+def run_members(backend, wall_file, make_wall, settings):
+    """Run all members of RunSettings, up to eight at a time; returns the exit status, that of the first that failed.
+
+    Arguments otherwise as of `damage.run.session.run_session`.  The first member's history is the run's file, and the
+    table of all stands beside it (`damage.measure.members`).  Of the others nothing is kept, unless they fail or are
+    interrupted: then FILE_sSEED.h5 is what there is.
+    """
+    out = Path(settings.out or free_name(make_wall(), settings, backend.name))
+    members = settings.of_members()
+    names = [out, *(out.with_name(f"{out.stem}_s{one.seed}{out.suffix}") for one in members[1:])]
+    statuses, ended = [], {}
+    for first in range(0, len(members), MOST_LANES):
+        group = [_prepare(backend, wall_file, make_wall, one, path, HistoryKept if path == out else HistoryInMemory)
+                 for one, path in zip(members[first:first + MOST_LANES], names[first:])]
+        if first == 0:
+            members_path(out).unlink(missing_ok=True)  # that of the run that this one replaces
+        with attended(f"{group[0].layout.wall.name}, {len(members)} members", quiet=settings.quiet) as keep_going:
+            statuses += take_turns([telling(f"member of seed {one.settings.seed}: ", simulate(one, keep_going))
+                                    for one in group], Companies().move)
+        ended |= {one.writer.path: one.writer.history() for one, status in zip(group, statuses[first:])
+                  if status == EXIT_OK}
+        if EXIT_INTERRUPTED in statuses:
+            print(f"interrupted: {len(ended)} of {len(members)} members had ended; expected all for a table of members",
+                  file=sys.stderr)
+            return EXIT_INTERRUPTED
+    if out not in ended:
+        return statuses[0]
+    print(f"members: {write_members(list(ended.values()), out)}")
+    for path in ended.keys() - {out}:
+        path.unlink(missing_ok=True)  # of one that grew too large for the memory
+    report(ended[out], pictures=settings.pictures)
+    if len(ended) < len(members):
+        print(f"{len(ended)} of {len(members)} members ended: median and range are of these")
+    return max(statuses)
+
+
+def _prepare(backend, wall_file, make_wall, settings, path, write):
+    """A Prepared member; only that of the first prints what it will be."""
+    settings, is_first = replace(settings, out=path), write is HistoryKept
+    with nullcontext() if is_first else redirect_stdout(io.StringIO()), \
+            nullcontext() if is_first else redirect_stderr(io.StringIO()):
+        return prepare(backend, wall_file, make_wall, settings, write)

@@ -1,0 +1,131 @@
+"""Members of a single run: how many, what is kept, what is printed; and the digits of what is printed."""
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import contents, without_progress
+from small_history import make_history
+
+from damage.__main__ import main
+from damage.history.reader import read_history
+from damage.html.run_part import run_part
+from damage.measure import members
+from damage.measure.summary import summarise
+from damage.measure.tables import summary_row
+from damage.reference.session import run_reference
+from damage.run.options import parse_run
+from damage.run.report import describe
+from damage.run.session import Backend, run_session
+from damage.units import rounded
+
+TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
+SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--no-pictures")
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
+
+
+@pytest.fixture
+def tiny(tmp_path):
+    (tmp_path / "tiny.py").write_text(TINY)
+    return str(tmp_path / "tiny.py")
+
+
+def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_path, capsys):
+    out = tmp_path / "run.h5"
+    assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--members", "3", "--out", str(out)]) == 0
+    told = capsys.readouterr().out
+    table = pd.read_csv(tmp_path / "run_members.csv")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.h5", "run_members.csv", "tiny.py"]
+    assert table["run"].to_list() == ["run_s1", "run_s2", "run_s3"] and (table["scatter"] == 0.05).all()
+    for seed in (1, 3):
+        alone = tmp_path / f"{seed}.h5"
+        assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--seed", str(seed), "--out", str(alone)]) == 0
+        row = summary_row(read_history(alone))
+        assert all(table[name][seed - 1] == pytest.approx(row[name], rel=1e-8) for name in members.SHOWN)
+    assert contents(out) == contents(tmp_path / "1.h5")
+    assert f"members: {tmp_path / 'run_members.csv'}" in told and "3 members: median (min to max)" in told
+    drift = table["max_drift_ratio"]
+    assert drift.nunique() == 3
+    words = " to ".join(rounded(100 * one, 3) for one in (drift.min(), drift.max()))
+    assert f"drift ratio   {rounded(100 * drift.median(), 3)} ({words}) %" in told
+
+    capsys.readouterr()
+    assert main(["index", str(out), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["members"]
+    assert found["count"] == 3 and found["max_drift_ratio"]["median"] == drift.median()
+    key = {name: more for name, _, _, more in run_part(read_history(out), "A")["key"]}
+    assert f"3 members: {rounded(100 * drift.median(), 3)} ({words}) %" in key["Largest drift"]
+
+
+def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
+    """As where the history is replaced by a single run."""
+    out = tmp_path / "run.h5"
+    first, second = (make_history(tmp_path / name, drift=drift) for name, drift in (("run.h5", 1e-3), ("b.h5", 2e-3)))
+    for one, seed in ((first, 1), (second, 2)):
+        one.parameters["seed"], one.parameters["scatter"] = seed, 0.001
+    members.write_members([first, second], out)
+    table = members.members_of(first)
+    assert table["run"].to_list() == ["run_s1", "run_s2"]
+    assert members.spread(table)["max_drift_ratio"] == {"median": 1.5e-3, "min": 1e-3, "max": 2e-3}
+    assert members.members_of(make_history(out, drift=3e-3, overwrite=True)) is None
+    assert members.members_of(second) is None  # beside which there is none
+
+
+def test_settings_of_members():
+    def of(*words):
+        return [(one.members, one.scatter, one.perturb_m, one.seed)
+                for one in parse_run([*words, "--members", "2"], "p", "reference").of_members()]
+
+    assert of() == [(1, 0.001, 0.0, 1), (1, 0.001, 0.0, 2)]
+    assert of("--scatter", "0.01", "--seed", "7") == [(1, 0.01, 0.0, 7), (1, 0.01, 0.0, 8)]
+    assert of("--perturb", "1e-9") == [(1, 0.0, 1e-9, 1), (1, 0.0, 1e-9, 2)]
+
+
+@pytest.mark.parametrize("count", ["0", "101", "2.5"])
+def test_a_wrong_number_of_members_is_refused_in_one_line(count, tiny, capsys):
+    assert run_reference([tiny, "--members", count]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("error: ") and "--members" in told and told.count("\n") == 1
+
+
+def test_a_solver_that_runs_one_wall_refuses_members_and_names_the_other(tmp_path, capsys):
+    yade = Backend("yade", {}, make=None, code=tmp_path)
+    assert run_session(yade, tmp_path / "w.py", make_wall=None, arguments=["--members", "3"], prog="yade w.py") == 2
+    told = capsys.readouterr().err
+    assert "expected the reference solver, python3 -m damage reference WALL.py --members N" in told
+    assert told.count("\n") == 1
+
+
+def test_a_member_that_fails_is_named_and_the_others_are_told(tiny, tmp_path, capsys, monkeypatch):
+    from damage.reference import members as of_reference
+
+    def simulate(prepared, *more):
+        if prepared.settings.seed == 2:
+            raise MemoryError
+        return (yield from simulate_as_before(prepared, *more))
+
+    simulate_as_before = of_reference.simulate
+    monkeypatch.setattr(of_reference, "simulate", simulate)
+    assert run_reference([tiny, *SHAKEN, "--members", "3", "--out", str(tmp_path / "run.h5")]) == 1
+    told = capsys.readouterr()
+    assert without_progress(told.err).startswith("error: member of seed 2: out of memory")
+    assert "2 of 3 members ended: median and range are of these" in told.out
+    assert pd.read_csv(tmp_path / "run_members.csv")["run"].to_list() == ["run_s1", "run_s3"]
+
+
+def test_the_screen_shows_no_more_digits_than_are_known(tmp_path):
+    """Of what a scatter of the strengths by 0.1 % changes in its third digit; the JSON has all of them."""
+    ramp = np.linspace(0, 1, 21)
+    history = make_history(tmp_path / "a.h5", drift=1.23456e-3 * ramp, opening={2: 1.0037e-2 * ramp},
+                           offset={3: 1.23456e-3 * ramp}, slip={3: 2.34567e-3 * ramp})
+    summary = summarise(history)
+    assert summary["max_opening_mm"] == pytest.approx(10.037, rel=1e-6)
+    lines = describe(summary).splitlines()
+    assert any(line.startswith("drift ratio up to 0.123 %,") for line in lines)
+    (widths,) = [line for line in lines if "opening up to" in line]
+    assert "opening up to 10 mm, offset up to 1.2 mm, accumulated slip up to 2.3 mm" in widths
+    for line in lines:
+        if line.startswith(("maximum", "residual")):
+            assert all(len(number.split(".")[1]) == 3 for number in NUMBER.findall(line)), line
