@@ -1,7 +1,7 @@
 """A wall of 5 by 8 bricks with a window, for checks that should take seconds.
 
     python3 -m damage reference benchmarks/small_wall.py --harmonic 0.1 0.4 --sequence 1,0.6
-    ./yade benchmarks/small_wall.py --harmonic 0.1 0.4 --sequence 1,0.6
+    yade benchmarks/small_wall.py --harmonic 0.1 0.4 --sequence 1,0.6
 """
 
 import sys

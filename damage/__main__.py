@@ -12,7 +12,7 @@ import sys
 from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 
-from damage.errors import InputError, one_line
+from damage.errors import InputError, one_line, warn
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
@@ -170,12 +170,12 @@ def _save(figures, folder, made=""):
                              help="when a joint counts as slipped (default displacement)"), _PSI_FROM)
 def _index(asked):
     from damage.measure.summary import summarise
-    from damage.run.report import describe, warn, with_members
+    from damage.run.report import describe, with_members
 
     history = read_history(asked.history)
     summary = with_members(summarise(history, asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
                                      asked.slip, asked.psi_from_mm * MILLIMETRE), history)
-    warn(summary["warnings"])
+    warn(*summary["warnings"])
     _tell(asked, summary, describe)
 
 
@@ -249,7 +249,7 @@ def _record(asked):
 
     found = motion_summary(recorded(asked))
     if told := implausible_peak(found["pga_g"]):
-        print(f"warning: {told}", file=sys.stderr)
+        warn(told)
     _tell(asked, found, describe)
 
 

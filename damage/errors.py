@@ -1,4 +1,7 @@
-"""The exceptions that a user is told in one line."""
+"""The exceptions that a user is told in one line, and warnings."""
+
+import sys
+from contextlib import suppress
 
 _LONGEST = 1200, 300  # characters that are shown of a message's beginning and, where it is longer, of its end
 
@@ -15,6 +18,13 @@ def one_line(text):
 def _cut(text):
     first, last = _LONGEST
     return text if len(text) <= first + last else f"{text[:first]} ... {text[-last:]}"
+
+
+def warn(*texts):
+    """Print warnings, a line each; where standard error takes nothing, as on a full disk, nothing ends for it."""
+    with suppress(OSError):
+        for text in texts:
+            print(f"warning: {text}", file=sys.stderr, flush=True)
 
 
 class InputError(ValueError):

@@ -30,10 +30,12 @@ def commit():
 
     try:
         git("ls-files", "--error-unmatch", "__init__.py")  # an installed copy may lie in another repository
-        found = git("describe", "--always", "--abbrev=40", "--exclude=*", "--dirty= changed")
+        found = git("rev-parse", "HEAD").strip()
+        # `describe --dirty` would write the index, and leave a lock where it may not.
+        changed = git("status", "--porcelain", "--untracked-files=no", ":/")
     except (OSError, subprocess.SubprocessError):
         return UNKNOWN
-    return found.strip()
+    return f"{found} changed" if changed else found
 
 
 def versions(solver_folder):

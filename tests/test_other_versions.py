@@ -116,6 +116,10 @@ def test_the_commit_is_that_of_the_package_and_says_whether_files_differ(tmp_pat
     git("commit", "-qm", "one")
     clean = commit.__wrapped__()
     assert len(clean) == 40
+    os.utime(package / "__init__.py", (1, 1))
+    index = (tmp_path / ".git" / "index").read_bytes()
+    assert commit.__wrapped__() == clean
+    assert (tmp_path / ".git" / "index").read_bytes() == index  # a process that is killed leaves no lock on it
     (package / "__init__.py").write_text("x = 1\n")
     assert commit.__wrapped__() == f"{clean} changed"
 

@@ -2,11 +2,13 @@
 
 import io
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, replace
 from types import SimpleNamespace
 
@@ -400,3 +402,21 @@ def test_an_interruption_says_what_it_loses(workflow, tmp_path):
     assert ("@@ 6 runs step together and are saved when they have ended: an interruption loses those under way\n"
             in told)
     assert "@@ interrupted: 6 runs were under way and are lost; 0 that had ended are kept\n" in told
+
+
+def test_an_interrupt_while_runs_that_have_ended_leave_their_records_loses_none(workflow, tmp_path, monkeypatch):
+    import run_shard
+
+    (tmp_path / "runs").mkdir()
+    tasks = [run_shard.Task(tmp_path, point("p", 3), number, True) for number in (1, 2, 3)]
+    for task in tasks:
+        make_history(task.history)
+
+    def conclude(task, kept=None):
+        os.kill(os.getpid(), signal.SIGTERM)  # as of Shard._interrupt
+        return 0, {"run": task.name}
+
+    monkeypatch.setattr(run_shard, "conclude", conclude)
+    with ProcessPoolExecutor(1, multiprocessing.get_context("fork"), run_shard._begin_worker) as workers:
+        done = workers.submit(run_shard.do_group, tasks).result(timeout=100)
+    assert [(status, record["run"]) for _, status, record in done] == [(0, task.name) for task in tasks]

@@ -32,7 +32,7 @@ from shards import RUNS_AN_HOUR, point_of, shard_of, write_shards
 from shared import MARK, ROOT, Log, end_with_parent, python_path, write_if_other
 from stale import drop, find_stale, note
 
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.files import plain_file, whole_or_nothing
 from damage.measure.tables import describe_table
 from damage.provenance import measures_digest
@@ -84,11 +84,6 @@ def main():
         pictures = [f"pictures/{run.first}" for run in batch.simulated() if study.pictures == "all"]
         batch.snakemake("tables/summary.csv", *pictures, partial="true")  # of the runs that are there
     return report(batch, status) or conclude(study, folder)
-
-
-def warn(text):
-    """Print a warning."""
-    print(f"warning: {text}", file=sys.stderr, flush=True)
 
 
 def note_tables(study, solver, folder):

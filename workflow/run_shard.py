@@ -237,12 +237,20 @@ def load_compiled(task):
 
 
 def _begin_worker():
-    """A worker ends politely with its parent, which is told of interrupts, too; its lines are whole among others."""
+    """A worker leaves interrupts to its parent, and ends with it; its lines are whole among others."""
+    # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended leave their records.
+    signal.signal(signal.SIGTERM, leave_without_parent)
     end_with_parent(signal.SIGTERM)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(line_buffering=True, write_through=False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def leave_without_parent(*_):
+    """End this process where its parent has died."""
+    parent = multiprocessing.parent_process()
+    if parent is not None and os.getppid() != parent.pid:
+        os._exit(EXIT_INTERRUPTED)
 
 
 def do_group(tasks):
@@ -254,6 +262,7 @@ def do_group(tasks):
     histories = {task.name: HistoryKept if task.kept else HistoryInMemory for task in tasks if task.name in lines}
     for ended in run_references(lines, histories, _SETTLED):
         statuses |= ended
+    leave_without_parent()  # whose death interrupted them
     return [(task, *(conclude(task, histories.pop(task.name, None)) if statuses[task.name] == EXIT_OK
                      else (statuses[task.name], None))) for task in tasks]
 

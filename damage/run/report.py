@@ -1,8 +1,6 @@
 """What a finished run leaves beside its history: a summary on the screen, tables and pictures."""
 
-import sys
-
-from damage.errors import InputError, one_line
+from damage.errors import InputError, one_line, warn
 from damage.measure.doubts import static_doubts
 from damage.measure.members import describe_spread, members_of, spread
 from damage.measure.summary import summarise
@@ -18,11 +16,11 @@ def report(history, pictures=True):
     """
     path = history.path
     if len(history.series) == 0:
-        warn(static_doubts(history))
+        warn(*static_doubts(history))
         print(f"{history.status}: no sample was written")
         return
     summary = with_members(summarise(history), history)
-    warn(summary["warnings"])
+    warn(*summary["warnings"])
     print(describe(summary))
     if pictures:
         try:
@@ -31,8 +29,8 @@ def report(history, pictures=True):
             for picture in save_all(history, pictures_folder(path)):
                 print(f"picture: {picture}")
         except Exception as error:
-            print(f"warning: the history is whole, its pictures failed ({one_line(error)}); "
-                  f"try: python3 -m damage plot {path} --out {pictures_folder(path)}", file=sys.stderr)
+            warn(f"the history is whole, its pictures failed ({one_line(error)}); "
+                 f"try: python3 -m damage plot {path} --out {pictures_folder(path)}")
 
 
 def check_pictures(path, overwrite=False):
@@ -41,12 +39,6 @@ def check_pictures(path, overwrite=False):
     if not overwrite and folder.is_dir() and next(folder.iterdir(), None) is not None:
         raise InputError(f"{folder} is not empty, and the pictures of {path.name} would go there: give another --out, "
                          "--no-pictures, or --overwrite to replace what has their names")
-
-
-def warn(warnings):
-    """Print warnings, a line each."""
-    for warning in warnings:
-        print(f"warning: {warning}", file=sys.stderr)
 
 
 def describe(summary):

@@ -10,7 +10,7 @@ from contextlib import contextmanager, nullcontext, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 
-from damage.errors import InputError, RunError, WriteError
+from damage.errors import InputError, RunError, WriteError, warn
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.measure.doubts import ENERGY_FAILURE
@@ -128,8 +128,8 @@ def _run_to_its_pictures(prepared, show):
     try:
         report(read_history(out), pictures=settings.pictures and status == EXIT_OK)
     except MemoryError:
-        print(f"warning: {out} is kept, its summary failed for want of memory; where there is more: python3 -m damage "
-              f"index {out}", file=sys.stderr)
+        warn(f"{out} is kept, its summary failed for want of memory; where there is more: python3 -m damage index "
+             f"{out}")
     return status
 
 
@@ -167,8 +167,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
     check_size(settings, layout, time_step)
     if wall.joint.softens:
-        for warning in softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening):
-            print(f"warning: {warning}", file=sys.stderr)
+        warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening))
     print(*opening_lines(layout, settings.loading, modes, time_step), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
