@@ -137,8 +137,8 @@ def main():
     parsed = parser.parse_args()
     if parsed.worker:
         work()
-    elif not (parsed.old / "damage/reference/kernel.py").is_file():
-        sys.exit(f"error: {parsed.old} holds no damage/reference/kernel.py; give the folder of a checkout")
+    elif not (parsed.old / "damage/reference/wall.py").is_file():
+        sys.exit(f"error: {parsed.old} holds no damage/reference/wall.py; give the folder of a checkout")
     else:
         compare((parsed.old.resolve(), ROOT), parsed.rounds)
 

@@ -32,9 +32,10 @@ RUN = {
     "--strength-seed ?": "0 1000000000", "--beta ?": "0 1e-300", "--rayleigh ? 5 20": "0 1e-300 0.5",
     "--rayleigh 0.02 ? 20": "0.5", "--rayleigh 0.02 0.1 ?": "0.5", "--perturb ?": "0 1e-300",
     "--scatter ?": "0 1e-300", "--fibres ?": "0",
-    "--seed ?": "0 1000000000", "--rest ?": "0 1e-300 0.5", "--dt ?": "",
+    "--seed ?": "0 1000000000", "--rest ?": "0 1e-300 0.5", "--dt ?": "", "--members ?": "",
 }
 """{words of a run, ? the value: which of ODD go}."""
+YADE_ALONE = {"--past-collapse ?": "0 1e-300 0.5"}
 COMMANDS = {
     "index H --threshold-mm ?": "0.5", "index H --drift-limit-pct ?": "0.5", "cracks H --at ?": "0 1e-300",
     "cracks H --threshold-mm ?": "0.5", "cracks C --wall W --tolerance-mm ?": "0.5",
@@ -60,9 +61,9 @@ OTHERS = {
 }
 
 
-def prepare(words):
+def prepare(words, solver="reference"):
     """All that is looked at before a run begins."""
-    settings = parse_run(words, "test", "reference")
+    settings = parse_run(words, "test", solver)
     layout = lay_out(small_layout().wall, settings.model)
     check_size(settings, layout, choose_time_step(settings, natural_modes(layout).critical_time_step_s))
 
@@ -91,6 +92,11 @@ def complaint_of(function, *arguments):
 @pytest.mark.parametrize("template", RUN)
 def test_options_of_a_run(template):
     assert that_go(prepare, template, {"R": RECORD}) == RUN[template]
+
+
+@pytest.mark.parametrize("template", YADE_ALONE)
+def test_options_of_a_run_in_yade(template):
+    assert that_go(lambda words: prepare(words, "yade"), template, {}) == YADE_ALONE[template]
 
 
 @pytest.fixture(scope="module")

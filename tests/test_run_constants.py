@@ -1,0 +1,72 @@
+"""Numbers that decide a run, each against what it stands for in figures of its own: without YADE, in milliseconds."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from small_history import small_layout
+
+from damage.run import run as run_module
+from damage.run import settings as run_settings
+from damage.run.options import make_parser, parse_run
+from damage.run.schedule import choose_time_step, sample_steps, stages
+from damage.run.watch import have_fallen, lowest_places
+
+CRITICAL_S = 4.67e-5
+
+
+def step_of(*words, softens=False):
+    return choose_time_step(parse_run(["--pushover", "0.1", *words], "test", "reference"), CRITICAL_S, softens)
+
+
+def test_the_time_step_is_a_share_of_the_critical_one():
+    """And below 0.85 of the step that local damping of 0.7 leaves stable, 1 / sqrt(1.7)."""
+    assert_allclose(step_of(), 0.643 * CRITICAL_S, rtol=1e-5)
+    assert_allclose(step_of(softens=True), 0.35 * CRITICAL_S, rtol=1e-5)
+    assert 0.643 < 0.85 / math.sqrt(1.7)
+
+
+@pytest.mark.parametrize("beta_s", [2e-5, 1e-4, 1e-3])
+def test_with_viscous_damping_the_time_step_is_085_of_the_stable_one(beta_s):
+    """(2 / omega) (sqrt(1 + xi^2) - xi) with xi = beta omega / 2 and omega = 2 / critical step."""
+    xi = beta_s / CRITICAL_S
+    stable = CRITICAL_S * (math.sqrt(1 + xi**2) - xi)
+    assert 0.85 * stable < 0.643 * CRITICAL_S
+    assert_allclose(step_of("--beta", str(beta_s)), 0.85 * stable, rtol=1e-5)
+
+
+def test_a_brick_has_fallen_when_it_is_half_its_height_below_its_place():
+    layout = small_layout()
+    height = layout.bodies.height[3]
+    motion = np.zeros((3, len(layout.bodies), 3))
+    motion[:, 3, 1] = -0.49 * height, -0.51 * height, -0.6 * height
+    assert have_fallen(motion, lowest_places(layout)).tolist() == [False, True, True]
+    motion[:, 3, 1], motion[2, layout.n_bricks:, 1] = 0.0, -1.0  # nor does a rigid top mass count
+    assert not have_fallen(motion, lowest_places(layout)).any()
+
+
+def test_lengths_of_the_stages_and_looks():
+    """Gravity ramps up in 0.2 s and holds from 0.2 to 3 s; a wall settles for 0.5 s; a look every 500 steps."""
+    assert (run_settings.RAMP_S, run_settings.HOLD_S, run_settings.HOLD_AT_MOST_S) == (0.2, 0.2, 3.0)
+    assert run_module.LOOK_STEPS == 500
+    settings = parse_run(["--harmonic", "0.2", "0.05", "--rest", "1"], "test", "reference")
+    ends = [stage.end_step * 3e-5 for stage in stages(settings, small_layout(), 3e-5, sample_steps(3e-5))]
+    assert_allclose(ends, [0.6, 1.6, 2.1], atol=0.0021)
+    assert sample_steps(3e-5) * 3e-5 == pytest.approx(2e-3, rel=0.06)
+
+
+def test_damping_of_the_stages_that_are_not_dynamics():
+    assert (run_settings.LOCAL_DAMPING, run_settings.ADAPTIVE_DAMPING) == (0.7, 1.0)
+
+
+@pytest.mark.parametrize("solver", ["reference", "yade"])
+def test_every_number_on_a_command_line_has_its_range_tested(solver):
+    """An option that is added without a row in the table of `test_ranges` fails here: it might accept NaN."""
+    from test_ranges import RUN, YADE_ALONE
+
+    tested = {word for template in (*RUN, *YADE_ALONE) for word in template.split() if word.startswith("--")}
+    numbers = {option for action in make_parser("test", solver)._actions for option in action.option_strings
+               if action.type in (int, float) or getattr(action.type, "__name__", "") in ("int", "float")}
+    assert numbers - tested == set()
+    assert len(numbers) > 15
