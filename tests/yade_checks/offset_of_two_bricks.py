@@ -37,7 +37,8 @@ def main():
             solver.set_velocities([np.zeros(3), velocity])
             solver.advance(steps, FOLLOW_STEPS, lambda now: True)
         now, here = solver.instants(), there
-        rows.append([np.mean(values[0, joints]) for values in (now.opening, now.slip, now.offset)])
+        rows.append([np.mean(values[0, joints]) for values in (
+            now.contacts[name] for name in ("opening_m", "slip_m", "offset_m"))])
     np.save(sys.argv[2], rows)
 
 
