@@ -13,7 +13,7 @@ the median over the rounds of new to old.
 """
 
 import argparse
-import importlib
+import importlib.util
 import os
 import re
 import statistics
@@ -102,6 +102,10 @@ def compare(cracked, rounds):
     for number in (4, 8, 16):
         walls = [make("damage", cracked) for _ in range(number)]
         pieces[f"{number} together"] = (lambda steps, walls=walls: run_together(walls, steps), number)
+    if importlib.util.find_spec("damage_before.reference.lanes"):
+        olds = [make("damage_before", cracked) for _ in range(8)]
+        move_olds = importlib.import_module("damage_before.reference.lanes").run_together
+        pieces["old, 8 together"] = (lambda steps: move_olds(olds, steps), 8)
     times = {name: [] for name in pieces}
     for run, _ in pieces.values():
         run(STEPS)
@@ -115,7 +119,7 @@ def compare(cracked, rounds):
     for name, values in times.items():
         ratios = {other: statistics.median(a / b for a, b in zip(values, times[other]))
                   for other in ("old, alone", "alone")}
-        print(f"  {name:14s} {min(values) * 1e6:7.2f} us a wall and step, {ratios['old, alone']:.3f} of the old one, "
+        print(f"  {name:16s} {min(values) * 1e6:7.2f} us a wall and step, {ratios['old, alone']:.3f} of the old one, "
               f"{ratios['alone']:.3f} of one alone", flush=True)
 
 
