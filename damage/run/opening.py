@@ -14,8 +14,8 @@ def opening_lines(layout, loading, modes, time_step):
     wall, options = layout.wall, layout.options
     return [
         f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses} courses, "
-        f"{layout.n_bricks} bricks of {(layout.total_mass - layout.top_mass) / TONNE:.3g} t, {layout.n_joints} contact "
-        f"points on {layout.total_joint_length:.2f} m of joints",
+        f"{layout.n_bricks} bricks ({(layout.total_mass - layout.top_mass) / TONNE:.3g} t together), {layout.n_joints} "
+        f"contact points on {layout.total_joint_length:.2f} m of joints",
         *describe_top(layout),
         describe_joint(wall.joint, options.strength_cov),
         describe_brick(wall.brick),
