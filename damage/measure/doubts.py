@@ -1,5 +1,6 @@
 """What is odd about a run, so that a reader may doubt its numbers: a line each."""
 
+from damage.measure.validity import offset_over_overlap
 from damage.wall.lintel import warn_of_share
 
 AT_REST = 1e-5
@@ -16,7 +17,7 @@ def doubts(history, energy_error, share):
     """What is odd about a History, whose energy error, None where it has none, and damage.wall.lintel.ElasticShare are
     given: a list of str."""
     return [*static_doubts(history), *energy_doubts(energy_error), *offset_doubts(history), *normal_doubts(history),
-            *warn_of_share(share)]
+            *warn_of_share(share), *warn_of_overlap(history)]
 
 
 def static_doubts(history):
@@ -44,6 +45,18 @@ def offset_doubts(history):
         return []
     return ["the history has no offsets of its joints (schema version 1 or 2): slip by displacement is judged by "
             "accumulated, in crack widths and Psi, too; for offsets run the wall again"]
+
+
+def warn_of_overlap(history):
+    """A warning where a joint has slid beyond the end of its faces."""
+    found = offset_over_overlap(history)
+    if found is None or found[0] < 1:
+        return []
+    share, row, sample = found
+    joint, time_s = history.joints.iloc[row], history.series["time_s"].iloc[sample]
+    return [f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m slid to {share:.2f} of the "
+            f"overlap of its faces (t = {time_s:.2f} s): beyond 1 a joint has ended, bricks find no new contacts, and "
+            "what the run says from there on is not valid"]
 
 
 def normal_doubts(history):

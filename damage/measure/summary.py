@@ -11,6 +11,7 @@ from damage.measure.energy import energy_error_of, energy_measures
 from damage.measure.limits import classes
 from damage.measure.motion import motion_measures
 from damage.measure.pushed import first_loading
+from damage.measure.validity import offset_over_overlap
 from damage.measure.vibration import period_of
 from damage.wall.lintel import elastic_share
 
@@ -48,6 +49,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "max_opening_mm": _largest(told.opening_m) * 1e3,
         "max_slip_mm": _largest(told.slip_m) * 1e3,
         "max_offset_mm": None if told.offset_m is None else _largest(told.offset_m) * 1e3,
+        "max_offset_over_overlap": _over_overlap(history),
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "crushed_length_m": float(history.joint_length_m[crushed].sum()),
@@ -57,6 +59,14 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),
     }
+
+
+def _over_overlap(history):
+    """Largest offset over the overlap [-], zero where nothing failed, None of a history without offsets."""
+    if history.told.offset_m is None:
+        return None
+    found = offset_over_overlap(history)
+    return 0.0 if found is None else found[0]
 
 
 def _largest(frames):

@@ -1,0 +1,60 @@
+"""How far joints have slid over the overlap of their faces: by hand, of a wall of 0.225 m bricks laid half over half."""
+
+import numpy as np
+import pytest
+from small_history import as_version_2, make_history, small_layout
+
+from damage.history.reader import read_history
+from damage.measure.summary import summarise
+from damage.measure.validity import offset_over_overlap, slide_limits
+
+LAYOUT = small_layout()
+CONTACTS = LAYOUT.contacts
+
+
+def joint_of(kind, course, fits=lambda row: True):
+    """Row of a joint of this kind (0 bed, 1 head) under, or in, the course that fits."""
+    return next(row for row in range(LAYOUT.n_joints) if CONTACTS.kind[row] == kind
+                and LAYOUT.bodies.course[CONTACTS.second[row]] == course and fits(row))
+
+
+def on_its_left(row):
+    """Whether a whole brick stands with its right half on the brick below: it falls off to the left at 0.1125 m."""
+    first, second = CONTACTS.first[row], CONTACTS.second[row]
+    bodies = LAYOUT.bodies
+    return bodies.x[first] - bodies.x[second] == pytest.approx(0.1125) and bodies.length[second] == pytest.approx(0.225) \
+        and bodies.length[first] == pytest.approx(0.225)
+
+
+BED, HEAD, BASE = joint_of(0, 2, on_its_left), joint_of(1, 2), joint_of(0, 0)
+
+
+def test_faces_end_where_bricks_do(tmp_path):
+    history = make_history(tmp_path / "a.h5")
+    least, most = slide_limits(history.joints, history.bodies)
+    assert (least[BED], most[BED]) == pytest.approx((-0.1125, 0.3375))
+    assert (least[HEAD], most[HEAD]) == pytest.approx((-0.075, 0.075))
+    assert (least[BASE], most[BASE]) == (-np.inf, np.inf)
+
+
+@pytest.mark.parametrize("offset, share", [({}, 0.0), ({BED: -0.09}, 0.8), ({BED: 0.09}, 0.8 / 3), ({BASE: 5.0}, 0.0),
+                                           ({HEAD: 0.03, BED: -0.045}, 0.4), ({BED: -0.18}, 1.6)])
+def test_the_largest_share_of_the_overlap_is_told_and_warned_of_from_one_on(tmp_path, offset, share):
+    ramp = np.minimum(np.arange(21), 10) / 10
+    history = make_history(tmp_path / "a.h5", offset={row: value * ramp for row, value in offset.items()},
+                           broken=tuple(offset))
+    summary = summarise(history)
+    assert summary["max_offset_over_overlap"] == pytest.approx(share, abs=1e-7)
+    warnings = [line for line in summary["warnings"] if "overlap" in line]
+    assert len(warnings) == (share >= 1)
+    if warnings:
+        assert "the bed joint at x = " in warnings[0] and "slid to 1.60 of the overlap" in warnings[0]
+        assert offset_over_overlap(history)[1:] == (BED, 10)
+
+
+def test_a_history_without_offsets_says_nothing(tmp_path):
+    make_history(tmp_path / "a.h5", slip={BED: 0.2})
+    as_version_2(tmp_path / "a.h5")
+    summary = summarise(read_history(tmp_path / "a.h5"))
+    assert summary["max_offset_over_overlap"] is None
+    assert not any("overlap" in line for line in summary["warnings"])
