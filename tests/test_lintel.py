@@ -81,9 +81,10 @@ def test_a_run_tells_strengths_masses_period_and_share_at_its_start():
     layout, loading = lay_out(DOOR), parse_run([], "test", "reference").loading
     modes, brickwork_t = natural_modes(layout), 1.9 * 0.1025 * (1.8 * 0.6 - 0.9 * 0.45)
     told = "\n".join(opening_lines(layout, loading, modes, 1e-5))
-    for words in (f"{layout.n_bricks} bricks ({brickwork_t:.3g} t together)", "top: 5.64 t", "tensile strength 0.21 MPa",
-                  "cohesion 0.24 MPa", "friction angle 32 deg, brittle", "modulus 5200 MPa",
-                  f"first period by eigenvalue {modes.period_s[0]:.4f} s", "(74 % above the openings) is elastic"):
+    for words in (
+            f"{layout.n_bricks} bricks ({brickwork_t:.3g} t together)", "top: 5.64 t", "tensile strength 0.21 MPa",
+            "cohesion 0.24 MPa", "friction angle 32 deg, brittle", "modulus 5200 MPa",
+            f"first period by eigenvalue {modes.period_s[0]:.4f} s", "(74 % above the openings) is elastic"):
         assert words in told
 
 

@@ -1,4 +1,4 @@
-"""How far joints have slid over the overlap of their faces: by hand, of a wall of 0.225 m bricks laid half over half."""
+"""How far joints have slid over the overlap of their faces: by hand, of bricks of 0.225 m laid half over half."""
 
 import numpy as np
 import pytest
@@ -21,9 +21,8 @@ def joint_of(kind, course, fits=lambda row: True):
 def on_its_left(row):
     """Whether a whole brick stands with its right half on the brick below: it falls off to the left at 0.1125 m."""
     first, second = CONTACTS.first[row], CONTACTS.second[row]
-    bodies = LAYOUT.bodies
-    return bodies.x[first] - bodies.x[second] == pytest.approx(0.1125) and bodies.length[second] == pytest.approx(0.225) \
-        and bodies.length[first] == pytest.approx(0.225)
+    x, length = LAYOUT.bodies.x, LAYOUT.bodies.length
+    return (x[first] - x[second], length[first], length[second]) == pytest.approx((0.1125, 0.225, 0.225))
 
 
 BED, HEAD, BASE = joint_of(0, 2, on_its_left), joint_of(1, 2), joint_of(0, 0)

@@ -54,9 +54,9 @@ def warn_of_overlap(history):
         return []
     share, row, sample = found
     joint, time_s = history.joints.iloc[row], history.series["time_s"].iloc[sample]
-    return [f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m slid to {share:.2f} of the "
-            f"overlap of its faces (t = {time_s:.2f} s): beyond 1 a joint has ended, bricks find no new contacts, and "
-            "what the run says from there on is not valid"]
+    return [f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m slid to {share:.2f} of "
+            f"the overlap of its faces (t = {time_s:.2f} s): beyond 1 a joint has ended, bricks find no new contacts, "
+            "and what the run says from there on is not valid"]
 
 
 def normal_doubts(history):
