@@ -51,6 +51,8 @@ def main():
     parser.add_argument("-j", dest="jobs", default="2")
     asked = parser.parse_args()
     out = asked.out.absolute()
+    if out.exists():
+        parser.error(f"--out {out} is there: expected a new folder, delete it or give another")
     out.mkdir(parents=True)
     (out / "tiny.py").write_text(WALL)
     (out / "study.toml").write_text(STUDY)
@@ -132,11 +134,12 @@ def victims(pid, who):
     found, todo = [], children(pid)
     while todo:
         one, parent = todo.pop()
+        if who == "worker" and PROGRAMS[who] in words(one) and PROGRAMS[who] in words(parent) \
+                and "--shard" not in words(parent):
+            found.append((one, "worker"))  # not what it starts itself, as git, which ends nothing
+            continue
         todo += children(one)
-        if who == "worker":
-            if PROGRAMS[who] in words(one) and PROGRAMS[who] in words(parent) and "--shard" not in words(parent):
-                found.append((one, "worker"))
-        else:
+        if who != "worker":
             found += [(one, program) for program in PROGRAMS[who] if program in words(one)][:1]
     return found
 
