@@ -55,8 +55,10 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
     assert main(["index", str(out), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["members"]
     assert found["count"] == 3 and found["max_drift_ratio"]["median"] == drift.median()
-    key = {name: more for name, _, _, more in run_part(read_history(out), "A")["key"]}
-    assert f"3 members: {rounded(100 * drift.median(), 3)} ({words}) %" in key["Largest drift"]
+    key = {name: rest for name, *rest in run_part(read_history(out), "A")["key"]}
+    assert f"3 members: {rounded(100 * drift.median(), 3)} ({words}) %" in key["Largest drift"][-1]
+    assert key["Largest drift"][1] == rounded(key["Largest drift"][0], 3)  # no more digits than on the screen
+    assert key["Maximum DI"][1] == f"{key['Maximum DI'][0]:.3f}"
 
 
 def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):

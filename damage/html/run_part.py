@@ -15,7 +15,7 @@ from damage.measure.members import in_words as members_in_words
 from damage.measure.members import members_of, spread
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.units import GRAVITY
+from damage.units import GRAVITY, rounded
 from damage.wall.geometry import tributary_ends
 
 MICROMETRE = 1e-6
@@ -57,8 +57,8 @@ def said_first(history, warnings=()):
 
 
 def _key_numbers(history, summary, index):
-    """(name, value or None, unit, what else is said) of what one asks first; of a run with members their median and
-    range, too."""
+    """(name, value or None, the value in the digits that are known, unit, what else is said) of what one asks first; of
+    a run with members their median and range, too."""
     table = members_of(history)
     found = {} if table is None else spread(table)
 
@@ -68,18 +68,26 @@ def _key_numbers(history, summary, index):
     time_s, drift = (history.series[name].to_numpy() for name in ("time_s", "drift_ratio"))
     (factor, unit), residual, offset = drift_scale(drift), summary["residual"], summary["max_offset_mm"]
     by = "" if offset is not None else ", slip accumulated"
-    return [
-        ("Maximum DI", summary["max"]["DI"], "",
+    found_here = [
+        ("Maximum DI", summary["max"]["DI"], None, "",
          f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{by}{of_members('max_DI')}"),
-        ("Residual DI", residual and residual["DI"], "",
+        ("Residual DI", residual and residual["DI"], None, "",
          f"at the end{by}{of_members('residual_DI')}" if residual else "no end, no residual"),
-        ("Largest drift", factor * summary["max_drift_ratio"], unit,
+        ("Largest drift", factor * summary["max_drift_ratio"], 3, unit,
          f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f} s{of_members('max_drift_ratio')}"),
-        ("Widest crack", summary["max_crack_width_mm"], "mm",
+        ("Widest crack", summary["max_crack_width_mm"], 2, "mm",
          f"opening and offset together{of_members('max_crack_width_mm')}"),
-        ("Psi", summary["max_psi"], "", f"{summary['psi_class']} (Korswagen){of_members('max_psi')}"),
-        ("Largest base shear", summary["peak_base_shear_n"] / 1e3, "kN",
+        ("Psi", summary["max_psi"], 2, "", f"{summary['psi_class']} (Korswagen){of_members('max_psi')}"),
+        ("Largest base shear", summary["peak_base_shear_n"] / 1e3, 3, "kN",
          of_members("peak_base_shear_n").removeprefix("; "))]
+    return [(name, value, _shown(value, digits), *rest) for name, value, digits, *rest in found_here]
+
+
+def _shown(value, digits):
+    """A number as the screen shows it (`damage.run.report`): so many significant digits, or None for three decimals."""
+    if value is None:
+        return None
+    return f"{value:.3f}" if digits is None else rounded(value, digits)
 
 
 # --- what is drawn -----------------------------------------------------------------------------------
