@@ -62,15 +62,15 @@ def main():
     whole, good, kills = tables(out / "alone"), 0, 0
     while kills < asked.kills:
         name, keep = f"killed_{kills:02d}", ("all", "summary")[kills % 2]
-        told = proof.kill(name, keep, draw, longest_s)
-        if told is None:  # it had ended before
+        killed = proof.kill(name, keep, draw, longest_s)
+        if killed is None:  # it had ended before
             longest_s *= 0.7
             continue
         kills += 1
         calls = next((n for n in range(1, MOST_CALLS + 1) if proof.run_to_end(name, keep) == 0), None)
         equal = tables(out / name) == whole
         good += equal and calls is not None
-        print(f"{kills}: {told}, --keep {keep}; "
+        print(f"{kills}: {killed}, --keep {keep}; "
               f"{f'completed by call {calls}' if calls else f'NOT complete after {MOST_CALLS} calls'}, "
               f"{len(whole)} tables {'equal' if equal else 'DIFFER'}", flush=True)
     print(f"{good} of {kills} kills ended complete with equal tables")
@@ -147,16 +147,16 @@ def victims(pid, who):
 def children(pid):
     """[(pid, pid of its parent)] of the children of a process."""
     found = []
-    for told in Path(f"/proc/{pid}/task").glob("*/children"):  # of every thread
+    for listed in Path(f"/proc/{pid}/task").glob("*/children"):  # of every thread
         try:
-            found += [(int(child), pid) for child in told.read_text().split()]
-        except OSError:  # gone meanwhile
+            found += [(int(child), pid) for child in listed.read_text().split()]
+        except OSError:  # ended meanwhile
             pass
     return found
 
 
 def words(pid):
-    """The command line of a process, empty of one that is gone."""
+    """The command line of a process, empty of one that has ended."""
     try:
         return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
     except OSError:

@@ -81,12 +81,12 @@ class Attack(threading.Thread):
 
     def _speak(self):
         """Log in at the prompt with the cookie, then send code at every call."""
-        told = re.search(r":(\d+), auth cookie `(\w+)'", self.log())
+        printed = re.search(r":(\d+), auth cookie `(\w+)'", self.log())
         with suppress(OSError):
-            if self.prompt is None and told and int(told[1]) in self.ports:
-                self.prompt = socket.create_connection(("127.0.0.1", int(told[1])), timeout=1)
+            if self.prompt is None and printed and int(printed[1]) in self.ports:
+                self.prompt = socket.create_connection(("127.0.0.1", int(printed[1])), timeout=1)
                 self.prompt.recv(100)
-                self.prompt.sendall(f"{told[2]}\n".encode())
+                self.prompt.sendall(f"{printed[2]}\n".encode())
                 self.prompt.recv(1000)
                 self.connections.append(self.prompt)
             elif self.prompt is not None:
@@ -138,13 +138,13 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for number in range(asked.starts):
             for attacked in (False, True):
-                told = start(program, Path(folder), attacked)
-                runs[attacked].append(told)
-                until = f" until {told['listened']:.2f} s" if told["listened"] else ""
-                print(f"{number + 1} {'attacked' if attacked else 'quiet   '}  status {told['status']}  "
-                      f"{told['seconds']:5.1f} s, asleep {told['slept_s']:4.1f} s  listened beyond "
-                      f"loopback: {', '.join(sorted(told['abroad'])) or '-'}{until}  connections "
-                      f"{told['connections']}  executed {told['executed']}, {told['later']} of it after the ports were "
+                run = start(program, Path(folder), attacked)
+                runs[attacked].append(run)
+                until = f" until {run['listened']:.2f} s" if run["listened"] else ""
+                print(f"{number + 1} {'attacked' if attacked else 'quiet   '}  status {run['status']}  "
+                      f"{run['seconds']:5.1f} s, asleep {run['slept_s']:4.1f} s  listened beyond "
+                      f"loopback: {', '.join(sorted(run['abroad'])) or '-'}{until}  connections "
+                      f"{run['connections']}  executed {run['executed']}, {run['later']} of it after the ports were "
                       f"closed", flush=True)
     delays = [how(run["slept_s"] for run in runs[True]) - how(run["slept_s"] for run in runs[False])
               for how in (min, statistics.median)]

@@ -58,7 +58,7 @@ def shown_path(path):
 def shown_command(words):
     """The words of a command line in one line, every path as `shown_path` has it.
 
-    >>> shown_command(["--record", "/home/me/a.csv", "--out=/tmp/b.h5", "--window", "1", "2"])
+    >>> shown_command(["--record", "/elsewhere/a.csv", "--out=/elsewhere/b.h5", "--window", "1", "2"])
     '--record a.csv --out=b.h5 --window 1 2'
     """
     parts = [word.rpartition("=") if word.startswith("--") else ("", "", word) for word in words]

@@ -29,10 +29,10 @@ def slide_limits(joints, bodies):
 def offset_over_overlap(history):
     """Largest offset of any contact point over that at which the faces of its joint no longer overlap [-], the row of
     its joint and the sample; None of a history without offsets or without a joint that failed."""
-    told = history.told
-    if told.offset_m is None or told.offset_m.size == 0:
+    active = history.told
+    if active.offset_m is None or active.offset_m.size == 0:
         return None
-    least, most = (limit[told.joints] for limit in slide_limits(history.joints, history.bodies))
-    share = np.maximum(told.offset_m / most, told.offset_m / least)
+    least, most = (limit[active.joints] for limit in slide_limits(history.joints, history.bodies))
+    share = np.maximum(active.offset_m / most, active.offset_m / least)
     sample, place = np.unravel_index(np.argmax(share), share.shape)
-    return float(share[sample, place]), int(told.joints[place]), int(sample)
+    return float(share[sample, place]), int(active.joints[place]), int(sample)

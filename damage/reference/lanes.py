@@ -76,7 +76,7 @@ class Lanes:
             one is other and one.lanes is self and one.fast for one, other in zip(walls, self.walls))
 
     def run(self, *steps):
-        """Advance all walls by these numbers of steps, one after the other; `told` tells what was after each."""
+        """Advance all walls by these numbers of steps, one after the other; `samples_of` gives what was after each."""
         for wall in self.walls:
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
@@ -92,7 +92,7 @@ class Lanes:
         """Samples of all walls, empty."""
         return Samples.none(len(self.walls), n_samples, self.tables.contacts.shape[1], self.tables.place.shape[1] - 1)
 
-    def told(self, wall, which):
+    def samples_of(self, wall, which):
         """Samples of this wall after these of the last run's numbers of steps, a slice."""
         return self._samples.of(self.walls.index(wall), which)
 

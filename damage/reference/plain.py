@@ -20,7 +20,7 @@ class Alone:
         return len(walls) == 1 and walls[0] is self.wall and self.wall.lanes is self and not self.wall.fast
 
     def run(self, *steps):
-        """Advance by these numbers of steps, one after the other; `told` tells what was after each."""
+        """Advance by these numbers of steps, one after the other; `samples_of` gives what was after each."""
         wall = self.wall
         if wall.adaptive_damping == 0.0:
             wall.system.relaxation[:] = 0.0
@@ -31,7 +31,7 @@ class Alone:
                   wall.step - wall.first_step, ends, self._scratch, wall.stiffness, self._samples, 0)
         wall.step += int(ends[-1])
 
-    def told(self, wall, which):
+    def samples_of(self, wall, which):
         """Samples after these of the last run's numbers of steps, a slice."""
         return self._samples.of(0, which)
 

@@ -58,14 +58,14 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def _instants_at(self, samples):
         """Instants of the first ends of the last `run`, which are these samples."""
-        return self._instants(np.array(samples), self.lanes.told(self, slice(len(samples))))
+        return self._instants(np.array(samples), self.lanes.samples_of(self, slice(len(samples))))
 
     def instants(self):
-        return self._instants(np.array([self.clock]), self.told_now())
+        return self._instants(np.array([self.clock]), self.sample_now())
 
     def _instants(self, clock, samples):
         """Instants of Samples at these steps; the top is held of the last one, which is the only one then."""
-        totals, joints = samples.totals, self.joints_told()
+        totals, joints = samples.totals, self.active_contacts()
         return Instants(clock, samples.displacement, joints, self.contact_data(samples, joints), totals[:, BASE_SHEAR],
             np.full(len(clock), self.push_force()), totals[:, KINETIC], np.add.reduce(samples.stored, axis=1),
             *totals[:, KINETIC + 1:].T)

@@ -34,7 +34,7 @@ class ReferenceWall:
         self.stiffness = Stiffness(self.system.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
         self.lanes = None  # those that the wall was last moved in
-        self._held, self._told = None, (0, np.empty(0, int))
+        self._held, self._active = None, (0, np.empty(0, int))
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
 
@@ -74,7 +74,7 @@ class ReferenceWall:
     @property
     def opening(self):
         """Inelastic opening (n_joints,) [m]: past the broken bond, or what a softened one has given way."""
-        return self.contact_data(self.told_now())["opening_m"][0]
+        return self.contact_data(self.sample_now())["opening_m"][0]
 
     @property
     def slip(self):
@@ -85,16 +85,16 @@ class ReferenceWall:
     def offset(self):
         """Shear displacement less its elastic part (n_joints,) [m] of what has broken or softened, zero elsewhere; of
         fibres by their shares, each with its own stress."""
-        return self.contact_data(self.told_now())["offset_m"][0]
+        return self.contact_data(self.sample_now())["offset_m"][0]
 
     @property
     def state(self):
         """Bits BROKEN, AT_LIMIT and CRUSHED (n_joints,)."""
-        return self.contact_data(self.told_now())["state"][0]
+        return self.contact_data(self.sample_now())["state"][0]
 
     @property
     def energy(self):
-        """Input, friction, fracture and damping energy [J] since `reset_energy`."""
+        """Input, friction, fracture and damping energy [J] since `start`."""
         return self.system.energy
 
     @property
@@ -102,8 +102,8 @@ class ReferenceWall:
         """Normal stress, tension positive, and shear stress of the kernel's contacts (2, contacts) [Pa]."""
         return self.system.readings[[tables.READ_SIGMA, tables.READ_TAU]]
 
-    def told_now(self):
-        """Samples of one, of this instant: what is told of the kernel's contacts and of the bodies."""
+    def sample_now(self):
+        """Samples of one: contact data, places and energies of this instant."""
         samples = Samples.none(1, 1, len(self.system.contacts), len(self.layout.bodies))
         field = self.field(1)[0]
         field[2] = GRAVITY
@@ -119,15 +119,15 @@ class ReferenceWall:
         rows[:len(gravity), 2], rows[len(gravity):, 2] = gravity, self.gravity[-1]
         return rows
 
-    def joints_told(self):
-        """Joints that something may be told of, those of broken pairs: indices, or a slice."""
+    def active_contacts(self):
+        """The active contact points, those of failed interfaces: indices, or a slice where parallel elements fail."""
         if self.layout.fibres is not None:
             return slice(None)
         interfaces = self.system.interfaces
         failed = interfaces["failed"] > 0
-        if (count := np.count_nonzero(failed)) != self._told[0]:  # an interface that has failed stays so
-            self._told = count, np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"]))
-        return self._told[1]
+        if (count := np.count_nonzero(failed)) != self._active[0]:  # an interface that has failed stays so
+            self._active = count, np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"]))
+        return self._active[1]
 
     def contact_data(self, samples, joints=slice(None)):
         """{name of FIELD_NAMES: (n, n_selected)} of Samples of this wall, at these joints; parallel elements by their
@@ -148,7 +148,7 @@ class ReferenceWall:
 
     def run(self, *steps):
         """Advance by these numbers of steps, one after the other; before and after each forces and stresses belong to
-        the present places, and `lanes.told` tells what was."""
+        the present places, and `lanes.samples_of` gives what was."""
         (failure,) = run_together([self], *steps)
         if failure is not None:
             raise failure
@@ -191,8 +191,8 @@ class ReferenceWall:
     def _events_of_fibres(self, events, values):
         """A contact breaks with the last of its fibres; what it opens and slips is known now, at the sample."""
         fibres = self.layout.fibres
-        told = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
-        events, values = events[told], values[told]
+        of_contacts = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
+        events, values = events[of_contacts], values[of_contacts]
         events[:, 1] = fibres.contact[events[:, 1]]
         stresses = map(self.of_joints, self.stresses)
         now = np.column_stack([*stresses, self.opening, self.slip])
@@ -241,8 +241,8 @@ class ReferenceWall:
 
     def kinetic_energy(self):
         """At the instant of the places: velocities are carried half a step on [J]."""
-        return float(self.told_now().totals[0, KINETIC])
+        return float(self.sample_now().totals[0, KINETIC])
 
     def elastic_energy(self):
         """Of all contacts [J]."""
-        return float(np.sum(self.told_now().stored))
+        return float(np.sum(self.sample_now().stored))

@@ -1,8 +1,8 @@
 """The tables of up to eight walls side by side, as the compiled step works on them: blocks of eight elements.
 
-A slot is a row of a table in one lane.  One wall alone has its rows as slots; several have eight lanes, slot = 8 row +
-lane.  Either way eight slots are a block, whose fields lie one after the other, eight numbers each: what is done to
-all elements alike is done to eight numbers as one value (eight.py), of eight lanes or of eight rows.
+A slot is a row of a table of one wall.  One wall alone has its rows as slots; several walls w have slot = 8 row + w.
+Either way eight slots are a block, whose fields lie one after the other, eight numbers each: what is done to all
+elements alike is done to eight numbers as one value (`damage.mechanics.eight`), of eight walls or of eight rows.
 """
 
 from typing import NamedTuple
@@ -127,20 +127,20 @@ def pack(tables, blocks, lanes):
     """Copy places and motions of the bodies, and what leaves interfaces intact, from the tables into their blocks."""
     bodies = blocks.bodies
     for row in range(tables.place.shape[1]):
-        for lane in range(tables.place.shape[0]):  # within: eight walls share what is fetched
-            k = place_of(INDEX(row * lanes + lane), BODY)
+        for w in range(tables.place.shape[0]):  # within: eight walls share what is fetched
+            k = place_of(INDEX(row * lanes + w), BODY)
             for field, i in ((X, 0), (Z, 1), (ROTATION, 2)):
-                bodies[k + field] = tables.place[lane, row, i]
+                bodies[k + field] = tables.place[w, row, i]
             for field, i in ((FX, 0), (FZ, 1), (MOMENT, 2)):
-                bodies[k + field] = tables.force[lane, row, i]
+                bodies[k + field] = tables.force[w, row, i]
             for field, i in ((VX, 0), (VZ, 1), (VROTATION, 2)):
-                bodies[k + field] = tables.velocity[lane, row, i]
+                bodies[k + field] = tables.velocity[w, row, i]
             for field, i in ((INVERSE_X, 0), (INVERSE_Z, 1), (INVERSE_ROTATION, 2)):
-                bodies[k + field] = tables.inverse_mass[lane, row, i]
+                bodies[k + field] = tables.inverse_mass[w, row, i]
             for field, i in ((MASS, 0), (INERTIA, 2)):
-                bodies[k + field] = tables.mass[lane, row, i]
+                bodies[k + field] = tables.mass[w, row, i]
             for field, i in ((COS1, 0), (SIN, 1)):
-                bodies[k + field] = tables.trig[lane, row, i]
+                bodies[k + field] = tables.trig[w, row, i]
     pack_limits(tables, blocks, lanes)
 
 
@@ -149,23 +149,23 @@ def unpack(tables, blocks, lanes):
     """Copy places, velocities and forces of the bodies from their blocks into the tables."""
     bodies = blocks.bodies
     for row in range(tables.place.shape[1]):
-        for lane in range(tables.place.shape[0]):  # within: eight walls share what is fetched
-            k = place_of(INDEX(row * lanes + lane), BODY)
+        for w in range(tables.place.shape[0]):  # within: eight walls share what is fetched
+            k = place_of(INDEX(row * lanes + w), BODY)
             for field, i in ((X, 0), (Z, 1), (ROTATION, 2)):
-                tables.place[lane, row, i] = bodies[k + field]
+                tables.place[w, row, i] = bodies[k + field]
             for field, i in ((FX, 0), (FZ, 1), (MOMENT, 2)):
-                tables.force[lane, row, i] = bodies[k + field]
+                tables.force[w, row, i] = bodies[k + field]
             for field, i in ((VX, 0), (VZ, 1), (VROTATION, 2)):
-                tables.velocity[lane, row, i] = bodies[k + field]
+                tables.velocity[w, row, i] = bodies[k + field]
             for field, i in ((COS1, 0), (SIN, 1)):
-                tables.trig[lane, row, i] = bodies[k + field]
+                tables.trig[w, row, i] = bodies[k + field]
 
 
 @compiled
 def pack_limits(tables, blocks, lanes):
     """Copy what leaves interfaces intact into their blocks: nothing where a contact has failed."""
-    for lane in range(tables.interfaces.shape[0]):
+    for w in range(tables.interfaces.shape[0]):
         for p in range(tables.interfaces.shape[1]):
-            interface, k = tables.interfaces[lane, p], place_of(INDEX(p * lanes + lane), LIMITS)
+            interface, k = tables.interfaces[w, p], place_of(INDEX(p * lanes + w), LIMITS)
             blocks.limits[k + OPENING] = -np.inf if interface.failed else interface.largest_opening
             blocks.limits[k + SLIDE] = interface.largest_slide

@@ -19,10 +19,10 @@ def move(energy, relaxation, blocks, lanes, controls, field, step):
     bench, bodies, sums = blocks.bench, blocks.bodies, blocks.sums
     clear(sums, at.SWEPT_X, at.DAMPED)
     damped = False
-    for lane in range(controls.shape[0]):
-        alpha = controls[lane, 2] + relaxation[lane, 0]
-        damped |= alpha > 0.0 or controls[lane, 1] > 0.0
-        set_bench(bench, lane, lanes, field[lane, step], controls[lane], alpha)
+    for w in range(controls.shape[0]):
+        alpha = controls[w, 2] + relaxation[w, 0]
+        damped |= alpha > 0.0 or controls[w, 1] > 0.0
+        set_bench(bench, w, lanes, field[w, step], controls[w], alpha)
     block = NONE
     while block < INDEX(len(bodies)) // at.BODY:
         part = NONE if lanes == 1 else block % WIDTH * WIDTH
@@ -31,31 +31,31 @@ def move(energy, relaxation, blocks, lanes, controls, field, step):
         else:
             move_free(bodies, block * at.BODY, bench, sums, part)
         block += ONE
-    for lane in range(controls.shape[0]):
-        dt = controls[lane, 0]
-        swept = (field[lane, step, 0] * total(sums, at.SWEPT_X, lane, lanes)
-                 + field[lane, step, 1] * total(sums, at.SWEPT_Z, lane, lanes))
-        energy[lane, INPUT] += (total(sums, at.DRIVEN, lane, lanes) - 0.5 * swept) * dt
+    for w in range(controls.shape[0]):
+        dt = controls[w, 0]
+        swept = (field[w, step, 0] * total(sums, at.SWEPT_X, w, lanes)
+                 + field[w, step, 1] * total(sums, at.SWEPT_Z, w, lanes))
+        energy[w, INPUT] += (total(sums, at.DRIVEN, w, lanes) - 0.5 * swept) * dt
         if damped:
-            energy[lane, DAMPING] += total(sums, at.TAKEN, lane, lanes) * dt
+            energy[w, DAMPING] += total(sums, at.TAKEN, w, lanes) * dt
 
 
 @compiled
-def set_bench(bench, lane, lanes, field, controls, alpha):
+def set_bench(bench, w, lanes, field, controls, alpha):
     """Put what acts on all bodies of a wall on the bench."""
     dt, local, rate = controls[0], controls[1], controls[3] / controls[0]
-    for i in range(lane, lane + 1) if lanes > 1 else range(8):
+    for i in range(w, w + 1) if lanes > 1 else range(8):
         k = INDEX(i)
         bench[at.BASE_X + k], bench[at.BASE_Z + k], bench[at.STEP + k] = field[0], field[1] + field[2], dt
         bench[at.ALPHA + k], bench[at.LOCAL + k], bench[at.RATE + k] = alpha, local, rate
 
 
 @compiled
-def total(sums, first, lane, lanes):
+def total(sums, first, w, lanes):
     """The eight parts of a sum together, of one wall."""
     value, step = 0.0, ONE if lanes == 1 else WIDTH
     for part in range(8):
-        value += sums[first + INDEX(part) * step + INDEX(lane)]
+        value += sums[first + INDEX(part) * step + INDEX(w)]
     return value
 
 
@@ -150,10 +150,10 @@ def adapt(relaxation, blocks, lanes, controls):
     while block < INDEX(len(bodies)) // at.BODY:
         add_kinetic_energy(bodies, block * at.BODY, sums, NONE if lanes == 1 else block % WIDTH * WIDTH)
         block += ONE
-    for lane in range(controls.shape[0]):
-        dt, share, kinetic = controls[lane, 0], controls[lane, 4], total(sums, at.KINETIC, lane, lanes)
-        relaxation[lane, 0] = mechanics.adaptive_damping(kinetic, relaxation[lane, 1], share, dt)
-        relaxation[lane, 1] = kinetic
+    for w in range(controls.shape[0]):
+        dt, share, kinetic = controls[w, 0], controls[w, 4], total(sums, at.KINETIC, w, lanes)
+        relaxation[w, 0] = mechanics.adaptive_damping(kinetic, relaxation[w, 1], share, dt)
+        relaxation[w, 1] = kinetic
 
 
 @compiled

@@ -20,40 +20,40 @@ from damage.wall import joint_law
 def loosen(tables, columns, blocks):
     """Copy the contacts of all failed interfaces into their blocks; columns: the states as numbers."""
     blocks.loose[:] = 0
-    for lane in range(tables.interfaces.shape[0]):
+    for w in range(tables.interfaces.shape[0]):
         for p in range(tables.interfaces.shape[1]):
-            if tables.interfaces[lane, p].failed:
-                take(tables, columns, blocks, lane, p)
+            if tables.interfaces[w, p].failed:
+                take(tables, columns, blocks, w, p)
 
 
 @compiled
 def fasten(tables, columns, blocks):
     """Copy them back."""
     for p in range(tables.interfaces.shape[1]):
-        for lane in range(tables.interfaces.shape[0]):
-            if blocks.loose[p] >> lane & 1:
-                give(tables, columns, blocks, lane, p)
+        for w in range(tables.interfaces.shape[0]):
+            if blocks.loose[p] >> w & 1:
+                give(tables, columns, blocks, w, p)
     blocks.loose[:] = 0
 
 
 @compiled
-def take(tables, columns, blocks, lane, p):
+def take(tables, columns, blocks, w, p):
     """Copy the contacts of an interface of one wall into their blocks."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
-        k = INDEX(i) * at.LOOSE + INDEX(lane)
+        k = INDEX(i) * at.LOOSE + INDEX(w)
         for n in range(len(at.COLUMNS)):
-            blocks.contacts[k + INDEX(8 * n)] = columns[lane, i, at.COLUMNS[n]]
-        blocks.contacts[k + at.COMPRESSIVE] = tables.contacts[lane, i].compressive_strength
-    blocks.loose[p] |= 1 << lane
+            blocks.contacts[k + INDEX(8 * n)] = columns[w, i, at.COLUMNS[n]]
+        blocks.contacts[k + at.COMPRESSIVE] = tables.contacts[w, i].compressive_strength
+    blocks.loose[p] |= 1 << w
 
 
 @compiled
-def give(tables, columns, blocks, lane, p):
+def give(tables, columns, blocks, w, p):
     """Copy what has changed of them back."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
-        k = INDEX(i) * at.LOOSE + INDEX(lane)
+        k = INDEX(i) * at.LOOSE + INDEX(w)
         for n in range(at.CHANGED):
-            columns[lane, i, at.COLUMNS[n]] = blocks.contacts[k + INDEX(8 * n)]
+            columns[w, i, at.COLUMNS[n]] = blocks.contacts[k + INDEX(8 * n)]
 
 
 @inlined
@@ -81,13 +81,13 @@ def read_intact(tables, bench, start, stop, motion, intact):
         store(bench, at.SHEARED, motion.shear)
         store(bench, at.SIGMA, contact.kn * opening / contact.area)
         store(bench, at.TAU, (contact.ks * motion.shear + 0.0) / contact.area)
-        for lane in range(tables.contacts.shape[0]):
-            if intact >> lane & 1:
-                k = INDEX(lane)
-                readings[lane, READ_OPENING, i] = bench[at.OPENED + k]
-                readings[lane, READ_SHEAR, i] = bench[at.SHEARED + k]
-                readings[lane, READ_SIGMA, i] = bench[at.SIGMA + k]
-                readings[lane, READ_TAU, i] = bench[at.TAU + k]
+        for w in range(tables.contacts.shape[0]):
+            if intact >> w & 1:
+                k = INDEX(w)
+                readings[w, READ_OPENING, i] = bench[at.OPENED + k]
+                readings[w, READ_SHEAR, i] = bench[at.SHEARED + k]
+                readings[w, READ_SIGMA, i] = bench[at.SIGMA + k]
+                readings[w, READ_TAU, i] = bench[at.TAU + k]
 
 
 @inlined
