@@ -163,4 +163,5 @@ def in_unit(name, column):
 
 def label(column):
     """What an axis of an intensity says."""
-    return INTENSITIES.get(column, f"{column} [{unit_of(column)[1].replace('1', '-')}]")
+    unit = unit_of(column)[1]
+    return INTENSITIES.get(column, f"{column} [{'-' if unit == '1' else unit}]")
