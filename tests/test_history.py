@@ -18,7 +18,7 @@ import damage
 from damage.errors import InputError
 from damage.history.info import describe as describe_info
 from damage.history.info import info
-from damage.history.schema import AT_LIMIT, BROKEN, SERIES
+from damage.history.schema import AT_LIMIT, BROKEN, SCHEMA_VERSION, SERIES
 from damage.history.writer import HistoryWriter
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g
@@ -208,8 +208,9 @@ def test_what_is_no_history_is_refused(tmp_path, make, complaint):
 def test_a_newer_schema_is_refused(tmp_path):
     path = tmp_path / "a.h5"
     open_writer(path).finish("complete")
-    path.write_bytes(path.read_bytes().replace(b"masonry-damage-history 4", b"masonry-damage-history 9", 1))
-    with pytest.raises(InputError, match="version 9, this software reads up to 4"):
+    here = f"masonry-damage-history {SCHEMA_VERSION}".encode()
+    path.write_bytes(path.read_bytes().replace(here, b"masonry-damage-history 9", 1))
+    with pytest.raises(InputError, match=f"version 9, this software reads up to {SCHEMA_VERSION}"):
         damage.read_history(path)
 
 
