@@ -242,15 +242,31 @@ def _modes(asked):
 
 
 @_command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
-          "unless --band is given", _path("record", "FILE"), _JSON, add_preparation)
+          "unless --band is given", _path("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
+          "acc_gal or acc_g; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as "
+          "BGAR_HGE"), _JSON, add_preparation,
+          _path("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"))
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary
     from damage.motion.plausible import implausible_peak
 
-    found = motion_summary(recorded(asked))
-    if told := implausible_peak(found["pga_g"]):
-        warn(told)
+    loading = recorded(asked)
+    found = motion_summary(loading)
+    if implausible := implausible_peak(found["pga_g"]):
+        warn(implausible)
+    if asked.plot:
+        _plot_motion(loading, found, asked.plot)
     _tell(asked, found, describe)
+
+
+def _plot_motion(loading, found, path):
+    """Write the picture of a motion; its path goes to stderr: stdout may be JSON."""
+    from damage.draw.motion import motion_picture
+    from damage.draw.style import save_png
+
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--plot {path}: expected a name that ends in .png; give it one")
+    print(f"picture: {save_png(motion_picture(loading, found), path, f'motion {loading.name}')}", file=sys.stderr)
 
 
 @_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))
