@@ -83,8 +83,8 @@ def find_python(version):
 def make_wheel(folder):
     """The wheel of this checkout, made of a copy of what git knows of it."""
     copy = folder / "source"
-    files = run("git", "ls-files", "-co", "--exclude-standard", "damage", "pyproject.toml", "README.md", "LICENSE",
-                cwd=ROOT).split("\n")
+    files = run("git", "ls-files", "-co", "--exclude-standard", "damage", "walls", "studies", "workflow",
+                "pyproject.toml", "README.md", "LICENSE", cwd=ROOT).split("\n")
     for name in filter(None, files):
         (copy / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / name, copy / name)

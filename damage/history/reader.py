@@ -28,6 +28,7 @@ from damage.history.schema import (
     TABLES,
     tables_of,
 )
+from damage.history.shown import as_html, in_a_line
 from damage.history.structure import check_structure
 from damage.history.values import check_parameters, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
@@ -91,7 +92,7 @@ class _Frames:
         vars(history)[self._name] = value
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class History:
     """One run.
 
@@ -129,6 +130,12 @@ class History:
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
     offset_m: np.ndarray | None = _Frames()
+
+    def __repr__(self):
+        return in_a_line(self)
+
+    def _repr_html_(self):
+        return as_html(self)
 
     @property
     def complete(self):

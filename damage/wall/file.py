@@ -21,8 +21,7 @@ def wall_path(word):
         return path
     if str(path) in named:
         return named[str(path)]
-    near = {**{str(one): one for one in path.parent.glob("*.py")}, **named} if path.suffix else named
-    meant = did_you_mean(path, near) or did_you_mean(path.stem, named)
+    meant = did_you_mean(path.stem, named) or did_you_mean(path, map(str, path.parent.glob("*.py")))
     raise InputError(f"{path}: no such wall file; expected the path of one, or the name of a wall that ships: "
                      f"{', '.join(named)}{meant}")
 
