@@ -182,7 +182,6 @@ def _save(figures, folder, made=""):
           _path("--out", "DIR", "where everything goes (default demo)", default=Path("demo")),
           _arg("--overwrite", action="store_true", help="replace what a demo before has left there"))
 def _demo(asked):
-    from damage.html.report import write_report
     from damage.reference.session import run_reference
 
     history = asked.out / "symmetric.h5"
@@ -190,7 +189,12 @@ def _demo(asked):
                             *["--overwrite"] * asked.overwrite])
     if status:
         return status
-    print(f"report: {write_report([history])}")
+    try:
+        from damage.html.report import write_report
+
+        print(f"report: {write_report([history])}")
+    except ImportError as error:  # of the extra masonry-damage[report]
+        print(f"no report: {missing_library(error) or error}")
     print("next: python3 -m damage new-wall my_wall.py, and its first lines say how to run it")
     return 0
 

@@ -114,6 +114,9 @@ def use(command, folder):
 
     if not do("--version").startswith("masonry-damage "):
         raise Failed("masonry-damage --version does not begin with the name")
+    do("new-wall", "mine.py")
+    do("modes", "mine.py")
+    do("record", "BGAR_HGE")
     do("reference", "pier.py", "--harmonic", "0.1", "0.3", "--cycles", "2", "--rest", "0.2", "--out", "a.h5")
     if '"max"' not in do("index", "a.h5", "--json"):
         raise Failed("index has no maximum")

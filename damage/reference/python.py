@@ -1,6 +1,7 @@
 """A run in the reference solver from Python: `damage.run(wall, motion, **options)`, documented in `damage.run`."""
 
 import io
+import sys
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ from damage.errors import InputError, did_you_mean
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
+from damage.mechanics.compiled import COMPILING, is_cached
 from damage.motion.loading import Harmonic, Loading, Recorded
 from damage.motion.record import Record
 from damage.provenance import shown_path
@@ -29,6 +31,8 @@ DEFAULTS = {"pictures": False, "quiet": True}
 def run(wall, motion=None, **options):
     """The History of one run; `damage.run` describes the arguments."""
     settings, wall_file, built = _asked(wall, motion, options)
+    if settings.quiet and not is_cached():
+        print(COMPILING, file=sys.stderr)  # a minute without a word looks like an error
     with TemporaryDirectory(prefix="masonry-damage-") as folder, \
             redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
         if settings.out is not None:
