@@ -29,6 +29,7 @@ from damage.history.schema import (
     TABLES,
     tables_of,
 )
+from damage.history.shown import as_html, in_a_line
 from damage.history.structure import check_structure
 from damage.history.values import check_parameters, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
@@ -93,7 +94,7 @@ class _Frames:
         vars(history)[self._name] = value
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class History:
     """One run.
 
@@ -137,6 +138,12 @@ class History:
     supports: pd.DataFrame | None = None
     support_displacement: np.ndarray | None = None
     support_force: np.ndarray | None = None
+
+    def __repr__(self):
+        return in_a_line(self)
+
+    def _repr_html_(self):
+        return as_html(self)
 
     @property
     def complete(self):
