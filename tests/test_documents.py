@@ -99,7 +99,7 @@ def test_what_is_not_there_is_found():
 
 
 def test_tests_that_documents_name_are_there():
-    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`; every fault of docs/faults.md has one."""
+    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`; every fault of docs/reference/faults.md has one."""
     named = {test for document in DOCUMENTS for test in re.findall(r"`(tests/\w+\.py::[\w:]+)`", document.read_text())}
     missing = []
     for test in sorted(named):
@@ -108,6 +108,6 @@ def test_tests_that_documents_name_are_there():
         missing += [test for name in names if not re.search(rf"^ *(def|class) {name}\b", source, re.MULTILINE)]
     assert named
     assert missing == []
-    faults = (REPOSITORY / "docs/faults.md").read_text().partition("\n## ")[0]
+    faults = (REPOSITORY / "docs/reference/faults.md").read_text().partition("\n## ")[0]
     rows = [line for line in faults.splitlines() if line.startswith("| ")][2:]
     assert [row for row in rows if "`tests/" not in row] == []
