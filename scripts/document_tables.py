@@ -6,7 +6,7 @@ A table in a Markdown file is a block between two comments; the first one says w
     <!-- end of table -->
 
 FILE is below docs/tables.  Without columns all are shown, without `where` all rows.  A format after a column's name
-applies to numbers; empty cells stay empty.
+applies to numbers; empty cells stay empty.  The comment may have several lines.
 
     python3 scripts/document_tables.py NAME.csv [NUMBER] < OUTPUT      # keeps a table that a benchmark printed
 
@@ -27,15 +27,20 @@ sys.path.insert(0, str(REPOSITORY))
 from damage.errors import InputError
 from damage.files import write_text
 
-BLOCK = re.compile(r"(<!-- table (\S+\.csv)(?:: (.+?))?(?: where (.+?))? -->\n)(.*?)(<!-- end of table -->)", re.DOTALL)
+_WORDS = r"((?:(?!-->).)+?)"
+BLOCK = re.compile(rf"(<!-- table (\S+\.csv)(?:: {_WORDS})?(?:\swhere {_WORDS})? -->\n)(.*?)(<!-- end of table -->)",
+                   re.DOTALL)
 _COLUMN = re.compile(r"^(.+?)(\{:[^}]*\})?(?: as (.+))?$")
 _ROW = re.compile(r"^\|(.*)\|$")
 
 
 def with_tables(text, folder):
     """A document's text with its tables made of the CSV files in a folder."""
-    return BLOCK.sub(lambda block: block[1] + "\n" + _table(folder / block[2], block[3], block[4]) + "\n\n" + block[6],
-                     text)
+    def made(block):
+        columns, where = (" ".join((words or "").split()) for words in (block[3], block[4]))
+        return f"{block[1]}\n{_table(folder / block[2], columns, where)}\n\n{block[6]}"
+
+    return BLOCK.sub(made, text)
 
 
 def _table(path, columns, where):
