@@ -28,7 +28,7 @@ from damage.errors import InputError
 from damage.files import write_text
 
 _WORDS = r"((?:(?!-->).)+?)"
-BLOCK = re.compile(rf"(<!-- table (\S+\.csv)(?:: {_WORDS})?(?:\swhere {_WORDS})? -->\n)(.*?)(<!-- end of table -->)",
+BLOCK = re.compile(rf"(<!-- table (\S+\.csv)(?:: {_WORDS})?(?:\swhere\s{_WORDS})? -->\n)(.*?)(<!-- end of table -->)",
                    re.DOTALL)
 _COLUMN = re.compile(r"^(.+?)(\{:[^}]*\})?(?: as (.+))?$")
 _ROW = re.compile(r"^\|(.*)\|$")
@@ -81,14 +81,14 @@ def as_markdown(heads, rows):
 def tables_in(text):
     """The Markdown tables in a text, each a list of rows, the heads first.
 
-    >>> tables_in("words\\n| a | b |\\n| --- | --- |\\n| 1 | 2 |\\n|  | 3 |")
-    [[['a', 'b'], ['1', '2'], ['1', '3']]]
+    >>> tables_in("words\\n| a | b |\\n| --- | --- |\\n| 1 | 2 |\\n| | 3 |\\n| 4 | |")
+    [[['a', 'b'], ['1', '2'], ['1', '3'], ['4', '']]]
     """
     tables, previous = [], False
     for line in text.splitlines():
         match = _ROW.match(line.strip())
         if match:
-            cells = [cell.strip() for cell in match[1].split(" | ")]
+            cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", match[1])]
             if not previous:
                 tables.append([])
             elif not cells[0] and len(tables[-1]) > 1:
