@@ -51,11 +51,10 @@ def _table(path, columns, where):
     for condition in where.split("; ") if where else ():
         name, _, values = condition.partition(" = ")
         rows = rows[_column(rows, name, path).isin(values.split(" | "))]
-    if columns:
-        shown = [_COLUMN.match(column).groups() for column in columns.split(" | ")]
-        rows = pd.DataFrame({heading or name: [_formatted(cell, form) for cell in _column(rows, name, path)]
-                             for name, form, heading in shown})
-    return as_markdown(list(rows), rows.to_numpy().tolist())
+    shown = [_COLUMN.match(column).groups() for column in columns.split(" | ")] if columns else [
+        (name, None, None) for name in rows]
+    cells = [[_formatted(cell, form) for cell in _column(rows, name, path)] for name, form, _ in shown]
+    return as_markdown([heading or name for name, _, heading in shown], zip(*cells, strict=True))
 
 
 def _column(rows, name, path):
