@@ -78,9 +78,9 @@ def as_markdown(heads, rows):
 
 
 def tables_in(text):
-    """The Markdown tables in a text, each a list of rows, the heads first.
+    r"""The Markdown tables in a text, each a list of rows, the heads first.
 
-    >>> tables_in("words\\n| a | b |\\n| --- | --- |\\n| 1 | 2 |\\n| | 3 |\\n| 4 | |")
+    >>> tables_in("words\n| a | b |\n| --- | --- |\n| 1 | 2 |\n| | 3 |\n| 4 | |")
     [[['a', 'b'], ['1', '2'], ['1', '3'], ['4', '']]]
     """
     tables, previous = [], False

@@ -149,6 +149,6 @@ Written by `python3 -m damage readings RESULTS --markdown docs/paper/readings.md
 `./run_all.sh readings`; do not edit by hand.
 
 Each column is the default model with one modelling choice changed, in the reference solver. Each row is a claim, whose
-criterion is in `docs/paper/verdict.md`. A cell lists the criteria of slip by which the claim holds: d by displacement, a
-accumulated, s by the shear limit; – it differs by all; ? it cannot be judged. The runs are single: a borderline claim may
-change with another draw of the strengths."""
+criterion is in `docs/paper/verdict.md`. A cell lists the criteria of slip by which the claim holds: d by displacement,
+a accumulated, s by the shear limit; – it differs by all; ? it cannot be judged. The runs are single: a borderline claim
+may change with another draw of the strengths."""

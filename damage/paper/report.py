@@ -192,8 +192,8 @@ The Huizinge motion is a synthetic substitute for the record.
 - A statement *holds* (*differs*) when all (none) of its judged claims hold; otherwise the table gives their number.
 - Three outcomes separated by strokes: slip by displacement / accumulated / by the shear limit, as defined in
   `docs/model/model.md`.
-- *Borderline*: the verdict changes when the limit of the criterion changes by {edge:.0%} (of R²: the variance that a line
-  leaves unexplained).
+- *Borderline*: the verdict changes when the limit of the criterion changes by {edge:.0%} (of R²: the variance that a
+  line leaves unexplained).
 - Claims that the model was built to meet are counted separately from predictions: {built}."""
 
 
