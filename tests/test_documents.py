@@ -18,7 +18,7 @@ LINK = re.compile(r"\]\(([^)\s]+)\)")
 CODE = re.compile(r"^```.*?^```|^ {4}\S.*?$|`[^`]+`", re.DOTALL | re.MULTILINE)
 COMMAND = re.compile(r"python3 -m damage (\w[\w-]*)")
 # What a reader is to have, or a run leaves: no part of the repository.
-NOT_OURS = ("records/*", "walls/NAME.py", "walls/{wall}.py", "walls/mine.py", *(
+NOT_OURS = ("records/*", "walls/NAME.py", "walls/{wall}.py", "walls/mine.py", "benchmarks/NAME.csv", *(
     name for guide in (REPOSITORY / "docs" / "guides").glob("*.md")
     for name in re.findall(r"^```python\n# (\S+)$", guide.read_text(), re.MULTILINE)))
 
