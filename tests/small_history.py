@@ -68,7 +68,7 @@ def as_version_2(path):
     with h5py.File(path, "r+", libver="v110") as file:
         file.attrs["schema_version"] = 2
         file["joints/kind"].attrs["codes"] = "bed, head"
-        del file["frames/offset_m"]
+        del file["frames/offset_m"], file["ground"], file["supports"]
     write_head(path, replace(read_head(path), version=2))
     seal(path)
     return read_history(path)

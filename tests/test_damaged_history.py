@@ -92,7 +92,7 @@ def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
     head, history = read_head(finished), damage.read_history(finished)
     assert head.sealed and head.model == f"reference {history.versions['model']}"
     told = finished.read_bytes()[:HEAD_BYTES].decode()
-    assert told.startswith(f"masonry-damage-history 4\nsoftware {damage.__version__}\nmodel reference ")
+    assert told.startswith(f"masonry-damage-history 5\nsoftware {damage.__version__}\nmodel reference ")
     count = f"tail -c +{HEAD_BYTES + 1} {finished} | sha256sum"  # anyone can
     assert subprocess.run(count, shell=True, capture_output=True, text=True).stdout.split()[0] == head.sha256
 
@@ -122,7 +122,7 @@ def test_a_stump_is_refused(length, finished):
 
 
 @pytest.mark.parametrize(("old", "new"), [(b"sealed sha256", b"sealed sha257"), (b" bytes\n\0", b" bytes\n\1"),
-                                          (b"history 4", b"history 0"), (b"history 4", b"history 2"),
+                                          (b"history 5", b"history 0"), (b"history 5", b"history 2"),
                                           (b"software 0", b"software 7")])
 def test_a_damaged_head_is_refused(old, new, finished):
     finished.write_bytes(finished.read_bytes().replace(old, new, 1))

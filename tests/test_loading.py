@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
+from damage.motion.drive import Drive
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.loading import EASE_S, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import Record, aligned_with, band_passed, baseline_corrected, windowed
@@ -195,7 +196,7 @@ class TestFreeVibration:
     def test_the_base_rests(self):
         load = FreeVibration()
         assert load.duration_s == 0.0
-        assert_allclose(load.base_acceleration(np.linspace(0, 1, 7)), np.zeros((7, 2)), atol=0)
+        assert load.drive == Drive(first_mode_m_s=1e-3)
 
     def test_the_largest_step_is_taken(self):
         assert FreeVibration().preferred_step_s(1.63e-5) == 1.63e-5
@@ -226,16 +227,20 @@ class TestTopDisplacement:
         assert_allclose(self.LOAD.turning_points(self.HEIGHT), [2.8e-4, -2.8e-4, 2.8e-3, -2.8e-3, 0])
         assert top[0] == 0 and abs(top[-1]) < 1e-15 and np.abs(top).max() <= 2.8e-3 * (1 + 1e-12)
 
+    def velocities(self, interval_s):
+        n = math.ceil(self.LOAD.length_s(self.HEIGHT) / interval_s)
+        return self.LOAD.drive.top_velocities(interval_s, n, self.HEIGHT)
+
     def test_speed_is_kept_and_changes_smoothly(self):
         interval = 1e-4
-        speed = self.LOAD.velocities(interval, self.HEIGHT)
+        speed = self.velocities(interval)
         assert_allclose(np.abs(speed).max(), 2e-3, rtol=1e-6)
         assert np.abs(np.diff(speed)).max() < 2e-3 * interval / EASE_S * 1.001
         assert abs(speed[0]) < 2e-5 and abs(speed[-1]) < 2e-5
 
     def test_velocities_add_up_to_the_displacement(self):
         interval = 2.1e-3
-        moved = np.cumsum(self.LOAD.velocities(interval, self.HEIGHT)) * interval
+        moved = np.cumsum(self.velocities(interval)) * interval
         asked = self.LOAD.top_displacement(np.arange(1, len(moved) + 1) * interval, self.HEIGHT)
         assert_allclose(moved, asked, atol=1e-12)
 
@@ -259,4 +264,4 @@ class TestEveryLoading:
         assert re.fullmatch(r"[\w.-]+", load.name)
 
     def test_a_single_time_gives_one_row(self, load):
-        assert load.base_acceleration(0.5).shape == (1, 2)
+        assert load.drive.base is None or load.drive.base(0.5).shape == (1, 2)

@@ -56,6 +56,9 @@ class Clockwork:
     def push(self, velocity):
         self.log.append(("push", velocity))
 
+    def move_supports(self, velocities):
+        self.log.append(("move", velocities))
+
     def advance(self, n_steps, sample_steps=None, on_samples=None):
         end, seen = self.clock + n_steps, [self.instants()] if on_samples and self.clock == 0 else []
         goes_on = not seen or on_samples(*seen)
@@ -82,9 +85,10 @@ class Clockwork:
         contacts = {"opening_m": np.zeros(n), "slip_m": np.full(n, self.slip_m(self.clock)),
                     "offset_m": np.full(n, self.offset_m(self.clock)), "state": np.zeros(n, int)}
         return Instants.one(
-            clock=self.clock, displacement=displacement, joints=slice(None), contacts=contacts, base_shear_n=0.0,
-            top_force_n=np.nan, kinetic_j=self.kinetic_j(self.clock), elastic_j=0.0, input_j=self.input_j(self.clock),
-            friction_j=0.0, fracture_j=0.0, damping_j=self.damping_j)
+            clock=self.clock, displacement=displacement, support_displacement=np.zeros((1, 3)),
+            support_force=np.zeros((1, 3)), joints=slice(None), contacts=contacts, top_force_n=np.nan,
+            kinetic_j=self.kinetic_j(self.clock), elastic_j=0.0, input_j=self.input_j(self.clock), friction_j=0.0,
+            fracture_j=0.0, damping_j=self.damping_j)
 
     def forces(self):
         weight = np.column_stack([np.zeros_like(self.layout.bodies.mass), GRAVITY * self.layout.bodies.mass,
@@ -177,7 +181,8 @@ def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(tell):
     assert ("hold", True) in fake.log
     velocities = [what[1] for what in fake.log if isinstance(what, tuple) and what[0] == "push"]
     loading, height = run.settings.loading, run.layout.pushed_height
-    assert_allclose(velocities[:-1], loading.velocities(10 * DT, height))
+    assert_allclose(velocities[:-1], loading.drive.top_velocities(10 * DT, len(velocities) - 1, height))
+    assert velocities[-1] == 0.0
     assert len(velocities) == len(history.series)
     assert_allclose(np.sum(velocities[:-1]) * 10 * DT, 0.02 / 100 * height)
 

@@ -167,7 +167,7 @@ def estimate(run, way, machine):
     settings = settings.for_joint(load_wall(ROOT / run.wall).joint, Softening())
     loading, step_s = settings.loading, choose_time_step(settings, critical_s, softens)
     shocks = len(settings.sequence)
-    shaken_s = loading.length_s(height) if loading.drives_top else \
+    shaken_s = loading.length_s(height) if loading.drive.quasi_static else \
         shocks * (loading.duration_s + settings.rest_s + SETTLE_S)
     steps = (RAMP_S + HOLD_S + shaken_s) / step_s
     samples = shaken_s / step_s / sample_steps(step_s)

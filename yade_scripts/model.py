@@ -22,7 +22,8 @@ import yade
 from yade import O, Vector3, utils
 
 from damage.wall.joint_law import friction_left, material_of
-from damage.wall.layout import GROUND
+from damage.wall.kinds import GROUND
+from damage.wall.supports import rows
 from yade_scripts.friction_work import FrictionWork
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 
@@ -47,9 +48,10 @@ class YadeWall:
 
     clumps: body ids (n_bodies,); members: [ids of the members that feel contacts] of each clump; bonds: YADE
     interactions (n_contacts,); signs: +1 where YADE's second body is the layout's second (n_contacts,);
-    ground: ids of the fixed bodies below the base; bonded: whether the interaction is still the first one
-    (n_contacts,); frayed: {joint: dry contact beside a bond that holds in part}; turning: states that show how the
-    bodies have turned; tips: a _Tip for each contact point that may break; faces: {(body, kind): id} of the boxes.
+    ground: [ids of the bodies] of each support, whose motion is prescribed; bonded: whether the interaction is still
+    the first one (n_contacts,); frayed: {joint: dry contact beside a bond that holds in part}; turning: states that
+    show how the bodies have turned; tips: a _Tip for each contact point that may break; faces: {(body, kind): id} of
+    the boxes.
     """
 
     def __init__(self, layout, parts, bonds, newton, law, work):
@@ -293,11 +295,12 @@ class _Parts:
         self._add_materials()
         self.ends = [[None, None] for _ in range(len(layout.contacts))]
         self.tips = _tips(layout)
-        self.clumps, self.members, self.faces = [], [], {}
+        self.clumps, self.members, self.ground, self.faces = [], [], [], {}
         self._points = self._plan_points()
         for body in range(len(layout.bodies)):
             self._add_brick(body)
-        self._add_ground()
+        for support in range(len(layout.supports)):
+            self._add_support(support)
 
     def _add_materials(self):
         brick, joint = self.layout.wall.brick, self.layout.wall.joint
@@ -310,11 +313,13 @@ class _Parts:
         self._solid, self.tip, self._bond = (O.materials[O.materials.append(one)] for one in materials)
 
     def _plan_points(self):
-        """Of every body, the ground last, {(x, z, number): [(contact, side), ...]}: two points to a bond on the
+        """Of every body, the supports last, {(x, z, number): [(contact, side), ...]}: two points to a bond on the
         joint's normal, as far before it as behind; bonds share points where they fall together."""
         contacts, cells = self.layout.contacts, self.layout.cells
         width = cells.right - cells.left
-        wanted, alike = [{} for _ in range(len(self.layout.bodies) + 1)], Counter()
+        n_bodies = len(self.layout.bodies)
+        wanted, alike = [{} for _ in range(n_bodies + len(self.layout.supports))], Counter()
+        ends = np.column_stack([rows(contacts.first, n_bodies), contacts.second])
         for index in range(len(contacts)):
             x, z = contacts.x[index], contacts.z[index]
             # At corners two overlaps may end in one place; YADE keeps one bond between two members.
@@ -324,18 +329,18 @@ class _Parts:
                 dx, dz = min(width[contacts.first_cell[index]], width[contacts.second_cell[index]]) / 2, 0.0
             else:
                 dx, dz = 0.0, self.layout.wall.brick.height / 2
-            for side, body in enumerate((contacts.first[index], contacts.second[index])):
+            for side, body in enumerate(ends[index]):
                 sign = 2 * side - 1
                 key = round(x + sign * dx, 7), round(z + sign * dz, 7), alike[twin]
                 wanted[body].setdefault(key, []).append((index, side))
         return wanted
 
     def _add_points(self, body):
-        """Bodies of a brick's bond members."""
+        """Bond members of the body in this row."""
         return [_ball(place[:2], _POINT, self._bond) for place in self._points[body]]
 
     def _note(self, body, ids):
-        """Give the ids of a body's bond members to the contact points that they belong to."""
+        """Give the ids of the bond members of the body in this row to the contact points that they belong to."""
         for identity, users in zip(ids, self._points[body].values()):
             for index, side in users:
                 self.ends[index][side] = identity
@@ -363,16 +368,21 @@ class _Parts:
         self.members.append(list(ids[:len(boxes) + len(points)]))
         _set_clump(O.bodies[clump].state, bodies.mass[body], bodies.inertia[body])
 
-    def _add_ground(self):
-        wall, height = self.layout.wall, self.layout.wall.brick.height
-        box = self._box((wall.length / 2, 0, -height / 2),
-                        (wall.length / 2 + _GROUND, wall.brick.thickness / 2, height / 2), (0.4, 0.4, 0.4))
-        self.ground = []
-        for fixed in [box, *self._add_points(GROUND)]:
-            fixed.state.blockedDOFs = "xyzXYZ"
-            self.ground.append(O.bodies.append(fixed))
-        self.faces[GROUND, "box"] = self.ground[0]
-        self._note(GROUND, self.ground[1:])
+    def _add_support(self, support):
+        """A box as high as a brick, up to the middle of the way to its neighbours, or beyond the wall where it has
+        none."""
+        brick, all_of = self.layout.wall.brick, self.layout.supports
+        edges = [all_of.left[0] - _GROUND, *((all_of.right[:-1] + all_of.left[1:]) / 2), all_of.right[-1] + _GROUND]
+        left, right, row = edges[support], edges[support + 1], len(self.layout.bodies) + support
+        box = self._box(((left + right) / 2, 0, -brick.height / 2),
+                        ((right - left) / 2, brick.thickness / 2, brick.height / 2), (0.4, 0.4, 0.4))
+        parts = [box, *self._add_points(row)]
+        for part in parts:
+            part.state.blockedDOFs = "xyzXYZ"
+        ids = [O.bodies.append(part) for part in parts]
+        self.ground.append(ids)
+        self.faces[GROUND - support, "box"] = ids[0]
+        self._note(row, ids[1:])
 
 
 def _tips(layout):
@@ -385,7 +395,7 @@ def _tips(layout):
         bodies = int(contacts.first[index]), int(contacts.second[index])
         margins = [_margin(layout, body, index) for body in bodies]
         if min(margins) > _MARGIN or abs(margins[0] - margins[1]) < 1e-6:
-            side = index % 2 if bodies[0] != GROUND else 1
+            side = index % 2 if bodies[0] >= 0 else 1
         else:
             side = int(margins[0] > margins[1])  # the tip is where the face is nearer to its end
         head = contacts.upright[index]
@@ -399,7 +409,7 @@ def _tips(layout):
 def _margin(layout, body, index):
     """Distance of a contact point from the nearer end of the body's face [m]."""
     contacts, bodies = layout.contacts, layout.bodies
-    if body == GROUND:
+    if body < 0:
         return _GROUND
     if contacts.upright[index]:
         return bodies.height[body] / 2 - abs(contacts.z[index] - bodies.z[body])

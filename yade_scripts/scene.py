@@ -172,10 +172,16 @@ class SceneReader:
             np.sum(np.where(acting, self.normal_stiffness * self.share * opening**2, 0.0))
             + np.sum(shear**2 / (self.shear_stiffness * self.share)))
 
+    def support_forces(self, displacement):
+        """Forces and moments of the wall on the supports, (n_supports, 3) [N, N, N m]; displacement: (n_supports, 3) of
+        their reference points, about which the moments are [m, m, rad]."""
+        return np.array([self._resultant(members, x + ux, uz) for members, x, (ux, uz, _) in
+                         zip(self.model.ground, self.model.layout.supports.x, displacement)])
+
     def base_shear(self):
-        """Horizontal force of the wall on the ground [N]."""
-        return sum(O.forces.f(cell, True)[0] for cell in self.model.ground)
+        """Horizontal force of the wall on all supports [N]."""
+        return sum(O.forces.f(member, True)[0] for members in self.model.ground for member in members)
 
     def base_reaction(self):
-        """Vertical force of the wall on the ground, downwards positive [N]."""
-        return -sum(O.forces.f(cell, True)[2] for cell in self.model.ground)
+        """Vertical force of the wall on all supports, downwards positive [N]."""
+        return -sum(O.forces.f(member, True)[2] for members in self.model.ground for member in members)

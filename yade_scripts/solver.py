@@ -39,6 +39,8 @@ class YadeSolver(Solver):
         self.tracker, self.crushing = JointTracker(layout, THRESHOLD), Crushing(self.scene)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
+        # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
+        self._supports, self._support_velocity = np.zeros((2, len(layout.supports), 3))
         self._sample_steps = self._on_samples = self._raised = None
         self._events, self._known, self._armed = [], (0, None), False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
@@ -82,7 +84,21 @@ class YadeSolver(Solver):
             state.vel = (self._velocity, state.vel[1], state.vel[2])
         mass = float(self.layout.bodies.mass[self._held].sum())
         self._input_energy += 0.5 * mass * (self._velocity**2 - old**2)
-        self._input_power = self._push_force() * self._velocity
+        self._input_power = self._power(self._base_now())
+
+    def move_supports(self, velocities):
+        self._support_velocity[:] = velocities
+        self._set_support_velocities()
+        self._input_power = self._power(self._base_now())
+
+    def _set_support_velocities(self):
+        """Give every body of a support the velocity that it has as a part of it."""
+        for bodies, x, (ux, uz, _), (vx, vz, rotating) in zip(
+                self.model.ground, self.layout.supports.x, self._supports, self._support_velocity):
+            for state in (O.bodies[body].state for body in bodies):
+                along, up = state.pos[0] - x - ux, state.pos[2] - uz
+                state.vel = Vector3(vx - rotating * up, 0, vz + rotating * along)
+                state.angVel = Vector3(0, -rotating, 0)
 
     def advance(self, n_steps, sample_steps=None, on_samples=None):
         self._sample_steps, self._on_samples = sample_steps, on_samples
@@ -98,6 +114,9 @@ class YadeSolver(Solver):
     def look(self):
         """What the engine does at the end of every step."""
         self.clock += 1
+        if self._support_velocity.any():
+            self._supports += self.time_step * self._support_velocity
+            self._set_support_velocities()
         self._set_field()
         try:
             self.model.follow(self.clock % FOLLOW_STEPS == 0)
@@ -133,7 +152,7 @@ class YadeSolver(Solver):
         if len(new) == 0:
             return
         tracker = self.tracker
-        _, shear = self.kinematics.displacements(self.scene.motion(), new)
+        _, shear = self.kinematics.displacements(self.scene.motion(), new, self._supports)
         for joint, slip in zip(new, shear):
             if self.scene.bundles:
                 self._fray(joint, slip)
@@ -164,7 +183,7 @@ class YadeSolver(Solver):
         broken = np.flatnonzero(self.tracker.dry)
         if len(broken) == 0:
             return
-        _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken)
+        _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken, self._supports)
         opening = np.array([self.scene.opening_of(i) for i in broken])
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
@@ -186,13 +205,18 @@ class YadeSolver(Solver):
 
     def _integrate_input(self, base):
         """Work of the pushed top, or of the base's inertia forces in the frame that moves with it, by trapezia."""
-        if self._held is not None:
-            power = self._push_force() * self._velocity
-        else:
-            power = -sum(float(base[axis]) * self._momentum(axis) for axis in (0, 1) if base[axis] != 0)
-        time = self.clock * self.time_step
+        power, time = self._power(base), self.clock * self.time_step
         self._input_energy += (power + self._input_power) / 2 * (time - self._input_time)
         self._input_power, self._input_time = power, time
+
+    def _power(self, base):
+        """Of the pushed top, of the supports, and of the base's inertia forces in the frame that moves with it [W]."""
+        power = -sum(float(base[axis]) * self._momentum(axis) for axis in (0, 1) if base[axis] != 0)
+        if self._held is not None:
+            power += self._push_force() * self._velocity
+        if self._support_velocity.any():
+            power -= float(np.sum(self.scene.support_forces(self._supports) * self._support_velocity))
+        return power
 
     def _momentum(self, axis):
         """Of all bodies at the instant of the positions, along x (0) or z (1) [kg m/s]."""
@@ -218,10 +242,11 @@ class YadeSolver(Solver):
         friction = self.model.friction_work() + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
-            clock=self.clock, displacement=self.scene.motion(), joints=slice(None), contacts={
+            clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports,
+            support_force=self.scene.support_forces(self._supports), joints=slice(None), contacts={
                 "opening_m": tracker.opening, "slip_m": tracker.slip, "offset_m": tracker.offset,
                 "state": BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed},
-            base_shear_n=self.scene.base_shear(), top_force_n=np.nan if self._held is None else self._push_force(),
+            top_force_n=np.nan if self._held is None else self._push_force(),
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
             elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy, friction_j=friction,
             fracture_j=tracker.fracture_energy, damping_j=None)

@@ -124,6 +124,8 @@ def _update(drawn, shape):
     """Move the collections that `draw_wall` made, by their labels, to another shape."""
     drawn["bricks"].set_verts(shape.corners[~shape.is_cap])
     drawn["caps"].set_verts(shape.corners[shape.is_cap])
+    if "supports" in drawn:
+        drawn["supports"].set_verts(shape.supports)
     for state in DRAWN:
         chosen = shape.select(state)
         drawn[state].set_segments(shape.segments[chosen])

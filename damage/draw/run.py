@@ -117,16 +117,23 @@ def draw_wall(ax, shape):
         ax.add_collection(LineCollection(shape.segments[chosen], colors=JOINT_COLOURS[state], label=state,
                                          linewidths=widths, linestyles=DASHES.get(state, "-"), capstyle="butt",
                                          zorder=layer))
-    return _show_all(ax, shape.corners)
+    if not shape.ground_moves:
+        return _show_all(ax, shape.corners)
+    ax.add_collection(PolyCollection(shape.supports, facecolors=style.GROUND_COLOUR, edgecolors=style.DARK,
+                                     linewidths=0.3, label="supports", zorder=0))
+    ax.axhline(0, color=style.DARK, lw=0.4, ls=":", zorder=0)
+    return _show_all(ax, shape.corners, shape.supports, ground=False)
 
 
-def _show_all(ax, *corners):
-    """Axes in true scale that hold all corners, (..., 2) [m], and the ground; returns their height over width."""
+def _show_all(ax, *corners, ground=True):
+    """Axes in true scale that hold all corners, (..., 2) [m], and the ground if asked for; returns their height over
+    width."""
     points = np.concatenate([some.reshape(-1, 2) for some in corners])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.02 * (high - low).max()
     low, high = np.minimum(low, 0) - margin, high + margin
-    ax.axhspan(low[1], 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
+    if ground:
+        ax.axhspan(low[1], 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="z [m]")
     return (high[1] - low[1]) / (high[0] - low[0])
 

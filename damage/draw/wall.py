@@ -14,16 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.history.moments import STATES, choose_sample, joint_states, nearest_snapshot
+from damage.history.moments import STATES, choose_sample, joint_states, nearest_snapshot, support_motion
 from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
-from damage.wall.geometry import body_corners, joint_segments
+from damage.wall.geometry import body_corners, joint_segments, support_outlines
 
 VISIBLE_SHARE = 0.03  # of the wall's height: how far the largest displacement should reach
 LARGEST_MAGNIFICATION = 1000.0  # beyond it a residual of a few micrometres would look like a lean
 DRAWN = ("elastic", *STATES)
 """Kinds of joints in the order of drawing, the gravest on top."""
 _INTACT = STATES.index("intact")
+SUPPORT_DEPTH = 0.1  # [m], of what is drawn of the ground below a base that moves
 LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 
 
@@ -36,6 +37,8 @@ class WallShape:
         drawn undeformed.
     magnification: factor on displacements and rotations.
     corners: (n_bodies, 4, 2) [m], counter-clockwise from the lower left; is_cap: (n_bodies,) bool.
+    supports: (n_supports, 4, 2) [m], the same of the ground below the part of the base that each carries, of no width
+        where an old history has none; ground_moves: whether there are several, or the one has moved;
     segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES; elastic: (n_joints,)
         bool, which cannot fail;
     crack_width_m: (n_joints,), sqrt(opening^2 + slip^2).
@@ -48,6 +51,8 @@ class WallShape:
     magnification: float
     corners: np.ndarray
     is_cap: np.ndarray
+    supports: np.ndarray
+    ground_moves: bool
     segments: np.ndarray
     state: np.ndarray
     elastic: np.ndarray
@@ -87,12 +92,15 @@ def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, 
     motion = np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot].astype(float)
     if magnify is None:
         magnify = magnification(history.bodies, motion)
+    supports = support_motion(history, snapshot)
     return WallShape(
         sample=sample, time_s=time_s, index=damage,
         snapshot_time_s=None if snapshot is None else float(history.snapshot_time_s[snapshot]),
         magnification=float(magnify), corners=body_corners(history.bodies, motion, magnify),
         is_cap=history.bodies["course"].to_numpy() < 0,
-        segments=joint_segments(history.joints, history.bodies, motion, magnify),
+        supports=support_outlines(supports, SUPPORT_DEPTH, magnify),
+        ground_moves=len(supports.left) > 1 or bool(supports.motion.any()),
+        segments=joint_segments(history.joints, history.bodies, motion, magnify, supports),
         state=joint_states(history, sample, slip, threshold), elastic=history.joints["elastic"].to_numpy(bool),
         crack_width_m=np.hypot(history.opening_m[sample], history.slip_by(slip)[sample], dtype=float))
 

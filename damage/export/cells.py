@@ -16,9 +16,10 @@ import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.history.moments import joint_states, nearest_snapshot
+from damage.history.moments import joint_states, nearest_snapshot, support_motion
 from damage.history.reader import History
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
+from damage.wall.supports import rows
 
 HEXAHEDRON, LINE = 12, 3
 """VTK's codes of the cells."""
@@ -106,14 +107,19 @@ class WallCells:
         """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""
         motion, bodies, joints = self._motion(snapshot), self.history.bodies, self.history.joints
         moved = _at(body_corners(bodies, motion) - body_corners(bodies, self._at_rest), 0.0)
-        ends = _at(joint_segments(joints, bodies, motion) - joint_segments(joints, bodies, self._at_rest), 0.0)
+        supports = support_motion(self.history, None if snapshot < 0 else snapshot)
+        ends = _at(joint_segments(joints, bodies, motion, supports=supports)
+                   - joint_segments(joints, bodies, self._at_rest), 0.0)
         return np.concatenate([np.tile(moved, (1, 2, 1)).reshape(-1, 3), ends.reshape(-1, 3)]).astype(np.float32)
 
     def rotation(self, snapshot):
         """Rotation of every cell in a snapshot, x towards z, (n_cells,) [rad]: of a joint the mean of its bodies'."""
-        turn = np.append(self._motion(snapshot)[:, 2], 0.0)  # the ground, -1, is the last
-        first, second = (turn[self.history.joints[name]] for name in ("first_body", "second_body"))
-        return np.concatenate([turn[:-1], (first + second) / 2]).astype(np.float32)
+        of_bodies = self._motion(snapshot)[:, 2]
+        supports = support_motion(self.history, None if snapshot < 0 else snapshot).motion[:, 2]
+        joints, rotation = self.history.joints, np.concatenate([of_bodies, supports])
+        first, second = (rotation[np.minimum(rows(joints[name], len(of_bodies)), len(rotation) - 1)]
+                         for name in ("first_body", "second_body"))
+        return np.concatenate([of_bodies, (first + second) / 2]).astype(np.float32)
 
     def joint_fields(self, sample):
         """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m, accumulated_slip_m, offset_m (not of

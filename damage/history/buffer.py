@@ -14,25 +14,28 @@ class Buffer:
     """Call `append` or `extend`, `event`, `snapshot` as a run goes; what comes of it has the `store` that takes it."""
 
     def __init__(self, layout):
-        # Of series and frames whole columns, of the other groups rows in the order of theirs.
+        # Of series, frames and ground whole columns, of the other groups rows in the order of theirs.
         self._rows = {"events": [], "snapshots": []}
         self._series = {name: np.empty(CHUNK, column.dtype) for name, column in schema.SERIES.items()}
         self._frames = {name: np.zeros((CHUNK, layout.n_joints), column.dtype)
                         for name, column in schema.FRAMES.items()}
+        self._ground = {name: np.zeros((CHUNK, len(layout.supports), 3), column.dtype)
+                        for name, column in schema.GROUND.items()}
         self._count = 0
 
-    def append(self, stage, row, contacts):
+    def append(self, stage, row, contacts, ground=None):
         """Add one sample.
 
         stage: one of STAGES; row: {column of SERIES: value}, missing ones become NaN; contacts: {column of FRAMES:
-        (n_joints,)}, missing ones become zero.
+        (n_joints,)}, missing ones become zero; ground: {column of GROUND: (n_supports, 3)}, missing ones become zero.
         """
         self.extend(stage, {name: np.array([value]) for name, value in row.items()}, slice(None),
-                    {name: np.asarray(values)[np.newaxis] for name, values in contacts.items()})
+                    *({name: np.asarray(values)[np.newaxis] for name, values in columns.items()}
+                      for columns in (contacts, ground or {})))
 
-    def extend(self, stage, rows, joints, contacts):
+    def extend(self, stage, rows, joints, contacts, ground):
         """Add n samples, as `append` one: rows: {column: (n,)}, of one length; contacts: {column: (n, n_active)} of
-        these joints, zero in all others."""
+        these joints, zero in all others; ground: {column: (n, n_supports, 3)}."""
         count = len(next(iter(contacts.values())))
         rows = {"stage": np.full(count, schema.STAGES.index(stage)), **rows}
         first = 0
@@ -43,6 +46,8 @@ class Buffer:
                 column[given] = rows[name][taken] if name in rows else np.nan
             for name, values in contacts.items():
                 self._frames[name][given, joints] = values[taken]
+            for name, column in self._ground.items():
+                column[given] = ground[name][taken] if name in ground else 0.0
             self._count, first = given.stop, stop
             if self._count == CHUNK:
                 self.flush()
@@ -63,6 +68,7 @@ class Buffer:
                    for group, rows in self._rows.items() if rows}
         if self._count > 0:
             columns["series"] = [column[:self._count].copy() for column in self._series.values()]
+            columns["ground"] = [column[:self._count].copy() for column in self._ground.values()]
             columns["frames"] = [column[:self._count] for column in self._frames.values()]
         self.store(columns)
         for rows in self._rows.values():

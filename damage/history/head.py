@@ -21,7 +21,7 @@ from damage.history.schema import SCHEMA, SCHEMA_VERSION
 from damage.provenance import UNKNOWN
 
 HEAD_BYTES = 512  # the least that HDF5 allows
-_LINES = re.compile(SCHEMA + r" ([234])\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
+_LINES = re.compile(SCHEMA + rf" ([2-{SCHEMA_VERSION}])\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
                     r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*")
 HDF5 = b"\x89HDF\r\n\x1a\n"
 _NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")

@@ -86,7 +86,7 @@ class HistoryInMemory(Buffer):
     def _column(self, group, number, name):
         """All rows of a column, of this number in its group."""
         parts = [part[group][number] for part in self._parts if part.get(group)]
-        sizes = {"bodies": len(self._layout.bodies)}
+        sizes = {"bodies": len(self._layout.bodies), "supports": len(self._layout.supports)}
         _, *shape = schema.SHAPES.get(f"{group}/{name}", schema.SHAPES[group])
         none = np.empty((0, *(sizes.get(of, of) for of in shape)), schema.GROWING[group][name].dtype)
         return np.concatenate([none, *parts])

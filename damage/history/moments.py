@@ -4,6 +4,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.index import THRESHOLD
+from damage.wall.geometry import AT_REST, SupportMotion
 
 STATES = ("intact", "broken", "slipped", "opened", "both")
 """States of a joint in the order of drawing, the gravest on top; "broken" is below the threshold,
@@ -49,6 +50,17 @@ def nearest_snapshot(history, time_s):
     # Slow tests take their snapshots further apart than the shaking of a wall does.
     near = max(NEAR_S, float(np.median(np.diff(times)))) if len(times) > 1 else NEAR_S
     return nearest if abs(times[nearest] - time_s) <= near else None
+
+
+def support_motion(history, snapshot):
+    """SupportMotion at a snapshot, None for the end of the static stage; AT_REST of a history without supports."""
+    if history.supports is None:
+        return AT_REST
+    motion = np.zeros((len(history.supports), 3))
+    if snapshot is not None and len(history.series):
+        sample = np.argmin(np.abs(history.series["time_s"].to_numpy() - history.snapshot_time_s[snapshot]))
+        motion = history.support_displacement[sample].astype(float)
+    return SupportMotion(*(history.supports[name].to_numpy() for name in ("left_m", "right_m")), motion)
 
 
 def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):

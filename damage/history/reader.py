@@ -102,6 +102,8 @@ class History:
     opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed: bool of that shape; offset_m: the same of the
     offsets, None in a file that has none (schema versions 1 and 2).
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad].
+    supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
+    (n_times, n_supports, 3); all three None in a file that has none (before schema version 5).
     static: what the static stage ended with; parameters: all that defined the run, as the file holds it; most of
     it comes back as records, too: `loading`, `model`, `masonry_wall`; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
@@ -129,6 +131,9 @@ class History:
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
     offset_m: np.ndarray | None = _Frames()
+    supports: pd.DataFrame | None = None
+    support_displacement: np.ndarray | None = None
+    support_force: np.ndarray | None = None
 
     @property
     def complete(self):
@@ -320,13 +325,16 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
     """
     tables = tables_of(version)
     # A killed run may have flushed one column more often than another: cut to the shortest.
-    series, n_times = _columns(values, "series", min(len(values[f"{group}/{name}"]) for group in ("series", "frames")
-                                                     for name in tables[group]))
+    series, n_times = _columns(values, "series", min(
+        len(values[f"{group}/{name}"]) for group in ("series", "frames", "ground") for name in tables[group]))
     events, _ = _columns(values, "events", min(len(values[f"events/{name}"]) for name in TABLES["events"]))
     n_snapshots = min(len(values[f"snapshots/{name}"]) for name in TABLES["snapshots"])
     table, n_joints = _columns(values, "joints")
     frames = _frames(values, tables["frames"], n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
+    ground = {} if not tables["ground"] else {
+        "supports": _columns(values, "supports")[0],
+        **{f"support_{name}": values[f"ground/{name}"][:n_times] for name in tables["ground"]}}
     history = History(
         path=path, wall=attributes["wall"], solver=attributes["solver"], command=attributes["command"],
         status=STATUS[int(values["run/status"][()]) if ended else 0],
@@ -337,7 +345,7 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
         bodies=_columns(values, "bodies")[0],
         series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
         snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
-        displacement=values["snapshots/displacement"][:n_snapshots],
+        displacement=values["snapshots/displacement"][:n_snapshots], **ground,
         **(frames if joints is None else
            {name: partial(_at_all_joints, rows, joints, n_joints) for name, rows in frames.items()}))
     if joints is not None:  # as its cached properties would tell it of the whole frames

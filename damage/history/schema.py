@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 4
-"""1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints that crush."""
+SCHEMA_VERSION = 5
+"""1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints
+that crush, 4 no supports."""
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling")
 EVENTS = ("tension", "shear", "opened", "slipped")
@@ -31,7 +32,7 @@ STATIC = {
 JOINTS = {
     "kind": Column("code", "bed (the base joint, too), head; brick: the cut where a brick can split, no joint and not "
                            "in the index", "u1"),
-    "first_body": Column("index, -1 ground", "lower body, or left one", "i8"),
+    "first_body": Column("index, -1 ground", "lower body, or left one; -1, -2, ... the supports", "i8"),
     "second_body": Column("index", "upper body, or right one", "i8"),
     "x_m": Column("m", "place in the undeformed wall, along it"), "z_m": Column("m", "the same, upwards"),
     "length_m": Column("m", "tributary length"), "area_m2": Column("m2", "tributary length times the thickness"),
@@ -47,6 +48,10 @@ BODIES = {
     "length_m": Column("m", "along the wall"), "height_m": Column("m", "upwards"),
     "mass_kg": Column("kg", "mass"), "inertia_kg_m2": Column("kg m2", "moment of inertia about the centre"),
     "course": Column("index, -1 cap", "0 at the base, -1 for a cap of the top mass", "i8"),
+}
+SUPPORTS = {
+    "left_m": Column("m", "of the part of the base that it carries", since=5),
+    "right_m": Column("m", "the same", since=5),
 }
 SERIES = {
     "stage": Column("code", "motion, rest, settling (local damping 0.7)", "u1"),
@@ -78,6 +83,12 @@ FRAMES = {
                     "failed in shear or slid, ever; 4: has been pressed to its compressive strength and has closed for "
                     "good, ever", "u1"),
 }
+GROUND = {
+    "displacement": Column("m, m, rad", "of the middle of the part of the base that each support carries, since the "
+                           "end of the static stage; in the frame of the base's acceleration", "f4", since=5),
+    "force": Column("N, N, N m", "of the wall on each support along x and z, and moment about that middle", "f4",
+                    since=5),
+}
 EVENT_COLUMNS = {
     "time_s": Column("s", "negative in the static stage"),
     "joint": Column("index of joints", "row of `joints`", "i4"),
@@ -92,9 +103,9 @@ SNAPSHOTS = {
     "displacement": Column("m, m, rad", "of the centres, and rotation x towards z, since the end of the static stage",
                            "f4"),
 }
-GROWING = {"series": SERIES, "frames": FRAMES, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS}
+GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS}
 """Groups whose datasets grow during a run."""
-TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, **GROWING}
+TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
 
 
 def tables_of(version):
@@ -108,9 +119,9 @@ def codes_of(version):
     return CODES if version >= 4 else CODES | {"joints/kind": ("bed", "head")}
 
 
-SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "series": ("samples",),
-          "frames": ("samples", "joints"), "events": ("events",), "snapshots": ("snapshots",),
-          "snapshots/displacement": ("snapshots", "bodies", 3)}
+SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
+          "series": ("samples",), "frames": ("samples", "joints"), "ground": ("samples", "supports", 3),
+          "events": ("events",), "snapshots": ("snapshots",), "snapshots/displacement": ("snapshots", "bodies", 3)}
 """Of the datasets of a group, or of one: what they have as many of."""
 CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head", "brick")}
 """Of a dataset: what its numbers stand for."""

@@ -37,7 +37,7 @@ def check_structure(file):
             _check_type(path, dataset, column, codes)
             _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
             n_bytes += _stored(path, dataset)
-    for what in ("joints", "bodies"):
+    for what in ("joints", "bodies", *(["supports"] if tables["supports"] else [])):
         if sizes[what] == 0:
             raise InputError(f"it has no {what}")
     return n_bytes
@@ -99,7 +99,7 @@ def _check_shape(path, dataset, expected, sizes, ended):
         raise InputError(f"{path} has shape {shape}, expected ({', '.join(map(str, expected))})")
     for number, of in zip(shape, expected):
         wanted = of if isinstance(of, int) else sizes.setdefault(of, number)
-        if number != wanted and (ended or of in ("joints", "bodies", 3)):
+        if number != wanted and (ended or of in ("joints", "bodies", "supports", 3)):
             raise InputError(f"{path} has shape {shape}, expected {wanted} {of if of != wanted else ''}".rstrip())
         if not isinstance(of, int):
             sizes[of] = min(number, wanted)

@@ -44,14 +44,15 @@ def check_values(history):
         for name in names:
             values = table[name].to_numpy()
             _refuse(~(values > 0), name, "a number above zero", values)
-    for table, name, least, end in ((joints, "first_body", -1, len(bodies)), (joints, "second_body", 0, len(bodies)),
-                                    (events, "joint", 0, len(joints))):
+    n_supports = 1 if history.supports is None else len(history.supports)
+    for table, name, least, end in ((joints, "first_body", -n_supports, len(bodies)),
+                                    (joints, "second_body", 0, len(bodies)), (events, "joint", 0, len(joints))):
         values = table[name].to_numpy()
         _refuse((values < least) | (values >= end), name, f"{least} to {end - 1}", values)
     time_s = series["time_s"].to_numpy()
     _refuse(np.diff(time_s, prepend=-np.inf) <= 0, "time_s", "a later time than before", time_s)
     for name, frames in (*((name, getattr(history.told, name)) for name in ("opening_m", "slip_m", "offset_m")),
-                         ("displacement", history.displacement)):
+                         ("displacement", history.displacement), ("ground/displacement", history.support_displacement)):
         # Of the extremes first, which takes no memory: of what is no number both are none, too.
         if frames is None or (-_HUGE < frames.min(initial=0.0) and frames.max(initial=0.0) < _HUGE):
             continue

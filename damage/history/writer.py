@@ -204,14 +204,15 @@ def _write_run(file, attributes):
 
 
 def layout_tables(layout):
-    """The joints and the bodies, which do not change during a run: {group: {column: array}}."""
-    points, bodies, n = layout.contacts, layout.bodies, layout.n_joints
+    """The joints, bodies and supports, which do not change during a run: {group: {column: array}}."""
+    points, bodies, supports, n = layout.contacts, layout.bodies, layout.supports, layout.n_joints
     joints = (points.kind.astype("u1"), points.first, points.second, points.x, points.z, points.length, points.area,
               points.normal_stiffness, points.shear_stiffness, points.elastic, points.tensile_strength,
               points.cohesion)
     tables = {"joints": (schema.JOINTS, [values[:n] for values in joints]),
               "bodies": (schema.BODIES, (bodies.x, bodies.z, bodies.length, bodies.height, bodies.mass, bodies.inertia,
-                                  bodies.course))}
+                                  bodies.course)),
+              "supports": (schema.SUPPORTS, (supports.left, supports.right))}
     return {group: {name: np.asarray(data, column.dtype)
                     for (name, column), data in zip(columns.items(), values, strict=True)}
             for group, (columns, values) in tables.items()}
@@ -224,9 +225,10 @@ def _write_tables(file, layout):
 
 
 def _create_growing(file, layout):
-    """Empty datasets {group: [in the order of its columns]}: rows of frames are of the joints, those of displacements
-    of the bodies."""
-    shapes = {"frames": (layout.n_joints,), "displacement": (len(layout.bodies), 3)}
+    """Empty datasets {group: [in the order of its columns]}: rows of frames are of the joints, those of ground of the
+    supports, those of displacements of the bodies."""
+    shapes = {"frames": (layout.n_joints,), "ground": (len(layout.supports), 3),
+              "displacement": (len(layout.bodies), 3)}
     chunks = {"events": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
     made = {group: [] for group in schema.GROWING}
     for group, columns in schema.GROWING.items():

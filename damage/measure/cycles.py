@@ -20,7 +20,7 @@ def cycle_measures(history):
     the motion's period, not the wall's.  None where there is none, and in quasi-static runs.
     """
     names = ("last_cycle_s", "first_free_cycle_s", "period_elongation")
-    if not history.loading.shakes_base:
+    if history.loading.drive.base is None:
         return dict.fromkeys(names)
     driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
     last, free = driven[-1] if driven else None, free[0] if free else None
@@ -88,12 +88,12 @@ def cycles_table(history):
 def _cycles(series, loading):
     """(kind, start, end) [s] of the cycles that have been gone through whole; series: of one shock, without
     settling."""
-    if loading.drives_top:
+    if loading.drive.quasi_static:
         return []
     time_s = series["time_s"].to_numpy()
     edges = time_s[0] + loading.cycle_edges_s
     half_a_sample = 0.5 * (time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)
     driven = [("driven", start, end) for start, end in zip(edges, edges[1:]) if end <= time_s[-1] + half_a_sample]
     crossings = upward_crossings(time_s, series["drift_ratio"])
-    crossings = crossings[crossings > _motion_end(series)] if loading.shakes_base else crossings
+    crossings = crossings[crossings > _motion_end(series)] if loading.drive.base else crossings
     return driven + [("free", start, end) for start, end in zip(crossings, crossings[1:])]

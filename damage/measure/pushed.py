@@ -25,7 +25,7 @@ ULTIMATE_SHARE = 0.8
 
 def pushed_loading(history):
     """The TopDisplacement of a pushed run; InputError for any other."""
-    if not history.loading.drives_top:
+    if history.loading.drive.top is None:
         raise InputError(f"{history.path} is a run under {history.loading.name}; give one of --pushover or --cyclic")
     return history.loading
 
@@ -47,7 +47,7 @@ def first_loading(history):
     secant differ where the wall is weaker to that side.
     """
     names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
-    if not history.loading.drives_top:
+    if history.loading.drive.top is None:
         return dict.fromkeys(names)
     # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
     # the base feels less of the jolts of a prescribed top.

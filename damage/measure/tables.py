@@ -61,7 +61,7 @@ def _motion_columns(history):
     told = loading.as_dict()
     start, end = told.get("window_s") or (None, None)
     pga_g = loading.pga_g and loading.pga_g * factor
-    if loading.shakes_base and loading.pga_g is None:  # an older file: within a sample of it
+    if loading.drive.base and loading.pga_g is None:  # an older file: within a sample of it
         pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
     return {"record": told.get("horizontal", {}).get("record"), "pga_g": pga_g,
             "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, **motion_measures(history),

@@ -6,8 +6,6 @@ their forces, though nothing carries it there: what a run says after that is not
 
 import numpy as np
 
-GROUND = -1
-
 
 def slide_limits(joints, bodies):
     """Offsets of contact points at which the faces of their joint no longer overlap, (least, most), each (n_joints,)
@@ -16,13 +14,13 @@ def slide_limits(joints, bodies):
     joints, bodies: tables of a History.
     """
     second = joints["second_body"].to_numpy()
-    first = np.where(joints["first_body"] == GROUND, second, joints["first_body"])
+    on_ground = (joints["first_body"] < 0).to_numpy()
+    first = np.where(on_ground, second, joints["first_body"])
     x, length, height = (bodies[name].to_numpy() for name in ("x_m", "length_m", "height_m"))
     left, right = x - length / 2, x + length / 2
     bed = (joints["kind"] == "bed").to_numpy()
     least = np.where(bed, left[first] - right[second], -height[second])
     most = np.where(bed, right[first] - left[second], height[second])
-    on_ground = (joints["first_body"] == GROUND).to_numpy()
     return np.where(on_ground, -np.inf, least), np.where(on_ground, np.inf, most)
 
 

@@ -31,7 +31,7 @@ def upward_crossings(time_s, value, rearm=REARM):
 
 def period_of(history):
     """Natural period [s] of a free-vibration run, None for any other."""
-    if not history.loading.initial_velocity_m_s:
+    if not history.loading.drive.first_mode_m_s:
         return None
     return natural_period(history.moving["time_s"].to_numpy(), history.moving["drift_ratio"].to_numpy())
 

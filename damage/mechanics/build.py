@@ -4,7 +4,8 @@ import numpy as np
 
 from damage.mechanics.tables import CONTACT, INTERFACE, RIGID, ROTATION, STATE, System, table
 from damage.wall.joint_law import LawParameters, elastic_range
-from damage.wall.kinds import CUT, GROUND
+from damage.wall.kinds import CUT
+from damage.wall.supports import rows
 
 CAPACITY = 100_000
 """Events that fit between two times that the log is drained."""
@@ -13,20 +14,21 @@ CAPACITY = 100_000
 def build(layout, material):
     """The System of a damage.wall.layout.Layout; its contacts are the layout's, or their parallel elements.
 
-    The bodies are those of the layout, then the supports, of which there is one.
+    The bodies are those of the layout, then the supports.
     """
     row, share = contact_rows(layout)
     interfaces, middle = _interfaces(layout, row)
     contacts = _contacts(layout, row, share, middle)
-    n_bodies = len(layout.bodies) + 1
+    bodies = slice(len(layout.bodies))
+    n_bodies = len(layout.bodies) + len(layout.supports)
     states = table(STATE, len(contacts), elastic_tensile_strength=contacts["tensile_strength"],
                    elastic_cohesion=contacts["cohesion"], elastic_tension_stiffness=contacts["kn"], idle=-1.0)
     sum_springs(interfaces, contacts, material)
     mass = np.zeros((n_bodies, RIGID))
-    mass[:-1] = layout.bodies.mass[:, None]
-    mass[:-1, ROTATION] = layout.bodies.inertia
+    mass[bodies] = layout.bodies.mass[:, None]
+    mass[bodies, ROTATION] = layout.bodies.inertia
     inverse_mass = np.zeros_like(mass)
-    inverse_mass[:-1] = 1 / mass[:-1]
+    inverse_mass[bodies] = 1 / mass[bodies]
     return System(
         place=np.zeros_like(mass), velocity=np.zeros_like(mass), force=np.zeros_like(mass), mass=mass,
         inverse_mass=inverse_mass, trig=np.zeros((n_bodies, 2)), interfaces=interfaces, contacts=contacts,
@@ -63,13 +65,14 @@ def _interfaces(layout, row):
     """Table of the interfaces, whose contacts the layout gives one after the other; and the middle (x, z) [m] of its
     interface for every contact."""
     contacts, bodies = layout.contacts, layout.bodies
-    first, second = np.where(contacts.first == GROUND, len(bodies), contacts.first)[row], contacts.second[row]
+    first, second = rows(contacts.first, len(bodies))[row], contacts.second[row]
     changes = np.any([np.diff(first) != 0, np.diff(second) != 0], axis=0)
     start = np.append(0, np.flatnonzero(changes) + 1)
     stop = np.append(start[1:], len(row))
     middle = [(np.minimum.reduceat(place[row], start) + np.maximum.reduceat(place[row], start)) / 2
               for place in (contacts.x, contacts.z)]
-    x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
+    x = np.append(bodies.x, layout.supports.x)
+    z = np.append(bodies.z, np.zeros(len(layout.supports)))
     a, b = first[start], second[start]
     interfaces = table(INTERFACE, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
                        bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.upright[row][start])

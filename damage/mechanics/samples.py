@@ -9,11 +9,11 @@ import numpy as np
 
 from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, ROTATION, X, Z
+from damage.mechanics.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, RIGID, ROTATION, X, Z
 from damage.wall.joint_law import elastic_energy
 
-BASE_SHEAR, KINETIC, TOTALS = 0, 1, 6
-"""Of the totals the horizontal force on the supports [N], kinetic energy [J], and from there on `System.energy`."""
+KINETIC, TOTALS = 0, 5
+"""Of the totals kinetic energy [J], and behind it `System.energy`."""
 
 
 FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)
@@ -33,19 +33,22 @@ class Samples(NamedTuple):
     """Samples of some walls, one after the other.
 
     contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement:
-    (walls, samples, bodies, 3) [m, m, rad] without the supports; totals: (walls, samples, TOTALS).
+    (walls, samples, bodies, 3) [m, m, rad], the supports last; support_force: (walls, samples, supports, 3) of the wall
+    on them [N, N, N m]; totals: (walls, samples, TOTALS).
     """
 
     contacts: np.ndarray
     stored: np.ndarray
     displacement: np.ndarray
+    support_force: np.ndarray
     totals: np.ndarray
 
     @classmethod
-    def none(cls, n_walls, n_samples, n_contacts, n_bodies):
-        """Zero throughout, as of intact walls."""
+    def none(cls, n_walls, n_samples, n_contacts, n_bodies, n_supports):
+        """Zero throughout, as of intact walls; n_bodies: of the layout, to which the supports come."""
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
-                   np.zeros((n_walls, n_samples, n_bodies, 3)), np.zeros((n_walls, n_samples, TOTALS)))
+                   np.zeros((n_walls, n_samples, n_bodies + n_supports, 3)),
+                   np.zeros((n_walls, n_samples, n_supports, 3)), np.zeros((n_walls, n_samples, TOTALS)))
 
     def of(self, wall, which):
         """Samples of one wall, without that axis; which: a slice."""
@@ -59,6 +62,7 @@ def observe(system, stiffness, field, dt, samples, w, k):
     field: (3,) acceleration of the base along x and z and gravity [m/s2]; dt: time step [s].
     """
     readings, displacement, totals = system.readings, samples.displacement, samples.totals
+    support_force = samples.support_force
     for c in range(len(system.contacts)):  # of all alike: so the divisions are those of vectors
         samples.stored[w, k, c] = stiffness.area[c] * elastic_energy(
             readings[READ_SIGMA, c], readings[READ_TAU, c], stiffness.normal[c], stiffness.shear[c])
@@ -66,14 +70,12 @@ def observe(system, stiffness, field, dt, samples, w, k):
         if system.interfaces[p].failed:
             for c in range(system.interfaces[p].start, system.interfaces[p].stop):
                 observe_contact(system, stiffness.shear[c], samples, w, k, c)
-    base_shear = 0.0
+    supports = len(system.place) - support_force.shape[2]
     for b in range(len(system.place)):
-        if b < displacement.shape[2]:
-            for axis in range(3):
-                displacement[w, k, b, axis] = system.place[b, axis]
-        else:
-            base_shear += system.force[b, X]
-    totals[w, k, BASE_SHEAR] = base_shear
+        for axis in range(RIGID):
+            displacement[w, k, b, axis] = system.place[b, axis]
+            if b >= supports:
+                support_force[w, k, b - supports, axis] = system.force[b, axis]
     totals[w, k, KINETIC] = kinetic_energy(system, field, dt)
     for i in range(len(system.energy)):
         totals[w, k, KINETIC + 1 + i] = system.energy[i]

@@ -9,13 +9,13 @@ import re
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 
 from damage.checks import check_choice, check_positive, check_range, check_whole, record_from
 from damage.errors import InputError
 from damage.motion import record as prepare
+from damage.motion.drive import Drive
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.motion.record import Record
 from damage.units import GRAVITY
@@ -27,19 +27,26 @@ SINE_SAMPLES = 400
 
 
 class Loading:
-    """What all loadings tell, as it is where nothing moves the base or the top.
+    """Base of all loadings; its values are those of one that prescribes nothing.
 
-    shakes_base, drives_top: whether it does; initial_velocity_m_s: of the wall's top in its first mode at time zero
-    [m/s]; duration_s: of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
-    peak_g: largest acceleration of the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of
-    the base along the wall, None where not told.
+    drive: what it prescribes on a wall, a Drive; duration_s: of the base's motion [s]; cycle_edges_s: where the
+    motion's own cycles begin and end, (k,) [s]; peak_g: largest acceleration of the base [g]; pga_g,
+    sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where unknown.
     Every one has a name, too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
-    shakes_base, drives_top, initial_velocity_m_s, duration_s = False, False, 0.0, 0.0
+    duration_s = 0.0
     cycle_edges_s = np.zeros(0)
     peak_g = 0.0
     pga_g = sa_02_s_g = None
+
+    @property
+    def drive(self) -> Drive:
+        return Drive()
+
+    def length_s(self, height: float) -> float:
+        """Time from zero to the end of everything that is prescribed, on a wall whose top is at a height [m]: [s]."""
+        return self.duration_s
 
     def preferred_step_s(self, max_step_s: float) -> float:
         """The time step that fits the motion, at most max_step_s, here to six digits of it [s]: its last bits come out
@@ -50,10 +57,6 @@ class Loading:
         """The base's motion along the wall as a record; None where it stands still, and of what a history keeps of a
         recorded motion, which is without its samples."""
         return None
-
-    def base_acceleration(self, time_s) -> np.ndarray:
-        """Base acceleration along x and z, (n, 2) [m/s2], at times (n,) [s]."""
-        return np.zeros((np.size(time_s), 2))
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,6 @@ class Harmonic(Loading):
     period_s: float
     amplitude_g: float
     cycles: int = 3
-    shakes_base: ClassVar[bool] = True
 
     def __post_init__(self):
         check_range("harmonic period [s]", self.period_s, *PERIODS_S)
@@ -111,7 +113,12 @@ class Harmonic(Loading):
         sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
         return Record(self.name, self.period_s / samples, sine)
 
+    @property
+    def drive(self) -> Drive:
+        return Drive(base=self.base_acceleration)
+
     def base_acceleration(self, time_s) -> np.ndarray:
+        """Along x and z, (n, 2) [m/s2], at times (n,) [s]."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)
         driven = (time_s >= 0) & (time_s <= self.duration_s)
@@ -141,7 +148,6 @@ class Recorded(Loading):
     vertical: Record | None = None
     baseline_order: int | None = None
     band_hz: tuple[float, float] | None = None
-    shakes_base: ClassVar[bool] = True
 
     def __post_init__(self):
         for key in ("window_s", "band_hz"):
@@ -197,8 +203,13 @@ class Recorded(Loading):
         """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost between steps."""
         return self.record.time_step_s / prepare.whole_steps(self.record.time_step_s, max_step_s)
 
+    @property
+    def drive(self) -> Drive:
+        return Drive(base=self.base_acceleration)
+
     def base_acceleration(self, time_s) -> np.ndarray:
-        """As of any Loading; linear between samples, zero before the first and after the last."""
+        """Along x and z, (n, 2) [m/s2], at times (n,) [s]: linear between samples, zero before the first and
+        after the last."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         acceleration = np.zeros((time_s.size, 2))
         for column, part in enumerate(self.motion):
@@ -236,7 +247,14 @@ class RecordedMotion(Loading):
     baseline_order: int | None = None
     band_hz: tuple[float, float] | None = None
     duration_s: float | None = None
-    shakes_base: ClassVar[bool] = True
+
+    @property
+    def drive(self) -> Drive:
+        return Drive(base=self._without_samples)
+
+    def _without_samples(self, _time_s):
+        raise InputError(f"{self.name}: a history does not hold the samples of its record; expected the record's file; "
+                         "read that")
 
     def unscaled(self, record: Record) -> Record:
         """The horizontal component as it was prepared, at scale 1, made from its record."""
@@ -267,9 +285,8 @@ class FreeVibration(Loading):
         return "free_vibration" + ("" if usual else f"_{self.top_velocity_m_s:g}m_s")
 
     @property
-    def initial_velocity_m_s(self) -> float:
-        """Of the top at time zero [m/s]."""
-        return self.top_velocity_m_s
+    def drive(self) -> Drive:
+        return Drive(first_mode_m_s=self.top_velocity_m_s)
 
     def as_dict(self) -> dict:
         return {"kind": "free_vibration", "name": self.name, "top_velocity_m_s": float(self.top_velocity_m_s),
@@ -301,7 +318,6 @@ class TopDisplacement(Loading):
     boundary: str = "cantilever"
     speed_m_s: float = 5e-3
     local_damping: float = 0.7
-    drives_top: ClassVar[bool] = True
 
     def __post_init__(self):
         if not self.amplitudes_pct:
@@ -320,6 +336,10 @@ class TopDisplacement(Loading):
         drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
         kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
         return f"{kind}_{self.boundary}"
+
+    @property
+    def drive(self) -> Drive:
+        return Drive(top=self.top_displacement, top_rotates=self.boundary != "fixed", local_damping=self.local_damping)
 
     def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion turns round, for a wall of that height [m]."""
@@ -345,11 +365,6 @@ class TopDisplacement(Loading):
 
         time_s = np.asarray(time_s, dtype=np.float64)
         return (area(time_s) - area(time_s - EASE_S)) / EASE_S
-
-    def velocities(self, interval_s: float, height: float) -> np.ndarray:
-        """Velocity of the top [m/s] in every interval of that length, until the motion's end: (n,)."""
-        n = math.ceil(self.length_s(height) / interval_s)
-        return np.diff(self.top_displacement(np.arange(n + 1) * interval_s, height)) / interval_s
 
     def length_s(self, height: float) -> float:
         """Time of the motion's end [s]."""

@@ -14,7 +14,6 @@ import numpy as np
 
 from damage.index import THRESHOLD
 from damage.mechanics import tables
-from damage.mechanics.samples import Samples
 from damage.reference.fast import step as fast
 from damage.reference.fast.blocks import make_blocks
 from damage.reference.plain import Alone
@@ -90,7 +89,7 @@ class Lanes:
 
     def room(self, n_samples):
         """Samples of all walls, empty."""
-        return Samples.none(len(self.walls), n_samples, self.tables.contacts.shape[1], self.tables.place.shape[1] - 1)
+        return self.walls[0].room(len(self.walls), n_samples)
 
     def samples_of(self, wall, which):
         """Samples of this wall after these of the last run's numbers of steps, a slice."""

@@ -4,7 +4,6 @@ import numpy as np
 
 from damage.index import THRESHOLD
 from damage.mechanics import step as plain
-from damage.mechanics.samples import Samples
 
 
 class Alone:
@@ -43,5 +42,4 @@ class Alone:
                           self._scratch)
 
     def _room(self, n_samples):
-        system = self.wall.system
-        return Samples.none(1, n_samples, len(system.contacts), len(self.wall.layout.bodies))
+        return self.wall.room(1, n_samples)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.mechanics.samples import BASE_SHEAR, KINETIC
+from damage.mechanics.samples import KINETIC
 from damage.mechanics.tables import OPENED, SLIPPED, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import Instants, Solver
@@ -53,8 +53,8 @@ class ReferenceSolver(ReferenceWall, Solver):
     def _next_ends(self, sample_steps, end):
         """The next samples, and the end; only the next of these where a sample has to be looked at there and then."""
         ends = [*range(self.clock - self.clock % sample_steps + sample_steps, end, sample_steps), end]
-        # What is held is pushed on at every sample; fibres tell of their joints at the sample alone.
-        return ends[:1] if self._held is not None or self.layout.fibres is not None else ends
+        # Prescribed velocities change at every sample; events of parallel elements are known at the sample alone.
+        return ends[:1] if self._is_driven or self.layout.fibres is not None else ends
 
     def _instants_at(self, samples):
         """Instants of the first ends of the last `run`, which are these samples."""
@@ -66,9 +66,10 @@ class ReferenceSolver(ReferenceWall, Solver):
     def _instants(self, clock, samples):
         """Instants of Samples at these steps; the top is held of the last one, which is the only one then."""
         totals, joints = samples.totals, self.active_contacts()
-        return Instants(clock, samples.displacement, joints, self.contact_data(samples, joints), totals[:, BASE_SHEAR],
-            np.full(len(clock), self.push_force()), totals[:, KINETIC], np.add.reduce(samples.stored, axis=1),
-            *totals[:, KINETIC + 1:].T)
+        bodies, supports = np.split(samples.displacement, [len(self.layout.bodies)], axis=1)
+        return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
+                        np.full(len(clock), self.push_force()), totals[:, KINETIC],
+                        np.add.reduce(samples.stored, axis=1), *totals[:, KINETIC + 1:].T)
 
     def forces(self):
         return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]

@@ -34,7 +34,7 @@ class ReferenceWall:
         self.stiffness = Stiffness(self.system.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
         self.lanes = None  # those that the wall was last moved in
-        self._held, self._active = None, (0, np.empty(0, int))
+        self._held, self._is_driven, self._active = None, False, (0, np.empty(0, int))
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
 
@@ -104,11 +104,16 @@ class ReferenceWall:
 
     def sample_now(self):
         """Samples of one: contact data, places and energies of this instant."""
-        samples = Samples.none(1, 1, len(self.system.contacts), len(self.layout.bodies))
+        samples = self.room(1, 1)
         field = self.field(1)[0]
         field[2] = GRAVITY
         observe(self.system, self.stiffness, field, self.time_step, samples, 0, 0)
         return samples.of(0, slice(1))
+
+    def room(self, n_walls, n_samples):
+        """Samples of so many walls like this, zero."""
+        return Samples.none(n_walls, n_samples, len(self.system.contacts), len(self.layout.bodies),
+                            len(self.layout.supports))
 
     def field(self, n_steps):
         """Acceleration of the base along x and z, zero beyond its end, and gravity, whose last value holds beyond its
@@ -206,7 +211,7 @@ class ReferenceWall:
 
     def hold(self, bodies, rotation):
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
-        self._held = bodies
+        self._held, self._is_driven = bodies, True
         for coordinate in (X, ROTATION) if rotation else (X,):
             self.system.inverse_mass[bodies, coordinate] = self.system.velocity[bodies, coordinate] = 0.0
 
@@ -217,13 +222,14 @@ class ReferenceWall:
         self.system.velocity[self._held, X] = velocity
 
     def move_supports(self, velocity):
-        """Prescribe the velocity of the supports, (supports, 3) or one of all [m/s, m/s, rad/s]; their work on the wall
-        is input."""
+        """Prescribe the velocity of the supports, (n_supports, 3) or one of all [m/s, m/s, rad/s]; their work on the
+        wall is input."""
+        self._is_driven = True
         self.system.velocity[len(self.layout.bodies):] = velocity
 
     @property
     def support_force(self):
-        """Of the wall on each support, (supports, 3) [N, N, N m]; moments about where the support was at first."""
+        """Of the wall on each support, (n_supports, 3) [N, N, N m]; moments about the support's reference point."""
         return self.system.force[len(self.layout.bodies):].copy()
 
     def push_force(self):

@@ -36,7 +36,7 @@ class Run:
         self.stage, self.collapsed_at_s, self._samples = "static", None, 0
         self.sample_steps = schedule.sample_steps(solver.time_step)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
-        self.base, self._top_velocities = NO_MOTION, None
+        self.base, self._top_velocities, self._support_velocities = NO_MOTION, None, None
         self._zero = None  # instant of time zero
         self._last = None  # time and motion of the last sample: of what else is kept all samples share the memory
         self._lowest = lowest_places(layout)
@@ -105,14 +105,15 @@ class Run:
 
         first_mode: shape (n_bodies, 3), 1 at the top.
         """
-        solver, loading = self.solver, self.settings.loading
+        solver, drive = self.solver, self.settings.loading.drive
         self.base = schedule.base_acceleration(self.settings, self.stages, solver.time_step)
-        solver.set_velocities(loading.initial_velocity_m_s * first_mode)
+        solver.set_velocities(drive.first_mode_m_s * first_mode)
         solver.start(self.base, np.array([GRAVITY]))
-        if loading.drives_top:
-            solver.hold(self.layout.pushed_bodies, rotation=loading.boundary == "fixed")
-            interval_s = self.sample_steps * solver.time_step
-            self._top_velocities = loading.velocities(interval_s, self.layout.pushed_height)
+        if drive.top:
+            solver.hold(self.layout.pushed_bodies, rotation=not drive.top_rotates)
+        interval = self.sample_steps * solver.time_step, self.stages[-1].end_step // self.sample_steps
+        self._top_velocities = drive.top_velocities(*interval, self.layout.pushed_height)
+        self._support_velocities = drive.support_velocities(*interval, self.layout.supports.x)
         self._zero = solver.instants()
         self._last = 0.0, self._motion(self._zero)[-1]
         self.stage = self.stages[0].name
@@ -172,8 +173,9 @@ class Run:
 
     def _damping(self, stage):
         """Local damping while settling, that of the settings otherwise: both at once are unstable at this step."""
-        if self.settings.loading.drives_top:
-            return self._relaxation(self.settings.loading.local_damping)
+        drive = self.settings.loading.drive
+        if drive.quasi_static:
+            return self._relaxation(drive.local_damping)
         if stage == "settling":
             return {"local": LOCAL_DAMPING}
         return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
@@ -181,14 +183,14 @@ class Run:
     # --- samples ---------------------------------------------------------------------------------
 
     def take_samples(self, now):
-        """Write one sample after the other of everything (Instants), and move a pushed top on; False where the run has
-        to end, with the last one that is written."""
+        """Write one sample after the other of everything (Instants), and prescribe the next velocities; False where the
+        run has to end, with the last one that is written."""
         time_s, motion, base = now.clock * self.solver.time_step, self._motion(now), self._base_at(now.clock)
         top = self._top(motion)
         rows = {
             "time_s": time_s, "base_acceleration_x_m_s2": base[:, 0], "base_acceleration_z_m_s2": base[:, 1],
             "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
-            "base_shear_n": now.base_shear_n, **self._energies(now, motion)}
+            "base_shear_n": now.support_force[:, :, 0].sum(axis=1), **self._energies(now, motion)}
         problem, end = self._first_not_finite(rows, {
             "motion": motion, **now.contacts})
         fell = np.flatnonzero(have_fallen(motion[:end], self._lowest))
@@ -197,14 +199,23 @@ class Run:
         self._write({**rows, "top_force_n": now.top_force_n}, motion, now, end)
         if problem is not None:
             raise self._failure(f"{problem} is no longer finite", time_s[end])
-        if self._top_velocities is not None:
-            self.solver.push(self._top_velocities[min(self._samples - 1, len(self._top_velocities) - 1)])
+        self._prescribe(self._samples - 1)
         return self.collapsed_at_s is None
+
+    def _prescribe(self, interval):
+        """Move the top and the supports by their velocities in this interval; they rest after the last."""
+        for velocities, move in ((self._top_velocities, self.solver.push),
+                                 (self._support_velocities, self.solver.move_supports)):
+            if velocities is not None:
+                move(velocities[interval] if interval < len(velocities) else 0 * velocities[0])
 
     def _write(self, rows, motion, now, end):
         """Write the first samples, up to this one, with their snapshots and events."""
         rows = {name: values[:end] for name, values in rows.items()}
-        self.writer.extend(self.stage, rows, now.joints, {name: values[:end] for name, values in now.contacts.items()})
+        ground = {"displacement": now.support_displacement - self._zero.support_displacement,
+                  "force": now.support_force}
+        self.writer.extend(self.stage, rows, now.joints, *({name: values[:end] for name, values in columns.items()}
+                                                           for columns in (now.contacts, ground)))
         if self.stage != "settling" and end > 0:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
@@ -245,7 +256,7 @@ class Run:
         damped = now.damping_j
         if damped is None:
             balance = sum(energies.values()) - now.input_j
-            if self.stage == "settling" or self.settings.loading.drives_top:
+            if self.stage == "settling" or self.settings.loading.drive.quasi_static:
                 damped = self._balance_j - balance
             else:
                 damped = np.full(len(balance), self._damped_j)

@@ -10,6 +10,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SETTLE_S
+from damage.run.solver import NO_MOTION
 
 STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
@@ -56,7 +57,7 @@ def softening_warnings(settings, time_step, critical_s, softening):
     if time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
         told.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
                     f"{SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out")
-    if settings.beta_s < softening.beta_s and not settings.loading.drives_top:
+    if settings.beta_s < softening.beta_s and not settings.loading.drive.quasi_static:
         told.append(f"--beta {settings.beta_s:g} s: expected at least {softening.beta_s:g} where joints soften, or "
                     "cracks follow rounding and step; leave --beta out")
     return told
@@ -76,8 +77,8 @@ def stages(settings, layout, time_step, sample_steps):
 
     time_step [s]; sample_steps: steps between two samples.
     """
-    if settings.loading.drives_top:
-        n = len(settings.loading.velocities(sample_steps * time_step, layout.pushed_height))
+    if settings.loading.drive.quasi_static:
+        n = math.ceil(settings.loading.length_s(layout.pushed_height) / (sample_steps * time_step))
         return [Stage(1, "motion", 0, n * sample_steps)]
     lengths = {"motion": settings.loading.duration_s, "rest": settings.rest_s, "settling": SETTLE_S}
     found, start = [], 0
@@ -94,7 +95,7 @@ def stages(settings, layout, time_step, sample_steps):
 def check_size(settings, layout, time_step):
     """Raise InputError of a run that is longer than can be, before anything is made for it; time_step [s]."""
     loading, interval = settings.loading, sample_steps(time_step)
-    length_s = loading.length_s(layout.pushed_height) if loading.drives_top else settings.duration_s
+    length_s = loading.length_s(layout.pushed_height) if loading.drive.quasi_static else settings.duration_s
     if length_s > LONGEST_S:
         raise InputError(f"a push of {length_s:.6g} s: expected up to {LONGEST_S:g} s; give a smaller drift, fewer "
                          "--cycles or a larger --speed")
@@ -109,13 +110,17 @@ def check_size(settings, layout, time_step):
 
 
 def base_acceleration(settings, schedule, time_step):
-    """Base acceleration of every step along x and z, (n_steps, 2) [m/s2], up to the last motion's end.
+    """Base acceleration of every step along x and z, (n_steps, 2) [m/s2], up to the last motion's end; none where the
+    base is not accelerated.
 
     Each shock is the settings' loading times its factor.
     """
+    accelerate = settings.loading.drive.base
+    if accelerate is None:
+        return NO_MOTION
     motions = [stage for stage in schedule if stage.name == "motion"]
     n_steps = round(settings.loading.duration_s / time_step) + 1
-    once = settings.loading.base_acceleration(np.arange(n_steps) * time_step)
+    once = accelerate(np.arange(n_steps) * time_step)
     base = np.zeros((motions[-1].start_step + n_steps, 2))
     for factor, stage in zip(settings.sequence, motions):
         base[stage.start_step:stage.start_step + n_steps] = factor * once

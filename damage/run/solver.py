@@ -12,18 +12,21 @@ class Instants(NamedTuple):
     """A wall at some instants, one after the other; positions and forces are of the same time.
 
     clock: (n,) steps since `start`; displacement: (n, n_bodies, 3) since the wall was built [m, m, rad];
+    support_displacement: (n, n_supports, 3) the same of the supports; support_force: (n, n_supports, 3) of the wall on
+    them [N, N, N m], the moments about their reference points;
     joints: (n_active,) indices of the active contact points, or a slice; contacts: {column of the history's FRAMES:
     (n, n_active)} of these, zero in all others; a solver leaves out a column that it does not know;
-    base_shear_n, top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
+    top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
     that came in or were dissipated since `start`;
     damping_j: None where the solver cannot tell it: then the run infers it from the balance.
     """
 
     clock: np.ndarray
     displacement: np.ndarray
+    support_displacement: np.ndarray
+    support_force: np.ndarray
     joints: np.ndarray | slice
     contacts: dict[str, np.ndarray]
-    base_shear_n: np.ndarray
     top_force_n: np.ndarray
     kinetic_j: np.ndarray
     elastic_j: np.ndarray
@@ -69,12 +72,15 @@ class Solver(Protocol):
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]."""
 
+    def move_supports(self, velocities):
+        """Prescribe the velocities of the supports (n_supports, 3) [m/s, m/s, rad/s]."""
+
     def advance(self, n_steps, sample_steps=None, on_samples=None):
         """Take steps, or hand them out: returns an iterable of (self, *numbers of steps), to be taken by `run` before
         the next is asked for.  A solver that moves by itself takes all at once and returns ().
 
         `on_samples(Instants)` is called of time zero and of every `sample_steps` steps, of one or of several at once,
-        until it returns False: late, then, but not where bodies are held, which it may `push` on.
+        until it returns False: late, then, but not where a velocity is prescribed, which it may change.
         """
 
     def run(self, *steps):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.wall.kinds import CUT, GROUND, HEAD
+from damage.wall.kinds import CUT, HEAD
 
 
 def lumped_stiffness(wall, bodies, kind, first, second):
@@ -18,7 +18,7 @@ def lumped_stiffness(wall, bodies, kind, first, second):
     brick, joint = wall.brick, wall.joint
     upright = (kind == HEAD) | (kind == CUT)
     distance = np.full(len(kind), brick.height)
-    distance[first == GROUND] = brick.height / 2
+    distance[first < 0] = brick.height / 2
     distance[upright] = bodies.x[second[upright]] - bodies.x[first[upright]]
     return tuple(np.where(kind == CUT, modulus / distance, 1 / (1 / stiffness + distance / modulus))
                  for stiffness, modulus in ((joint.normal_stiffness, brick.young_modulus),

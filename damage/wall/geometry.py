@@ -1,10 +1,13 @@
 """Where bodies and joints of a history are when the bodies move; its tables `joints` and `bodies` in, points out."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 
 from damage.wall.kinds import KINDS
 from damage.wall.kinematics import rigid_displacement
+from damage.wall.supports import rows
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]
@@ -26,16 +29,35 @@ def joint_table(layout):
         "length_m": contacts.length[:n], "elastic": contacts.elastic[:n]})
 
 
-def displaced(bodies, motion, body, points, magnify=1.0):
+class SupportMotion(NamedTuple):
+    """left, right: of the part of the base that each support carries (n_supports,) [m]; motion: (n_supports, 3) of its
+    middle [m, m, rad]."""
+
+    left: np.ndarray
+    right: np.ndarray
+    motion: np.ndarray
+
+    @property
+    def x(self):
+        """Reference points along the base (n_supports,) [m]."""
+        return (self.left + self.right) / 2
+
+
+AT_REST = SupportMotion(np.zeros(1), np.zeros(1), np.zeros((1, 3)))
+
+
+def displaced(bodies, motion, body, points, magnify=1.0, supports=AT_REST):
     """Where points fixed to bodies go when the bodies' motion is magnified.
 
     motion: (n_bodies, 3) displacement of the centres [m] and rotation x towards z [rad];
-    body: (n,) index of the body of each row of points, GROUND rests; points: (n, k, 2) [m].
+    body: (n,) index of the body of each row of points, negative of a support; points: (n, k, 2) [m]; supports:
+    SupportMotion; AT_REST is of however many.
     Returns (n, k, 2) [m].
     """
-    # GROUND is -1, which takes the last row: one more body, at rest.
-    ux, uz, turn = (np.vstack([motion, np.zeros(3)])[body] * magnify).T[..., None]
-    centre = np.vstack([bodies[["x_m", "z_m"]].to_numpy(), np.zeros(2)])[body][:, None]
+    row = np.minimum(rows(body, len(bodies)), len(bodies) + len(supports.x) - 1)
+    ux, uz, turn = (np.vstack([motion, supports.motion])[row] * magnify).T[..., None]
+    base = np.column_stack([supports.x, np.zeros(len(supports.x))])
+    centre = np.vstack([bodies[["x_m", "z_m"]].to_numpy(), base])[row][:, None]
     return points + np.stack(rigid_displacement(ux, uz, turn, *np.moveaxis(points - centre, 2, 0)), axis=2)
 
 
@@ -46,10 +68,23 @@ def body_corners(bodies, motion, magnify=1.0):
     return displaced(bodies, motion, np.arange(len(bodies)), centre + size * _CORNERS, magnify)
 
 
-def joint_segments(joints, bodies, motion, magnify=1.0):
+def support_outlines(supports, depth, magnify=1.0):
+    """Corners of the parts of the base that supports carry after their magnified motion, down to a depth [m]:
+    (n_supports, 4, 2) [m], counter-clockwise from the lower left.
+
+    supports: SupportMotion.
+    """
+    half = (supports.right - supports.left)[:, None] / 2
+    x, z = half * (-1, 1, 1, -1), np.array([[-depth, -depth, 0.0, 0.0]]) + np.zeros_like(half)
+    ux, uz, rotation = (supports.motion * magnify).T[..., None]
+    dx, dz = rigid_displacement(ux, uz, rotation, x, z)
+    return np.stack([supports.x[:, None] + x + dx, z + dz], axis=2)
+
+
+def joint_segments(joints, bodies, motion, magnify=1.0, supports=AT_REST):
     """Both ends of every joint's tributary length after the magnified motion, (n_joints, 2, 2) [m]."""
     ends = tributary_ends(joints)
-    first, second = (displaced(bodies, motion, joints[name].to_numpy(), ends, magnify)
+    first, second = (displaced(bodies, motion, joints[name].to_numpy(), ends, magnify, supports)
                      for name in ("first_body", "second_body"))
     return (first + second) / 2
 

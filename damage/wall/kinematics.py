@@ -6,7 +6,7 @@ shear are measured along the joint's axes turned by the mean rotation of the two
 
 import numpy as np
 
-from damage.wall.layout import GROUND
+from damage.wall.supports import rows
 
 
 def rigid_displacement(ux, uz, turn, x, z):
@@ -23,18 +23,19 @@ class ContactKinematics:
 
     def __init__(self, layout):
         contacts, bodies = layout.contacts, layout.bodies
-        # The ground is one more body at the end, at rest.
-        self.ends = [np.where(body == GROUND, len(bodies), body) for body in (contacts.first, contacts.second)]
-        x, z = np.append(bodies.x, 0.0), np.append(bodies.z, 0.0)
+        self.at_rest = np.zeros((len(layout.supports), 3))
+        self.ends = [rows(body, len(bodies)) for body in (contacts.first, contacts.second)]
+        x, z = np.append(bodies.x, layout.supports.x), np.append(bodies.z, self.at_rest[:, 1])
         self.arms = [(contacts.x - x[body], contacts.z - z[body]) for body in self.ends]
         self.head = contacts.upright
 
-    def displacements(self, motion, select=slice(None)):
+    def displacements(self, motion, select=slice(None), supports=None):
         """Opening u_n and shear u_s [m], each (n_selected,).
 
-        motion: (n_bodies, 3) displacement of the centres [m] and rotation x towards z [rad].
+        motion: (n_bodies, 3) displacement of the centres [m] and rotation x towards z [rad]; supports: (n_supports, 3)
+        the same of the supports, None where they rest.
         """
-        moved = np.vstack([motion, np.zeros(3)])
+        moved = np.vstack([motion, self.at_rest if supports is None else supports])
         # Copies, row by row: where an output happens to lie right behind a strided input numpy takes another cosine,
         # which may differ in its last bit, and two runs of one command would not be the same.
         motions = [np.array(moved[end[select]].T, order="C") for end in self.ends]

@@ -1,7 +1,8 @@
 """From a wall's parameters to bodies, cells and contact points: the one layout of every solver.
 
 Bodies are the bricks, course by course from the base and left to right, then the caps that carry
-the top mass.  The ground is body `GROUND`.  Contact points lie on the bed and head joints:
+the top mass.  The supports below them are bodies -1, -2, ... (`damage.wall.supports`).  Contact points
+lie on the bed and head joints:
 
         |       |       |          head joint: normal +x, from the left to the right brick
         +---o---+---o---+  z       bed joint:  normal +z, from the lower to the upper brick
@@ -25,6 +26,7 @@ from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.lintel import in_lintel
 from damage.wall.parameters import ModelOptions, Wall
 from damage.wall.split import CUT_POINTS, split_bricks
+from damage.wall.supports import Supports, supports_below
 
 MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
@@ -109,7 +111,7 @@ class Layout:
     n_joints: the first n_joints contacts are joints, behind them the cuts where bricks can split; the rest is the
     caps' glue.
     drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
-    piers: (left, right) [m] of each pier, the parts of the length that carry the top.
+    piers: (left, right) [m] of each pier, the parts of the length that carry the top; supports: below the base.
     fibres: of the contacts where `options` ask for them, else None.
     """
 
@@ -123,6 +125,7 @@ class Layout:
     drift_bodies: np.ndarray
     drift_height: float
     piers: tuple[tuple[float, float], ...]
+    supports: Supports
     fibres: Fibres | None = None
 
     @property
@@ -198,7 +201,8 @@ def _lay_out_alike(wall, options):
     return Layout(
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
-        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers)
+        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
+        supports=supports_below(bodies, wall, options.supports))
 
 
 # --- bricks -------------------------------------------------------------------------------------
@@ -423,7 +427,9 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
     """Contact points of one pair of facing cells, one in the middle or two at the ends; of a cap's glue one in the
     middle of each cell, or two under a cap of a single cell."""
     second = cells.body[second_cell]
-    first = GROUND if first_cell == GROUND else cells.body[first_cell]
+    first = cells.body[first_cell]
+    if first_cell == GROUND:  # bricks of the base are the first bodies
+        first = GROUND - second if options.supports == "bricks" else GROUND
     bottom = bodies.z[second] - bodies.height[second] / 2
     start = np.array([cells.left[second_cell], bottom])
     along = (0.0, bodies.height[second]) if kind == HEAD else (
@@ -442,7 +448,7 @@ def _strength_factors(first, second, variation, seed):
     every placing of its contact points: (n_contacts,).  variation: their coefficient of variation [-]."""
     if variation == 0:
         return np.ones(len(first))
-    joints, number = np.unique(np.column_stack([first, second]), axis=0, return_inverse=True)
+    joints, number = np.unique(np.column_stack([np.maximum(first, GROUND), second]), axis=0, return_inverse=True)
     spread = np.sqrt(np.log1p(variation**2))
     normal = np.random.default_rng(seed).standard_normal(len(joints))
     return np.exp(spread * normal - spread**2 / 2)[number]

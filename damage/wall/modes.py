@@ -12,7 +12,6 @@ from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import eigsh
 
 from damage.errors import InputError
-from damage.wall.layout import GROUND
 
 _ROUNDING = 100 * np.finfo(float).eps
 """A squared frequency below this share of the highest is rounding, of a part that can move freely."""
@@ -41,7 +40,7 @@ def kinematic_matrix(layout, directions):
     contacts, bodies = layout.contacts, layout.bodies
     rows, columns, values = [], [], []
     for body, sign in ((contacts.second, 1.0), (contacts.first, -1.0)):
-        moving = np.flatnonzero(body != GROUND)
+        moving = np.flatnonzero(body >= 0)
         index = body[moving]
         rx, rz = contacts.x[moving] - bodies.x[index], contacts.z[moving] - bodies.z[index]
         dx, dz = directions[moving].T

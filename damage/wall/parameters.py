@@ -288,6 +288,7 @@ class ModelOptions:
         (ends) of each overlap; head joints have one at mid-height, or one at each end.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
+    supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose forces the history has.
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
         which YADE does not have: there 16.
     """
@@ -304,6 +305,8 @@ class ModelOptions:
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
+    supports: str = _option("one", "one support below the wall, or one below each brick of the base, with reactions of "
+                            "its own in the history", choices=("one", "bricks"), tag="supports-{supports}")
     fibres: int = _option(0, "joints that soften are so many brittle fibres; 0: one smooth law, in YADE 16 fibres",
                           metavar="N", tag="fibres-{fibres}")
 

@@ -85,7 +85,7 @@ def _on_halves(cells, old, number, right):
 
 def _under_new_numbers(contacts, cells, number):
     """Contacts between the bodies that their cells belong to now."""
-    bodies = {side: np.where(cell == GROUND, GROUND, cells.body[cell]) for side, cell in
+    bodies = {side: np.where(cell == GROUND, getattr(contacts, side), cells.body[cell]) for side, cell in
               (("first", contacts.first_cell), ("second", contacts.second_cell))}
     return replace(contacts, **bodies)
 
