@@ -29,6 +29,7 @@ html_theme = "furo"
 html_title = f"masonry-damage {VERSION}"
 html_copy_source = html_show_copyright = False
 autodoc_preserve_defaults = True
+autodoc_default_options = {"members": True, "member-order": "bysource"}
 nitpicky = False
 
 _LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(([^)#\s:]+)(#[^)]*)?\)")

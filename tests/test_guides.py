@@ -73,7 +73,7 @@ def test_a_wall_and_a_study_of_ones_own(clone):
 
 
 def test_other_kinds_of_walls(clone):
-    assert follow("other-walls", clone).count("mode 1: ") == 3
+    assert follow("other-walls", clone).count("mode 1: ") == 2
 
 
 def test_a_record_of_ones_own(clone):
