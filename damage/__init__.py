@@ -1,22 +1,33 @@
-"""Damage of masonry walls under induced seismicity: walls, joint law, histories, damage index."""
+"""Damage of masonry walls under induced seismicity: walls, joint law, runs, histories, damage index.
+
+`dir(damage)` lists what scripts use: a wall is a `Wall` of `Brick`, `Joint` and `Opening`, or a file that `load_wall`
+reads; `run` shakes or pushes it and returns a `History`; `read_history` reads one from a file, `read_record` a ground
+motion; what cannot be is an `InputError`.
+"""
 
 from damage.version import VERSION as __version__
 
 _HOMES = {"InputError": "damage.errors", **dict.fromkeys(("History", "read_history"), "damage.history.reader"),
           **dict.fromkeys(("Brick", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry"),
-                          "damage.wall.parameters"), "check_plausible": "damage.wall.plausible"}
+                          "damage.wall.parameters"), "check_plausible": "damage.wall.plausible",
+          "load_wall": "damage.wall.file", "read_record": "damage.motion.formats"}
 __all__ = ["Brick", "History", "InputError", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry",
-           "check_plausible", "read_history", "__version__"]
+           "check_plausible", "load_wall", "read_history", "read_record", "run", "__version__"]
+
+
+def __dir__():
+    return sorted(__all__)
 
 
 def __getattr__(name):
     """A name of __all__, imported when it is first asked for: a command is there before its libraries are."""
-    if name not in _HOMES:
+    if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
     try:
-        return getattr(import_module(_HOMES[name]), name)
+        # run is a package that can be called
+        return import_module("damage.run") if name == "run" else getattr(import_module(_HOMES[name]), name)
     except ModuleNotFoundError as error:
         from damage.start import missing_library
 

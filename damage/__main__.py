@@ -12,7 +12,7 @@ import sys
 from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 
-from damage.errors import InputError, one_line, warn
+from damage.errors import InputError, did_you_mean, one_line, warn
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
@@ -35,6 +35,11 @@ from damage.version import VERSION
 
 COMMANDS = {}
 """Name -> (function of the parsed options, what it is for, functions that add an argument to its parser)."""
+
+
+DELEGATED = {"reference": "run a wall in the reference solver (see reference --help)",
+             "study": "run a study: simulations, tables and pictures, by Snakemake (see study --help)"}
+"""Commands whose options are those of another program: what they are for."""
 
 
 class _Silence(io.StringIO):
@@ -62,10 +67,18 @@ def _run(arguments, quiet):
         from damage.reference.session import run_reference
 
         return run_reference([*arguments[1:], *["--quiet"] * (quiet and len(arguments) > 1)])
+    if arguments[:1] == ["study"]:  # its options are those of the batch
+        from damage.studies.batch import run_study
+
+        return run_study(arguments[1:])
     if arguments == ["--version"]:
         print(f"masonry-damage {VERSION}, commit {commit()}")
         return 0
     hold_buffers()
+    if arguments and not arguments[0].startswith("-") and arguments[0] not in COMMANDS:
+        known = sorted({*COMMANDS, *DELEGATED})
+        raise InputError(f"no command {arguments[0]!r}: expected one of {', '.join(known)}"
+                         f"{did_you_mean(arguments[0], known)}")
     asked = _parser().parse_args(arguments)
     return asked.command(asked) or 0
 
@@ -104,9 +117,9 @@ def _parser(whole=False):
     parser.add_argument("--version", action="store_true", help="print the version and the commit, and end")
     parser.add_argument("--quiet", action="store_true", help="before a command: print warnings and errors only")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
-    run = [make_parser("reference", "reference")] if whole else []
-    commands.add_parser("reference", help="run a wall in the reference solver (see reference --help)", parents=run,
-                        conflict_handler="resolve")
+    run = {"reference": [make_parser("reference", "reference")]} if whole else {}
+    for name, purpose in DELEGATED.items():
+        commands.add_parser(name, help=purpose, parents=run.get(name, []), conflict_handler="resolve")
     for name, (function, purpose, arguments) in COMMANDS.items():
         command = commands.add_parser(name, help=purpose, description=purpose, allow_abbrev=False)
         command.set_defaults(command=function)
@@ -163,6 +176,40 @@ def _save(figures, folder, made=""):
             print(f"picture: {path}", file=sys.stderr)
 
 
+# --- first steps --------------------------------------------------------------------------------------
+
+@_command("a first run, in half a minute: the façade that ships under a harmonic motion, with pictures and a report",
+          _path("--out", "DIR", "where everything goes (default demo)", default=Path("demo")),
+          _arg("--overwrite", action="store_true", help="replace what a demo before has left there"))
+def _demo(asked):
+    from damage.reference.session import run_reference
+
+    history = asked.out / "symmetric.h5"
+    status = run_reference(["symmetric", "--harmonic", "0.2", "0.05", "--rest", "1", "--out", str(history),
+                            *["--overwrite"] * asked.overwrite])
+    if status:
+        return status
+    try:
+        from damage.html.report import write_report
+
+        print(f"report: {write_report([history])}")
+    except ImportError as error:  # of the extra masonry-damage[report]
+        print(f"no report: {missing_library(error) or error}")
+    print("next: python3 -m damage new-wall my_wall.py, and its first lines say how to run it")
+    return 0
+
+
+@_command("write a wall file to change: a copy of a wall that ships, under the name of the file",
+          _path("file", "FILE.py"),
+          _arg("--from", dest="source", metavar="NAME", default="symmetric", help="the wall that is copied (default "
+               "symmetric); an unknown one lists all"))
+def _new_wall(asked):
+    from damage.wall.new import new_wall
+
+    path = new_wall(asked.file, asked.source)
+    print(f"{path}: change its numbers, then: python3 -m damage reference {path} --harmonic 0.2 0.05")
+
+
 # --- a history, a wall, a record --------------------------------------------------------------------
 
 @_command("the damage index and key numbers of a history", _HISTORY, _JSON, _threshold("opening and slip"),
@@ -211,7 +258,8 @@ def _laboratory(asked):
     print(*save(map(read_history, asked.histories), asked.out), sep="\n")
 
 
-@_command("natural periods of a wall with intact joints", _path("wall", "walls/NAME.py", WALLS_ARE_CODE), _JSON,
+@_command("natural periods of a wall with intact joints", _path("wall", "WALL",
+          f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), _JSON,
           lambda command: add_model_options(command, ("top", "load", "cells", "contacts")), add_accept,
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
@@ -242,15 +290,31 @@ def _modes(asked):
 
 
 @_command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
-          "unless --band is given", _path("record", "FILE"), _JSON, add_preparation)
+          "unless --band is given", _path("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
+          "acc_gal or acc_g; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as "
+          "BGAR_HGE"), _JSON, add_preparation,
+          _path("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"))
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary
     from damage.motion.plausible import implausible_peak
 
-    found = motion_summary(recorded(asked))
-    if told := implausible_peak(found["pga_g"]):
-        warn(told)
+    loading = recorded(asked)
+    found = motion_summary(loading)
+    if implausible := implausible_peak(found["pga_g"]):
+        warn(implausible)
+    if asked.plot:
+        _plot_motion(loading, found, asked.plot)
     _tell(asked, found, describe)
+
+
+def _plot_motion(loading, found, path):
+    """Write the picture of a motion; its path goes to stderr: stdout may be JSON."""
+    from damage.draw.motion import motion_picture
+    from damage.draw.style import save_png
+
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--plot {path}: expected a name that ends in .png; give it one")
+    print(f"picture: {save_png(motion_picture(loading, found), path, f'motion {loading.name}')}", file=sys.stderr)
 
 
 @_command("the pictures of a history, PNG and PDF", _HISTORY, _out("folder for the pictures"))
@@ -330,11 +394,15 @@ def _tables(asked):
 @_command("one HTML file to send: a run, runs side by side, or a study, for any browser, without a network",
           _path("paths", "PATH", "a history (.h5), up to six of them, or the folder of studies", nargs="+"),
           _out("the file (default: beside the first PATH, of its name, or report.html in a folder)", "FILE.html",
-               required=False))
+               required=False),
+          _arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
+          _arg("--author", metavar="NAME", help="who wrote it, below the title"),
+          _arg("--text", metavar="WORDS", help="what it begins with, as what was asked and what follows; blank lines "
+               "separate paragraphs"))
 def _report(asked):
-    from damage.html.report import write_report
+    from damage.html.report import Words, write_report
 
-    print(write_report(asked.paths, asked.out))
+    print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text)))
 
 
 # --- studies ----------------------------------------------------------------------------------------

@@ -20,6 +20,18 @@ def _cut(text):
     return text if len(text) <= first + last else f"{text[:first]} ... {text[-last:]}"
 
 
+def did_you_mean(word, known):
+    """The end of a message about a word that is not among the known ones: the nearest of these, or nothing.
+
+    >>> did_you_mean("symetric", ["solid", "symmetric"]), did_you_mean("x", ["solid"])
+    ('; did you mean symmetric?', '')
+    """
+    from difflib import get_close_matches  # no command needs it before something is wrong
+
+    near = get_close_matches(str(word), list(known), n=1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
 def warn(*texts):
     """Print warnings, a line each; where standard error takes nothing, as on a full disk, nothing ends for it."""
     with suppress(OSError):

@@ -12,8 +12,40 @@ from pathlib import Path
 
 from damage.errors import InputError
 
-DATA = Path(__file__).parent / "data"
+_PACKAGE = Path(__file__).parent
+DATA = _PACKAGE / "data"
 """Records and tests that ship with the package; each folder's README says what they are."""
+
+
+def shipped(folder):
+    """Path of `walls`, `studies` or `workflow`: in the installed package below `share`, in a clone beside the package
+    (pyproject.toml maps one to the other)."""
+    inside = _PACKAGE / "share" / folder
+    return inside if inside.is_dir() else _PACKAGE.parent / folder
+
+
+def shipped_files(folder, ending):
+    """{name: path} of the files in a folder of `shipped`, by their names without the ending, like ".py"."""
+    return {path.stem: path for path in sorted(shipped(folder).glob(f"*{ending}"))}
+
+
+def shipped_path(path):
+    """The shipped file of a path like walls/symmetric.py or damage/data/..., as it is in a clone; None where there is
+    none."""
+    path = Path(path)
+    if path.is_absolute() or ".." in path.parts or not path.parts:
+        return None
+    candidates = (_PACKAGE.parent / path, shipped(path.parts[0]).joinpath(*path.parts[1:]))
+    known = path.parts[0] in ("walls", "studies") or path.parts[:2] == ("damage", "data")
+    return next((one for one in candidates if known and is_there(one)), None)
+
+
+def is_there(path):
+    """Whether a path is that of a file; no file has a name that is longer than the system takes."""
+    try:
+        return Path(path).is_file()
+    except OSError:
+        return False
 
 
 LONGEST_LINE = 100_000

@@ -11,6 +11,8 @@ import sys
 from damage.memory import shortage
 
 EXIT_FAILED, EXIT_MISSING, EXIT_INTERRUPTED = 1, 3, 130
+NAMED_OTHERWISE = {"snakemake": ("snakemake", "snakemake (the extra masonry-damage[study])")}
+"""Libraries whose packages have other names: {library: (Debian's, what pip installs)}."""
 _OF_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE)
 
 
@@ -77,8 +79,9 @@ def missing_library(error):
     library = (error.name or "").partition(".")[0]
     if library in ("", "damage"):
         return None
-    return (f"{sys.executable} cannot import {library}: expected Debian's package python3-{library}, or pip "
-            f"install {library}; with Debian's packages use /usr/bin/python3, as ./run_all.sh does")
+    debian, pip = NAMED_OTHERWISE.get(library, (f"python3-{library}", library))
+    return (f"{sys.executable} cannot import {library}: expected Debian's package {debian}, or pip "
+            f"install {pip}; with Debian's packages use /usr/bin/python3, as ./run_all.sh does")
 
 
 def _interrupted(number, frame):

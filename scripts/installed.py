@@ -83,8 +83,8 @@ def find_python(version):
 def make_wheel(folder):
     """The wheel of this checkout, made of a copy of what git knows of it."""
     copy = folder / "source"
-    files = run("git", "ls-files", "-co", "--exclude-standard", "damage", "pyproject.toml", "README.md", "LICENSE",
-                cwd=ROOT).split("\n")
+    files = run("git", "ls-files", "-co", "--exclude-standard", "damage", "walls", "studies", "workflow",
+                "pyproject.toml", "README.md", "LICENSE", cwd=ROOT).split("\n")
     for name in filter(None, files):
         (copy / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / name, copy / name)
@@ -114,6 +114,9 @@ def use(command, folder):
 
     if not do("--version").startswith("masonry-damage "):
         raise Failed("masonry-damage --version does not begin with the name")
+    do("new-wall", "mine.py")
+    do("modes", "mine.py")
+    do("record", "BGAR_HGE")
     do("reference", "pier.py", "--harmonic", "0.1", "0.3", "--cycles", "2", "--rest", "0.2", "--out", "a.h5")
     if '"max"' not in do("index", "a.h5", "--json"):
         raise Failed("index has no maximum")

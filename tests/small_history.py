@@ -7,7 +7,7 @@ import numpy as np
 
 from damage.history.head import read_head, seal, write_head
 from damage.history.reader import read_history
-from damage.history.schema import AT_LIMIT, BROKEN
+from damage.history.schema import AT_LIMIT, BROKEN, ENDED
 from damage.history.writer import HistoryWriter
 from damage.motion.loading import FreeVibration, Harmonic, TopDisplacement
 from damage.units import GRAVITY
@@ -30,14 +30,14 @@ def small_layout(**options):
 
 
 def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0, opening=None, slip=None, offset=None,
-                 broken=(), at_limit=(), snapshots=None, row=None, loading="harmonic", status="complete",
+                 broken=(), at_limit=(), ended=None, snapshots=None, row=None, loading="harmonic", status="complete",
                  collapsed_at_s=None, overwrite=False, write=HistoryWriter):
     """Write a history of a few samples to `path` and read it back; or by `write`, HistoryInMemory, keep it.
 
     stages: of each of n_times samples, step_s apart; drift: drift ratio, (n_times,) or one number;
     opening, slip, offset: {joint: (n_times,) or one number [m]}, all others zero; no offset: that of the slip;
     broken, at_limit: further joints in that state from the first sample on; a joint that opens or
-    slips is broken from the moment it does;
+    slips is broken from the moment it does; ended: {joint: sample from which on it has ended};
     snapshots: {time_s: (n_bodies, 3) [m, m, rad]}, None for one at rest with every fifth sample;
     row: {column of the series: (n_times,) or one number} over what is put in by itself;
     status: "unfinished" for a run that was killed.
@@ -50,6 +50,8 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     opened, slipped, away = (_frames(layout, n_times, values) for values in
                              (opening, slip, slip if offset is None else offset))
     state = _states(opened, np.abs(slipped) + np.abs(away), broken, at_limit)
+    for joint, first in (ended or {}).items():
+        state[first:, joint] |= ENDED
     writer = write(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
         "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": {}})
     for k, stage in enumerate(stages):

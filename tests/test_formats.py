@@ -44,6 +44,39 @@ class TestCsv:
         record = read_record(write(tmp_path, " Time_s , acc_g\n0,0.1\n0.01,-0.2\n"))
         assert_allclose(record.acceleration_m_s2, [0.1 * GRAVITY, -0.2 * GRAVITY], rtol=ROUND_OFF)
 
+    @pytest.mark.parametrize(("header", "m_s2"), [
+        ("time_s,acc_cm_s2", 0.01), ("time_s,acc_gal", 0.01), ("Time (s), Acceleration (gal)", 0.01),
+        ("t [s],a [cm/s²]", 0.01), ("time [s],acc [cm/s^2]", 0.01), ("time_s,accel m/s/s", 1.0),
+        ('"time [s]","acc [m/sec2]"', 1.0), ("t_s,acc [g]", GRAVITY)])
+    def test_the_header_names_the_unit_in_usual_spellings(self, tmp_path, header, m_s2):
+        record = read_record(write(tmp_path, f"{header}\n0,10\n0.01,-20\n"))
+        assert_allclose(record.acceleration_m_s2, [10 * m_s2, -20 * m_s2], rtol=ROUND_OFF)
+
+    @pytest.mark.parametrize("text", [
+        "time_s;acc_gal\n0;12,5\n0,01;-25\n", "time_s;acc_gal\n0;12.5\n0.01;-25\n",
+        "time_s\tacc_gal\n0\t12,5\n0,01\t-25\n", "time [s]  acc [gal]\n 0.00   12.5\n 0.01  -2.5e1\n",
+        "time_s acc_gal\n0,00 12,5\n0,01 -25\n", "time_s, acc_gal\n0, 12.5\n0.01, -25.\n"])
+    def test_semicolons_tabulators_blanks_and_decimal_commas(self, tmp_path, text):
+        record = read_record(write(tmp_path, text, "motion.txt"))
+        assert record.time_step_s == 0.01
+        assert_allclose(record.acceleration_m_s2, [0.125, -0.25], rtol=ROUND_OFF)
+
+    def test_an_exponent_that_is_not_in_utf_8_is_one(self, tmp_path):
+        path = tmp_path / "motion.csv"
+        path.write_bytes("time [s];acc [cm/s²]\n0;1\n0,01;2\n".encode("latin-1"))
+        assert_allclose(read_record(path).acceleration_m_s2, [0.01, 0.02], rtol=ROUND_OFF)
+
+    def test_the_unit_is_no_part_of_a_records_name(self, tmp_path):
+        assert read_record(write(tmp_path, "time_s,acc_gal\n0,1\n0.01,2\n", "here_acc_gal.csv")).name == "here"
+
+    def test_a_record_that_ships_is_read_by_its_name(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        assert read_record("BGAR_HGE").sha256 == read_record(shipped_record_path("BGAR_HGE")).sha256
+        write(tmp_path, "0,1\n0.01,2\n", "BGAR_HGE")
+        assert read_record("BGAR_HGE").acceleration_m_s2.size == 2  # a file comes first
+        assert one_line_error(read_record, "BGRA_HGE").endswith("; did you mean BGAR_HGE?")
+        assert "tests" not in one_line_error(read_record, "absent")
+
     def test_a_path_may_be_text_and_a_comment_in_any_encoding(self, tmp_path):
         path = tmp_path / "motion.txt"
         path.write_bytes("\ufeff# Prüfung\n0,0\n0.01,1\n".encode("latin-1", errors="ignore"))
@@ -88,15 +121,19 @@ class TestCsv:
             ("nan,1\n0.01,1\n", "line 1: 'nan,1' is not finite"),
             ("0\n0.01\n", "line 1: '0' has 1 column(s)"),
             ("0,1,2\n0.01,1,2\n", "line 1: '0,1,2' has 3 column(s)"),
-            ("0 1\n0.01 2\n", "line 1: '0 1' is an unknown header"),
             ("# c\n0,1\n0.01,high\n", "line 3: '0.01,high' is not numeric"),
             ("0,1\n0.01,\n", "line 2: '0.01,' is not numeric"),
             ("0,1\n0.01,2\n0.03,3\n0.04,3\n0.05,3\n", "line 3: a step of 0.02 s among 0.01 s"),
             ("0.02,1\n0.01,2\n0,3\n", "line 2: time 0.01 s after 0.02 s"),
             ("0,1\n0.01,2\n0.01,3\n", "line 3: time 0.01 s after 0.01 s"),
-            ("time_s,acc_cm_s2\n0,1\n0.01,2\n", "line 1: 'time_s,acc_cm_s2' is an unknown header"),
             ("t,acc_g\n0,1\n0.01,2\n", "line 1: 't,acc_g' is an unknown header"),
             ("acc_g\n0\n1\n", "line 1: 'acc_g' is an unknown header"),
+            ("time_s,acc\n0,1\n0.01,2\n", "line 1: 'time_s,acc' is an unknown header; expected time_s and one"),
+            ("time_s,acc_mm_s2\n0,1\n0.01,2\n", "is an unknown header"),
+            ("time_s;acc_g\n0,1\n0.01,2\n", "line 1: 'time_s;acc_g' is an unknown header"),
+            ("0;1;2\n0,01;1;2\n", "line 1: '0;1;2' has 3 column(s)"),
+            ("0,00;1,5\n0,01;1.200,5\n", "line 2: '0,01;1.200,5' has a decimal point in a file with decimal commas"),
+            ("0,00,1,5\n0,01,1,5\n", "line 1: '0,00,1,5' has 4 column(s)"),
             ("# start 2018-13-45T99:00\n0,1\n0.01,2\n", "start time '2018-13-45T99:00'"),
         ],
     )

@@ -100,6 +100,22 @@ def test_info_lists_the_caps_with_the_stress_under_them(tmp_path):
     assert "cap from x = 1.35 to 1.8 m (0.45 m): 2.82 t, 0.6 MPa under it" in describe_info(told)
 
 
+def test_info_separates_results_from_parameters(tmp_path):
+    wall = Wall("w", 1.8, 0.9)
+    given = {"wall": wall.as_dict(), **RunSettings(LOADINGS[0], ModelOptions()).as_dict()}
+    follows = {"eigen_period_s": 0.123, "pier_stress_pa": 3e5, "pgv_m_s": 0.5}
+    HistoryWriter(tmp_path / "a.h5", lay_out(wall), solver="reference", versions={},
+                  parameters=given | follows).finish("complete")
+    history = damage.read_history(tmp_path / "a.h5")
+    told = info(history)
+    assert told["results"] == follows and told["parameters"] == history.parameters
+    results, parameters = describe_info(told).split("results:\n")[1].split("parameters:\n")
+    assert [line.split() for line in results.splitlines()] == [
+        ["eigen_period_s", "0.123"], ["pier_stress_pa", "300000.0"], ["pgv_m_s", "0.5"]]
+    assert "rest_s" in parameters and not any(name in parameters for name in follows)
+    assert set(history.parameters) - set(told["results"]) == given.keys() - {"command"}  # the file has it elsewhere
+
+
 def test_a_recorded_motion_comes_back_without_its_samples():
     told = loading_from_dict(json.loads(json.dumps(RECORDED.as_dict())))
     for name in ("name", "duration_s", "window_s", "scale"):

@@ -316,6 +316,15 @@ class TestStudy:
         assert order == (["b_again.h5,", "a.h5,", "b.h5,"] if 2 * worse["b"] > worse["a"]
                          else ["a.h5,", "b_again.h5,", "b.h5,"])
 
+    @pytest.mark.parametrize("name, judged", [("harmonic", True), ("mine", False)])
+    def test_the_papers_statements_are_judged_by_its_studies_alone(self, study, name, judged):
+        for table in ("summary", "points"):
+            path = study / "tables" / f"{table}.csv"
+            write_table(read_table(path).assign(wall="symmetric", eigen_period_s=0.2), path)
+        (study / "study.toml").write_text(f'name = "{name}"\n')
+        assert ("The paper's statements" in page([], [study])) == judged
+        assert ("The paper's statements" in page([], [study.parent])) == judged
+
     def test_without_histories_the_tables_are_left(self, study):
         for path in (study / "runs").iterdir():
             path.unlink()
@@ -435,6 +444,19 @@ class TestNumbers:
         whole, step = quantised(values)
         assert whole.tolist() == [[32767, 0], [-16384, 0], [0, 0]]
         assert step[0] == 1 / 32767
+
+
+def test_a_report_begins_with_the_words_of_its_author(one, tmp_path):
+    out = tmp_path / "a.html"
+    assert main(["report", str(one.path), "--out", str(out), "--title", "House 7 <b>", "--author", "N. N.", "--text",
+                 "First & <i>.\n\nSecond."]) == 0
+    text = out.read_text(encoding="utf-8")
+    told = Page(text)
+    assert [each["content"] for each in told.all("meta") if each.get("name") == "author"] == ["N. N."]
+    assert not told.all("b") and not told.all("i")
+    words = "".join(told.words)
+    assert words.index("House 7 <b>") < words.index(one.wall) < words.index("N. N.") < words.index("First & <i>.")
+    assert '<p class="text">Second.</p>' in text
 
 
 def test_a_history_s_numbers_are_equal_in_json_table_point_report_and_verdict(one, tmp_path, capsys):

@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, material_of
-from damage.wall.layout import lay_out
+from damage.wall.layout import GROUND, lay_out
 from damage.wall.parameters import Joint, ModelOptions, Wall
 from yade_scripts.joint_tracker import JointTracker
 
@@ -69,6 +69,26 @@ def test_a_joint_that_sticks_is_not_at_its_limit():
     path = [(4e-6, 0.0), *[(-5e-6, 1e-8 * k) for k in range(20)]]
     state, tracker, _, _ = follow_both(path, 1)
     assert not state.at_limit and not tracker.at_limit[0]
+
+
+def test_a_joint_whose_faces_no_longer_overlap_keeps_what_it_had():
+    """Half a brick stands on the left one below, over 0.1125 m; the tip has left its face before: the opening seen is
+    across the joint."""
+    layout = lay_out(Wall("small", 0.45, 0.15))
+    bodies, contacts = layout.bodies, layout.contacts
+    tracker, joint = JointTracker(layout, 1e-4), int(np.flatnonzero(contacts.first == 0)[0])
+    least = bodies.x[0] - bodies.length[0] / 2 - (bodies.x + bodies.length / 2)[contacts.second[joint]]
+    tracker.breaks(joint, "shear", -1e5, 3e5)
+    for share, ended in ((0.99, False), (1.01, True)):
+        assert tracker.followed.tolist() == [joint]
+        tracker.sample(np.array([joint]), np.array([0.05]), np.array([share * least]), np.zeros(1), np.array([2e-4]))
+        assert tracker.ended[joint] == ended
+    assert tracker.followed.size == 0
+    assert (tracker.opening[joint], tracker.offset[joint]) == (2e-4, 1.01 * least)
+    below = int(np.flatnonzero(contacts.first == GROUND)[0])
+    tracker.breaks(below, "shear", -1e5, 3e5)
+    tracker.sample(np.array([below]), np.array([1e-5]), np.array([5.0]), np.zeros(1))
+    assert tracker.followed.tolist() == [below]  # the ground does not end
 
 
 def frayed(path):

@@ -6,7 +6,9 @@ from small_history import as_version_2, make_history, small_layout
 
 from damage.history.reader import read_history
 from damage.measure.summary import summarise
-from damage.measure.validity import offset_over_overlap, slide_limits
+from damage.measure.tables import joints_table
+from damage.measure.validity import ended_joints, offset_over_overlap, slide_limits
+from damage.run.report import describe
 
 LAYOUT = small_layout()
 CONTACTS = LAYOUT.contacts
@@ -49,6 +51,23 @@ def test_the_largest_share_of_the_overlap_is_told_and_warned_of_from_one_on(tmp_
     if warnings:
         assert "the bed joint at x = " in warnings[0] and "slid to 1.60 of the overlap" in warnings[0]
         assert offset_over_overlap(history)[1:] == (BED, 10)
+
+
+def test_joints_that_ended_are_counted_and_warned_of_in_one_line(tmp_path):
+    """Two contact points of one joint, one of another."""
+    twin = BED + 1 if CONTACTS.second[BED + 1] == CONTACTS.second[BED] else BED - 1
+    assert (CONTACTS.first[twin], CONTACTS.second[twin]) == (CONTACTS.first[BED], CONTACTS.second[BED])
+    history = make_history(tmp_path / "a.h5", offset={BED: -0.113, twin: -0.113, HEAD: 0.076},
+                           ended={BED: 7, twin: 7, HEAD: 12})
+    assert ended_joints(history) == (2, min(BED, twin), 7)
+    summary = summarise(history)
+    assert summary["ended_joints"] == 2 and summary["max_offset_over_overlap"] >= 1
+    (line,) = [line for line in summary["warnings"] if "ended" in line]
+    assert line.startswith("2 joints ended, the first the bed joint at x = ") and "(t = 0.07 s)" in line
+    assert "joints that ended, as their faces no longer overlapped: 2" in describe(summary)
+    assert np.flatnonzero(joints_table(history)["ended"]).tolist() == sorted([BED, twin, HEAD])
+    none = summarise(make_history(tmp_path / "b.h5"))
+    assert none["ended_joints"] == 0 and "ended" not in describe(none)
 
 
 def test_a_history_without_offsets_says_nothing(tmp_path):

@@ -11,7 +11,6 @@ from damage.start import EXIT_INTERRUPTED, begin, is_of_output, leave
 if __name__ == "__main__":
     begin()  # before what takes its time to import
 
-import argparse
 import fcntl
 import json
 import os
@@ -29,13 +28,14 @@ import pandas as pd
 import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
 from shards import RUNS_AN_HOUR, point_of, shard_of, write_shards
-from shared import MARK, ROOT, Log, end_with_parent, python_path, write_if_other
+from shared import MARK, RESULTS, ROOT, Log, end_with_parent, python_path, write_if_other
 from stale import drop, find_stale, note
 
 from damage.errors import InputError, warn
 from damage.files import plain_file, whole_or_nothing
 from damage.measure.tables import describe_table
 from damage.provenance import measures_digest
+from damage.run.options import OneLineParser, number_from
 from damage.studies.definition import load_study
 from damage.studies.tables import runs_there
 
@@ -48,10 +48,14 @@ _STEPS = re.compile(r"(\d+) of (\d+) steps \(.*\) done")
 
 def main():
     """Run one study; returns the exit status."""
-    parsed = _parse()
     try:
+        parsed = _parse()
+        if parsed.dry_run:
+            import plan
+
+            return plan.main()
         study = load_study(parsed.study, parsed.solver, ROOT)
-        folder = (parsed.out or ROOT / "results" / study.name).absolute()
+        folder = (parsed.out or RESULTS / study.name).absolute()
         lock = claim(folder, study)
         if parsed.run:
             return again.make_again(parsed.run, study, folder)
@@ -103,17 +107,24 @@ def conclude(study, folder):
 
 
 def _parse():
-    parser = argparse.ArgumentParser(prog="batch.py", description=__doc__.splitlines()[0])
-    parser.add_argument("study", type=Path)
-    parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--out", type=Path)
-    parser.add_argument("--solver", default="yade", choices=("yade", "reference", "both"))
-    parser.add_argument("--slurm", action="store_true")
-    parser.add_argument("--cores", type=int)
-    parser.add_argument("--shard", type=int)
-    parser.add_argument("--keep", default="all", choices=("all", "summary"))
-    parser.add_argument("--remake", action="store_true")
-    parser.add_argument("--run")
+    parser = OneLineParser(prog="python3 -m damage study", allow_abbrev=False, description=(
+        "Run a study: simulations, tables, pictures.  What is done is not done again."))
+    parser.add_argument("study", type=Path, metavar="STUDY", help="a study file (.toml); python3 -m damage study takes "
+                        "the name of one that ships, too")
+    parser.add_argument("-j", dest="jobs", type=number_from(1, 9999, int), default=os.cpu_count(), metavar="N",
+                        help="simulations at a time (default: one for each core)")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="where everything goes (default results/NAME)")
+    parser.add_argument("--solver", default="yade", choices=("yade", "reference", "both"), help="what simulates "
+                        "(default yade; of python3 -m damage study: reference)")
+    parser.add_argument("--keep", default="all", choices=("all", "summary"), help="histories: all (default), or those "
+                        "of each point's first run, and what failed")
+    parser.add_argument("--run", metavar="ID", help="make the history of this run alone, which was not kept")
+    parser.add_argument("--dry-run", action="store_true", help="make nothing: say what there is to do, expected time "
+                        "and disk")
+    parser.add_argument("--slurm", action="store_true", help="as jobs of a SLURM cluster")
+    parser.add_argument("--cores", type=number_from(1, 9_999_999, int), metavar="N", help="processors for each job")
+    parser.add_argument("--shard", type=number_from(1, 9_999_999, int), metavar="RUNS", help="runs of a job")
+    parser.add_argument("--remake", action="store_true", help="make runs again that another version made")
     return parser.parse_args()
 
 

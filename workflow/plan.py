@@ -25,7 +25,7 @@ import h5py
 import numpy as np
 from room import free_bytes
 from run_shard import company_of
-from shared import ROOT
+from shared import RESULTS, ROOT
 from speed import Speed, python_seconds, speed
 
 from damage.errors import InputError
@@ -68,7 +68,7 @@ def main():
     parser.add_argument("--out", type=Path)
     parser.add_argument("--solver", default="yade")
     asked, _ = parser.parse_known_args()  # the others change nothing of the plan
-    out = (asked.out or ROOT / "results").absolute()
+    out = (asked.out or RESULTS).absolute()
     try:
         if not asked.study.is_dir():
             study = load_study(asked.study, asked.solver, ROOT)

@@ -9,6 +9,8 @@ from damage.errors import InputError
 from damage.files import plain_file, write_text
 
 ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "results" if (ROOT / "run_all.sh").is_file() else Path.cwd() / "results"
+"""Where studies go unless --out says it: into the repository; of an installed package, below the working folder."""
 MARK = "@@ "
 """Begins a line meant for the person at the terminal; everything else goes to a log only."""
 

@@ -2,18 +2,20 @@
 
 import re
 import shutil
+from pathlib import Path
 
 from shards import point_of
 from shared import ROOT
 
+import damage.reference
 from damage.errors import InputError
 from damage.history.head import read_head
 from damage.provenance import model_digest
 from damage.studies.records import all_records, is_of_today
 from damage.studies.tables import refuse_other_measures, runs_there
 
-CODE = {"reference": ROOT / "damage" / "reference", "yade": ROOT / "yade_scripts"}
-"""Where each solver's own code lies."""
+CODE = {"reference": Path(damage.reference.__file__).parent, "yade": ROOT / "yade_scripts"}
+"""Where each solver's own code lies; an installed package is without YADE's."""
 OLD = "one before 0.2"
 _NAMED = 5  # runs that a message names
 
@@ -26,7 +28,7 @@ def of_other_versions(study, folder):
             made_by[name] = f"{record['row']['solver']} {record['row']['model_digest']}"
     for path in [path for run in study.runs for path in histories(run, folder)]:
         made_by[path.stem] = model_of(path)
-    today = {f"{solver} {model_digest(code)}" for solver, code in CODE.items()}
+    today = {f"{solver} {model_digest(code)}" for solver, code in CODE.items() if code.is_dir()}
     return {name: model for name, model in made_by.items() if model not in (*today, None)}
 
 

@@ -42,6 +42,12 @@ class FrictionWork:
         """Watch this interaction no more."""
         del self._watched[contact.id1, contact.id2]
 
+    def end(self, contact, stored):
+        """Watch this interaction no more, whose elastic energy [J] goes."""
+        self.forget(contact)
+        self._near = list(self._watched.values())
+        self._rest += stored
+
     def choose(self, reach):
         """From now on look only at contacts that are closed, or open by less than a reach [m]."""
         self._near = [one for one in self._watched.values() if one.closed or one.geom.penetrationDepth > -reach]

@@ -2,20 +2,22 @@
 shear limit, friction work and fracture energy.
 
 Offset is the shear displacement of a broken joint less its elastic part, open or closed.  Slip is what of it came
-about while the contact was closed: frozen while it is open, and over a sample in which it opens or closes.
+about while the contact was closed: frozen while it is open, and over a sample in which it opens or closes.  A joint
+whose faces no longer overlap has ended, and keeps what it had then.
 """
 
 import numpy as np
 
 from damage.wall.joint_law import friction_left, material_of
+from damage.wall.kinematics import slide_limits
 
 _SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint slid
 
 
 class JointTracker:
-    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit, crushed; dry:
-    share of the area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the means over
-    all, by shares, and broken and at the limit are those whose last one is.
+    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit, crushed,
+    ended; dry: share of the area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the
+    means over all, by shares, and broken and at the limit are those whose last one is.
 
     friction_energy, fracture_energy [J]; of the first what fibres take as they break: breaking_energy.
     """
@@ -28,9 +30,10 @@ class JointTracker:
         self.shear_stiffness = contacts.shear_stiffness[:n]
         self.threshold = threshold
         self.opening, self.slip, self.offset = np.zeros(n), np.zeros(n), np.zeros(n)
-        self.broken, self.at_limit, self.crushed = np.zeros((3, n), bool)
+        self.broken, self.at_limit, self.crushed, self.ended = np.zeros((4, n), bool)
         self.dry, self._crushing = np.zeros(n), contacts.compressive_strength[:n] * self.area
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
+        self._slide = np.array(slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies))[:, :n]
         self._open, self._stress, self._plastic = np.zeros(n, bool), np.zeros(n), np.zeros(n)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
@@ -77,10 +80,16 @@ class JointTracker:
         self.crushed[joint] = True
         self.fracture_energy += float(self._crushing[joint]) * more
 
-    def sample(self, joints, opening, shear, tau):
+    @property
+    def followed(self):
+        """Indices of the joints to sample: those whose bond has gone, at least in part, and that have not ended."""
+        return np.flatnonzero((self.dry > 0) & ~self.ended)
+
+    def sample(self, joints, opening, shear, tau, gap=None):
         """Take a sample of broken joints.
 
-        joints: indices (m,); opening, shear displacement [m] and shear stress tau [Pa]: (m,).
+        joints: indices (m,); opening, shear displacement [m] and shear stress tau [Pa]: (m,); gap: what is seen of the
+        opening where that is not all of it (m,).
         Yields (joint, "opened" | "slipped") at the first passing of the threshold.
         """
         is_open, area = opening > 0, self.area[joints] * self.dry[joints]
@@ -97,10 +106,13 @@ class JointTracker:
         slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)
         self.at_limit[joints] |= (slides | (np.abs(increment) > _SLIDES)) & self.broken[joints]
         self.slip[joints] += self.dry[joints] * increment
-        self.opening[joints] = np.where(is_open, self.dry[joints] * opening, 0.0)
+        seen = opening if gap is None else np.maximum(gap, 0.0)
+        self.opening[joints] = np.where(is_open, self.dry[joints] * seen, 0.0)
         self.offset[joints] = self.dry[joints] * plastic
         self._open[joints], self._plastic[joints] = is_open, plastic
         self._stress[joints] = np.where(is_open, 0.0, tau)
+        least, most = self._slide[:, joints]
+        self.ended[joints] = self.broken[joints] & ((shear <= least) | (shear >= most))
         return self._first_passings()
 
     def _first_passings(self):

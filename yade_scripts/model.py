@@ -49,9 +49,9 @@ class YadeWall:
     clumps: body ids (n_bodies,); members: [ids of the members that feel contacts] of each clump; bonds: YADE
     interactions (n_contacts,); signs: +1 where YADE's second body is the layout's second (n_contacts,);
     ground: [ids of the bodies] of each support, whose motion is prescribed; bonded: whether the interaction is still
-    the first one (n_contacts,); frayed: {joint: dry contact beside a bond that holds in part}; turning: states that
-    show how the bodies have turned; tips: a _Tip for each contact point that may break; faces: {(body, kind): id} of
-    the boxes.
+    the first one (n_contacts,); frayed: {joint: dry contact beside a bond that holds in part}; closure: by how much
+    contact points are crushed (n_joints,) [m]; turning: states that show how the bodies have turned; tips: a _Tip for
+    each contact point that may break; faces: {(body, kind): id} of the boxes.
     """
 
     def __init__(self, layout, parts, bonds, newton, law, work):
@@ -65,10 +65,10 @@ class YadeWall:
         self.friction = friction_left(True, material_of(layout.wall.joint))
         self._material, self._work = parts.tip, work
         contacts, n = layout.contacts, layout.n_joints
-        # Depth at which contact points crush, none where they do not; by how much they have [m]; {joint: its tip's id}.
+        # Depth at which contact points crush, none where they do not [m]; {joint: its tip's id}.
         self._depth = np.where(np.isinf(contacts.compressive_strength), 0.0,
                                contacts.compressive_strength / contacts.normal_stiffness)[:n]
-        self._closure, self._tip_of = np.zeros(n), {}
+        self.closure, self._tip_of = np.zeros(n), {}
         self.corners = set()  # ids of the spheres in the bricks' corners
 
     def loosen(self, joint):
@@ -111,7 +111,7 @@ class YadeWall:
     def crush(self, joint, more):
         """Move the rest position of a contact point by a closure [m]; whether what rubs there is another interaction
         now."""
-        self._closure[joint] += more
+        self.closure[joint] += more
         _ease(self.bonds[joint], more)
         if self.bonded[joint]:
             self.bonds[joint].phys.initD += more
@@ -124,6 +124,13 @@ class YadeWall:
             return False
         self._exchange(joint)
         return True
+
+    def end(self, joint, stored):
+        """Take the contact of a joint whose faces no longer overlap away, with the elastic energy [J] that it has."""
+        contact = self.bonds[joint]
+        self._work.end(contact, stored)
+        if contact.isReal:
+            O.interactions.erase(contact.id1, contact.id2)
 
     def _exchange(self, joint):
         """Another tip in the place of one that crushing has made too small, farther inside its brick."""
@@ -145,7 +152,7 @@ class YadeWall:
     def _touch(self, joint, normal_stiffness, shear_stiffness):
         """The dry contact of a tip, which it makes where the joint's closure has left it, and its face."""
         tip, radius = self.tips[joint], max(TIP, 2 * _DEEP * self._depth[joint])
-        inwards = radius + self._closure[joint]
+        inwards = radius + self.closure[joint]
         place = tip.x + inwards * tip.inwards[0], tip.z + inwards * tip.inwards[1]
         point, = self._attach(tip.body, [_ball(place, radius, self._material)])
         self._tip_of[joint] = point

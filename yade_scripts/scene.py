@@ -1,11 +1,19 @@
 """Arrays from YADE's scene, read between the interaction loop and the integration of a step: the
 positions and forces of one instant, and the velocities half a step earlier."""
 
+from typing import NamedTuple
+
 import numpy as np
-from yade import O
+from yade import O, Vector3
 
 from damage.units import GRAVITY
 from yade_scripts.bundles import Bundles
+
+
+class _Gone(NamedTuple):
+    """Stands in for the geometry of a contact that was taken away."""
+
+    penetrationDepth: float = 0.0  # YADE's name
 
 
 class SceneReader:
@@ -74,6 +82,13 @@ class SceneReader:
                 self.rubbing[joint] = dry.phys, dry.geom
             else:
                 self._look_at(joint)
+
+    def end(self, joint):
+        """Take the forces of a joint whose faces no longer overlap away."""
+        geom, phys = self.geometries[joint], self.physics[joint]
+        depth = max(geom.penetrationDepth, 0.0)
+        self.model.end(joint, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
+        self.geometries[joint], phys.normalForce, phys.shearForce = _Gone(), Vector3.Zero, Vector3.Zero
 
     def _look_at(self, joint):
         bond = self.model.bonds[joint]

@@ -10,7 +10,7 @@ import builtins
 import numpy as np
 from yade import O, PyRunner, Vector3
 
-from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
+from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
@@ -28,6 +28,10 @@ LOOSE = 0.4e-3
 """Opening or offset of a joint [m] from which on bricks may meet otherwise: corners and faces are 0.5 mm apart."""
 
 
+ON_FACE = 1e-2
+"""Slide of a joint [m] up to which all its tips are on their faces."""
+
+
 class YadeSolver(Solver):
     """A wall in YADE that a Run can move; `Solver` says what each verb does."""
 
@@ -42,7 +46,7 @@ class YadeSolver(Solver):
         # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
         self._supports, self._support_velocity = np.zeros((2, len(layout.supports), 3))
         self._sample_steps = self._on_samples = self._raised = None
-        self._events, self._known, self._armed = [], (0, None), False
+        self._events, self._known, self._armed = [], ((), None), False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
         builtins.masonry_solver = self  # where the engine's command can find it
@@ -180,16 +184,22 @@ class YadeSolver(Solver):
                 self._events.append((self.clock, int(joint), kind, sigma, tau))
 
     def _follow_joints(self):
-        broken = np.flatnonzero(self.tracker.dry)
+        broken = self.tracker.followed
         if len(broken) == 0:
             return
-        _, shear = self.kinematics.displacements(self.scene.motion(self._bodies_at(broken)), broken, self._supports)
+        motion = self.scene.motion(self._bodies_at(broken))
+        across, shear = self.kinematics.displacements(motion, broken, self._supports)
         opening = np.array([self.scene.opening_of(i) for i in broken])
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
             self.model.arm()
         tau = self.scene.shear_stresses(broken)
-        self._log_passings(self.tracker.sample(broken, opening, shear, tau))
+        # A tip that has left its face is as far from that as from its end.
+        slid = np.abs(shear) > ON_FACE
+        gap = np.where(slid, np.minimum(opening, across + self.model.closure[broken]), opening) if slid.any() else None
+        self._log_passings(self.tracker.sample(broken, opening, shear, tau, gap))
+        for joint in broken[self.tracker.ended[broken]]:
+            self.scene.end(joint)
 
     def _log_passings(self, passings):
         for joint, kind in passings:
@@ -198,9 +208,9 @@ class YadeSolver(Solver):
 
     def _bodies_at(self, joints):
         """Bodies on either side of the joints, kept between looks as long as the joints are."""
-        if len(joints) != self._known[0]:
+        if not np.array_equal(joints, self._known[0]):
             ends = np.concatenate([end[joints] for end in self.kinematics.ends])
-            self._known = len(joints), np.unique(ends[ends < len(self.layout.bodies)])
+            self._known = joints, np.unique(ends[ends < len(self.layout.bodies)])
         return self._known[1]
 
     def _integrate_input(self, base):
@@ -245,7 +255,8 @@ class YadeSolver(Solver):
             clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports,
             support_force=self.scene.support_forces(self._supports), joints=slice(None), contacts={
                 "opening_m": tracker.opening, "slip_m": tracker.slip, "offset_m": tracker.offset,
-                "state": BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed},
+                "state": BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed
+                + ENDED * tracker.ended},
             top_force_n=np.nan if self._held is None else self._push_force(),
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
             elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy, friction_j=friction,

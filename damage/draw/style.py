@@ -136,13 +136,21 @@ def save_figures(figures, folder, made=""):
 
     made: what made the results that they show; it goes into the pictures' own data, with this software's version.
     """
-    paths = []
-    for name, figure in figures:
-        for ending, (drawn_by, shows) in FORMATS.items():
-            paths.append(Path(folder) / f"{name}.{ending}")
-            metadata = {drawn_by: f"masonry-damage {VERSION}, commit {commit()}", shows: made}
-            if ending == "pdf":
-                metadata["CreationDate"] = None  # same run, same bytes
-            with whole_or_nothing(paths[-1]) as unfinished:
-                figure.savefig(unfinished, format=ending, metadata=metadata)
-    return paths
+    return [_save(figure, Path(folder) / f"{name}.{ending}", ending, made)
+            for name, figure in figures for ending in FORMATS]
+
+
+@styled
+def save_png(figure, path, made=""):
+    """Write one Figure as PNG; returns its path.  made: as of `save_figures`."""
+    return _save(figure, Path(path), "png", made)
+
+
+def _save(figure, path, ending, made):
+    drawn_by, shows = FORMATS[ending]
+    metadata = {drawn_by: f"masonry-damage {VERSION}, commit {commit()}", shows: made}
+    if ending == "pdf":
+        metadata["CreationDate"] = None  # same run, same bytes
+    with whole_or_nothing(path) as unfinished:
+        figure.savefig(unfinished, format=ending, metadata=metadata)
+    return path

@@ -52,6 +52,7 @@ JOINTS_OF_A_RUN = {
     "broken": Column("bool", "whether the bond was gone at the last sample"),
     "at_shear_limit": Column("bool", "whether it had failed in shear or slid by then"),
     "crushed": Column("bool", "whether it had been crushed by then"),
+    "ended": Column("bool", "whether it had ended by then, as its faces no longer overlapped"),
     "final_offset_m": Column("m", "offset of the faces at the last sample, signed; empty of a history without offsets"),
     "max_abs_offset_m": Column("m", "largest absolute offset of all samples; empty of a history without offsets")}
 _SPAN = {"start_s": Column("s", "its start"), "end_s": Column("s", "its end")}

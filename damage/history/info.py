@@ -5,6 +5,7 @@ from math import isnan
 from damage.errors import InputError
 from damage.history.head import read_head
 from damage.history.reader import read_history
+from damage.motion.intensity import APPLIED
 from damage.provenance import UNKNOWN, shown_path
 from damage.wall.caps import caps, describe_cap
 
@@ -16,6 +17,11 @@ WORTH = {
     OPEN: "a run writes it now, or was killed: what was flushed is there, no checksum vouches for it",
     DAMAGED: "not to be used",
 }
+
+
+RESULTS = ("time_step_s", "critical_time_step_s", "eigen_period_s", "pier_stress_pa", *APPLIED)
+"""Of a history's parameters those that follow from the others: the wall's by its eigenvalues, the motion's as applied;
+the time step, too, unless --dt gives it."""
 
 
 def check(path):
@@ -56,12 +62,24 @@ def origin(history):
 
 
 def info(history):
-    """All that made a History, as a plain dictionary."""
+    """All that made a History, as a plain dictionary: "parameters" as the file holds them, and "results", those of
+    them that follow from the others."""
     return {"file": shown_path(history.path), "wall": history.wall, "solver": history.solver, "status": history.status,
             "collapsed_at_s": history.collapsed_at_s, "created_utc": history.attributes["created_utc"],
             "machine": history.attributes["machine"], "command": history.command, **made_by(history),
-            "versions": history.versions, "parameters": history.parameters, "caps": _caps(history),
+            "versions": history.versions, "parameters": history.parameters, "results": results(history),
+            "caps": _caps(history),
             "static": {name: None if isnan(value) else value for name, value in history.static.items()}}
+
+
+def results(history):
+    """{name: value} of what the file holds among a History's parameters, and which follows from the others."""
+    return {name: history.parameters[name] for name in RESULTS if name in history.parameters}
+
+
+def given(told):
+    """The parameters without what follows from them; told: an `info`."""
+    return {name: value for name, value in told["parameters"].items() if name not in told["results"]}
 
 
 def _caps(history):
@@ -71,14 +89,15 @@ def _caps(history):
 
 
 def describe(told):
-    """The `info` of a history as lines for people: first what made it, its caps, then every parameter."""
+    """The `info` of a history as lines for people: what made it and its caps, the results that precede the motion
+    (static stage, periods, measures of the motion), then every parameter that was given or has its default."""
     lines = [f"{name:14s}{told[name]}" for name in (
         "file", "wall", "solver", "status", "created_utc", "machine", "command", "software", "commit", "model_digest")]
     lines += [f"{name:14s}{version}" for name, version in sorted(told["versions"].items())
               if name not in ("masonry-damage", "commit", "model")]
     lines += map(describe_cap, told["caps"])
-    for title in ("static", "parameters"):
-        lines += [f"{title}:", *(f"  {name:42s}{value}" for name, value in flat(told[title]))]
+    for title, table in (("static stage", told["static"]), ("results", told["results"]), ("parameters", given(told))):
+        lines += [f"{title}:", *(f"  {name:42s}{value}" for name, value in flat(table))]
     return "\n".join(lines)
 
 

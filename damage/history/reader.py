@@ -20,6 +20,7 @@ from damage.history.schema import (
     BROKEN,
     CODES,
     CRUSHED,
+    ENDED,
     EVENTS,
     SCHEMA,
     SCHEMA_VERSION,
@@ -28,6 +29,7 @@ from damage.history.schema import (
     TABLES,
     tables_of,
 )
+from damage.history.shown import as_html, in_a_line
 from damage.history.structure import check_structure
 from damage.history.values import check_parameters, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
@@ -52,12 +54,13 @@ class Told(NamedTuple):
 
 class States(NamedTuple):
     """What is told of joints' states: those at which any was ever set, (n,) indices in rising order, and of these alone
-    broken, at_limit, crushed, bool (n_times, n)."""
+    broken, at_limit, crushed, ended, bool (n_times, n)."""
 
     joints: np.ndarray
     broken: np.ndarray
     at_limit: np.ndarray
     crushed: np.ndarray
+    ended: np.ndarray
 
 
 def _told(kind, joints, frames):
@@ -91,7 +94,7 @@ class _Frames:
         vars(history)[self._name] = value
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class History:
     """One run.
 
@@ -99,8 +102,8 @@ class History:
     bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
     (motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
-    opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed: bool of that shape; offset_m: the same of the
-    offsets, None in a file that has none (schema versions 1 and 2).
+    opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed, ended: bool of that shape; offset_m: the same of
+    the offsets, None in a file that has none (schema versions 1 and 2).
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad].
     supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
     (n_times, n_supports, 3); all three None in a file that has none (before schema version 5).
@@ -128,12 +131,19 @@ class History:
     broken: np.ndarray = _Frames()
     at_limit: np.ndarray = _Frames()
     crushed: np.ndarray = _Frames()
+    ended: np.ndarray = _Frames()
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
     offset_m: np.ndarray | None = _Frames()
     supports: pd.DataFrame | None = None
     support_displacement: np.ndarray | None = None
     support_force: np.ndarray | None = None
+
+    def __repr__(self):
+        return in_a_line(self)
+
+    def _repr_html_(self):
+        return as_html(self)
 
     @property
     def complete(self):
@@ -359,7 +369,7 @@ def _frames(values, columns, n_times):
     told = {name: values[f"frames/{name}"][:n_times] if name in columns else None
             for name in ("opening_m", "slip_m", "offset_m")}
     return told | {name: (state & bit) > 0 for name, bit in (
-        ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED))}
+        ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED), ("ended", ENDED))}
 
 
 def _at_all_joints(told, joints, n_joints):

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
 SCHEMA_VERSION = 5
-"""1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints
-that crush, 4 no supports."""
+"""1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints that crush, 4 no
+supports and no joints that end."""
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling")
 EVENTS = ("tension", "shear", "opened", "slipped")
-BROKEN, AT_LIMIT, CRUSHED = 1, 2, 4  # bits of frames/state
+BROKEN, AT_LIMIT, CRUSHED, ENDED = 1, 2, 4, 8  # bits of frames/state
 
 
 class Column(NamedTuple):
@@ -79,9 +79,10 @@ FRAMES = {
                           "`accumulated`", "f4"),
     "offset_m": Column("m", "signed offset of the two faces now, along the joint, less its elastic part (none while "
                             "open), 0 while intact: the slip by `displacement`", "f4", since=3),
-    "state": Column("bits: 1 broken, 2 has been at the shear limit, 4 has been crushed", "1: the bond is gone; 2: has "
-                    "failed in shear or slid, ever; 4: has been pressed to its compressive strength and has closed for "
-                    "good, ever", "u1"),
+    "state": Column("bits: 1 broken, 2 has been at the shear limit, 4 has been crushed, 8 has ended", "1: the bond is "
+                    "gone; 2: has failed in shear or slid, ever; 4: has been pressed to its compressive strength and "
+                    "has closed for good, ever; 8: its faces have ceased to overlap: it has no forces any more, and "
+                    "keeps opening, slip and offset", "u1"),
 }
 GROUND = {
     "displacement": Column("m, m, rad", "of the middle of the part of the base that each support carries, since the "

@@ -1,5 +1,7 @@
 """The file itself: `python3 -m damage report PATH... [--out FILE.html]`."""
 
+import re
+from dataclasses import dataclass
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -11,7 +13,7 @@ from damage.history.reader import read_history
 from damage.html.charts import over_time, states_legend
 from damage.html.library import PAGE, plotly_code, plotly_version
 from damage.html.run_part import run_part
-from damage.html.study_part import figures, runs_of, studies_below, study_part, verdict_of
+from damage.html.study_part import figures, is_of_paper, runs_of, studies_below, study_part, verdict_of
 from damage.html.tables import energy_balance, measures, parameters, versions
 from damage.index import THRESHOLD
 from damage.provenance import commit
@@ -23,9 +25,24 @@ LETTERS = "ABCDEF"
 ENDINGS = (".html", ".htm")
 
 
-def write_report(paths, out=None):
+@dataclass(frozen=True)
+class Words:
+    """What an author adds to a report: title, None for what ran; author; text, with blank lines between paragraphs."""
+
+    title: str | None = None
+    author: str | None = None
+    text: str | None = None
+
+    @property
+    def paragraphs(self):
+        """The text by paragraphs."""
+        return [part.strip() for part in re.split(r"\n\s*\n", self.text or "") if part.strip()]
+
+
+def write_report(paths, out=None, words=Words()):
     """Write the report of histories and of folders of studies; returns its path.
 
+    words: title, author and text that the report begins with.
     paths: of histories, up to as many as LETTERS has, and of folders that hold the tables of studies; out: by default
     beside the first, NAME.html of a history, report.html in a folder.
     Raises InputError of a file that is no history or has no sample, of a folder without tables, and of another ending.
@@ -35,11 +52,11 @@ def write_report(paths, out=None):
     if out.suffix.lower() not in ENDINGS:
         raise InputError(f"--out {out}: expected a name that ends in .html; give it one")
     files, folders = ([path for path in paths if path.is_dir() == of_study] for of_study in (False, True))
-    return write_text(out, page(files, folders))
+    return write_text(out, page(files, folders, words))
 
 
-def page(files, folders):
-    """The text of the report of histories (paths) and of folders of studies."""
+def page(files, folders, words=Words()):
+    """The text of the report of histories (paths) and of folders of studies, with the Words of its author."""
     if len(files) > len(LETTERS):
         raise InputError(f"{len(files)} histories: expected up to {len(LETTERS)} side by side; name fewer, or the "
                          "folder of their study")
@@ -56,7 +73,8 @@ def page(files, folders):
                for run in runs if run["first"]]
         + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]]
         + ([("Histories that cannot be read", unread)] if unread else []),
-        title=_title(runs, parts), measures=measures(runs) if runs else [],
+        title=words.title or _title(runs, parts), subject=_title(runs, parts) if words.title else "",
+        author=words.author, paragraphs=words.paragraphs, measures=measures(runs) if runs else [],
         energies=energy_balance(runs) if runs else [], parameters=parameters, versions=versions,
         threshold_mm=THRESHOLD / MILLIMETRE,
         data=_for_program(runs), style=(PAGE / "report.css").read_text(encoding="utf-8"),
@@ -94,7 +112,8 @@ def _worst(studies, most):
 
 def _of_folder(folder, studies):
     """What the studies below one folder have in common: figures, unless it is a study itself, and the verdict."""
-    return {"name": folder.resolve().name, "verdict": verdict_of(folder),
+    mine = [study for study in studies if study.is_relative_to(folder)]
+    return {"name": folder.resolve().name, "verdict": verdict_of(folder) if any(map(is_of_paper, mine)) else None,
             "figures": {"embedded": [], "named": []} if folder in studies else figures(folder)}
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.image import imread
 
 from damage.errors import InputError
+from damage.files import shipped_files
 from damage.html.packing import as_png
 from damage.html.tables import COLUMNS as MEANING
 from damage.html.tables import cell
@@ -201,6 +202,12 @@ def _drawn(name, figure):
     """A matplotlib Figure as an embedded figure; its size only tells its shape."""
     width, height = (round(100 * inches) for inches in figure.get_size_inches())
     return {"name": name, "data": as_png(figure), "width": width, "height": height, "words": figure_words(name)}
+
+
+def is_of_paper(folder):
+    """Whether the study in a folder is one that ships, by its name: the paper's statements are about their walls and
+    motions, and about no study of one's own."""
+    return _about(folder).get("name") in shipped_files("studies", ".toml")
 
 
 def verdict_of(folder):

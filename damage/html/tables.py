@@ -3,7 +3,7 @@
 import math
 from numbers import Number
 
-from damage.history.info import flat
+from damage.history.info import flat, given
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN
 from damage.measure.energy import DISSIPATED, STORED, imbalance
 from damage.wall.caps import describe_cap
@@ -89,9 +89,11 @@ def energy_balance(parts):
 
 
 def parameters(told):
-    """(name, text) of every parameter of a run, its static stage and caps; told: `damage.history.info.info`."""
+    """(name, text) of the caps of a run, its static stage, the results that precede the motion, and every parameter;
+    told: `damage.history.info.info`."""
     return [*((f"cap {number}", describe_cap(cap)) for number, cap in enumerate(told["caps"], start=1)),
-            *((f"static.{name}", value) for name, value in told["static"].items()), *flat(told["parameters"])]
+            *((f"static.{name}", value) for name, value in told["static"].items()),
+            *flat(told["results"]), *flat(given(told))]
 
 
 def versions(told):

@@ -135,7 +135,9 @@ MEASURES = {
         "max_opening_mm, max_slip_mm": Column("mm", "largest opening and accumulated slip of any contact point"),
         "max_offset_mm": Column("mm", "largest offset of any contact point, empty of a history without offsets"),
         "max_offset_over_overlap": Column("1", "largest offset of any contact point over that at which the faces of "
-                                          "its joint no longer overlap; from 1 on the run is not valid"),
+                                          "its joint no longer overlap, where the joint ends"),
+        "ended_joints": Column("1", "joints that had ended by the run's end, all contact points between two bodies as "
+                               "one"),
         "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
         "crushed_length_m": Column("m", "length of joints that has been crushed, at the run's end"),
         "split_length_m": Column("m", "length of the cuts through bricks that has split, at the run's end"),

@@ -1,6 +1,6 @@
 """What is odd about a run, so that a reader may doubt its numbers: a line each."""
 
-from damage.measure.validity import offset_over_overlap
+from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.lintel import warn_of_share
 
 AT_REST = 1e-5
@@ -17,7 +17,7 @@ def doubts(history, energy_error, share):
     """What is odd about a History, whose energy error, None where it has none, and damage.wall.lintel.ElasticShare are
     given: a list of str."""
     return [*static_doubts(history), *energy_doubts(energy_error), *offset_doubts(history), *normal_doubts(history),
-            *warn_of_share(share), *warn_of_overlap(history)]
+            *warn_of_share(share), *warn_of_ends(history)]
 
 
 def static_doubts(history):
@@ -47,16 +47,26 @@ def offset_doubts(history):
             "accumulated, in crack widths and Psi, too; for offsets run the wall again"]
 
 
-def warn_of_overlap(history):
-    """A warning where a joint has slid beyond the end of its faces."""
-    found = offset_over_overlap(history)
-    if found is None or found[0] < 1:
+def warn_of_ends(history):
+    """A warning where joints have ended, or, in a history from before they did, slid beyond the end of their faces."""
+    ended, slid = ended_joints(history), offset_over_overlap(history)
+    if ended is not None:
+        others = ("bricks that meet anew touch at corners and faces alone" if history.solver == "yade" else
+                  "bricks find no new contacts, and what the run says of those there from then on is not valid")
+        first = f"{ended.count} joints ended, the first" if ended.count > 1 else "1 joint ended,"
+        return [f"{first} {_at(history, ended.row, ended.sample)}: its faces no longer overlap, it has no forces any "
+                f"more; {others}"]
+    if slid is None or slid[0] < 1:
         return []
-    share, row, sample = found
+    share, row, sample = slid
+    return [f"a joint slid to {share:.2f} of the overlap of its faces, {_at(history, row, sample)}: beyond 1 it has "
+            "ended, but kept its forces in this run, and what that says from there on is not valid"]
+
+
+def _at(history, row, sample):
+    """Which joint, and when, in words."""
     joint, time_s = history.joints.iloc[row], history.series["time_s"].iloc[sample]
-    return [f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m slid to {share:.2f} of "
-            f"the overlap of its faces (t = {time_s:.2f} s): beyond 1 a joint has ended, bricks find no new contacts, "
-            "and what the run says from there on is not valid"]
+    return f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m (t = {time_s:.2f} s)"
 
 
 def normal_doubts(history):

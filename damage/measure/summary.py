@@ -11,7 +11,7 @@ from damage.measure.energy import energy_error_of, energy_measures
 from damage.measure.limits import classes
 from damage.measure.motion import motion_measures
 from damage.measure.pushed import first_loading
-from damage.measure.validity import offset_over_overlap
+from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.measure.vibration import period_of
 from damage.wall.lintel import elastic_share
 
@@ -49,7 +49,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "max_opening_mm": _largest(told.opening_m) * 1e3,
         "max_slip_mm": _largest(told.slip_m) * 1e3,
         "max_offset_mm": None if told.offset_m is None else _largest(told.offset_m) * 1e3,
-        "max_offset_over_overlap": _over_overlap(history),
+        "max_offset_over_overlap": _over_overlap(history), "ended_joints": getattr(ended_joints(history), "count", 0),
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "crushed_length_m": float(history.joint_length_m[crushed].sum()),

@@ -132,7 +132,7 @@ def joints_table(history):
         final_opening_m=column(told, opening[-1]), max_opening_m=column(told, opening.max(axis=0)),
         final_slip_m=column(told, slip[-1]), max_abs_slip_m=column(told, np.abs(slip).max(axis=0)),
         broken=column(states, states.broken[-1]), at_shear_limit=column(states, states.at_limit[-1]),
-        crushed=column(states, states.crushed[-1]),
+        crushed=column(states, states.crushed[-1]), ended=column(states, states.ended[-1]),
         final_offset_m=np.nan if offset is None else column(told, offset[-1]),
         max_abs_offset_m=np.nan if offset is None else column(told, np.abs(offset).max(axis=0)))
 

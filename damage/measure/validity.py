@@ -1,10 +1,15 @@
-"""The range of validity of joints: a joint ends where its two faces no longer overlap.
+"""The range of validity of joints: a joint ends where its two faces no longer overlap, and has no forces from then on.
 
-The contact points of a joint are made once.  A brick that slides beyond the end of the face that it stands on keeps
-their forces, though nothing carries it there: what a run says after that is not valid.
+The contact points of a joint are made once: the reference solver finds no new contacts of a brick that has left the
+face that it stood on.  Histories before schema version 5 have joints that kept their forces beyond that.
 """
 
+from types import SimpleNamespace
+from typing import NamedTuple
+
 import numpy as np
+
+from damage.wall.kinematics import slide_limits as limits_of
 
 
 def slide_limits(joints, bodies):
@@ -13,15 +18,9 @@ def slide_limits(joints, bodies):
 
     joints, bodies: tables of a History.
     """
-    second = joints["second_body"].to_numpy()
-    on_ground = (joints["first_body"] < 0).to_numpy()
-    first = np.where(on_ground, second, joints["first_body"])
-    x, length, height = (bodies[name].to_numpy() for name in ("x_m", "length_m", "height_m"))
-    left, right = x - length / 2, x + length / 2
-    bed = (joints["kind"] == "bed").to_numpy()
-    least = np.where(bed, left[first] - right[second], -height[second])
-    most = np.where(bed, right[first] - left[second], height[second])
-    return np.where(on_ground, -np.inf, least), np.where(on_ground, np.inf, most)
+    rectangles = SimpleNamespace(**{name: bodies[f"{name}_m"].to_numpy() for name in ("x", "z", "length", "height")})
+    return limits_of(*(joints[f"{side}_body"].to_numpy() for side in ("first", "second")),
+                     (joints["kind"] != "bed").to_numpy(), rectangles)
 
 
 def offset_over_overlap(history):
@@ -34,3 +33,22 @@ def offset_over_overlap(history):
     share = np.maximum(active.offset_m / most, active.offset_m / least)
     sample, place = np.unravel_index(np.argmax(share), share.shape)
     return float(share[sample, place]), int(active.joints[place]), int(sample)
+
+
+class Ended(NamedTuple):
+    """Joints that have ended: how many, all contact points between two bodies as one; row and sample of the first."""
+
+    count: int
+    row: int
+    sample: int
+
+
+def ended_joints(history):
+    """The Ended of a History, None where no joint has."""
+    states = history.states
+    if not states.ended.any():
+        return None
+    sample = int(np.argmax(states.ended.any(axis=1)))
+    rows = states.joints[states.ended[-1]]
+    pairs = history.joints[["first_body", "second_body"]].iloc[rows]
+    return Ended(len(pairs.drop_duplicates()), int(states.joints[np.argmax(states.ended[sample])]), sample)

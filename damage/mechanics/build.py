@@ -5,6 +5,7 @@ import numpy as np
 from damage.mechanics.tables import CONTACT, INTERFACE, RIGID, ROTATION, STATE, System, table
 from damage.wall.joint_law import LawParameters, elastic_range
 from damage.wall.kinds import CUT
+from damage.wall.kinematics import slide_limits
 from damage.wall.supports import rows
 
 CAPACITY = 100_000
@@ -74,8 +75,11 @@ def _interfaces(layout, row):
     x = np.append(bodies.x, layout.supports.x)
     z = np.append(bodies.z, np.zeros(len(layout.supports)))
     a, b = first[start], second[start]
+    upright = contacts.upright[row][start]
+    least, most = slide_limits(contacts.first[row][start], b, upright, bodies)
     interfaces = table(INTERFACE, len(start), ax=middle[0] - x[a], az=middle[1] - z[a], bx=middle[0] - x[b],
-                       bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, head=contacts.upright[row][start])
+                       bz=middle[1] - z[b], a=a, b=b, start=start, stop=stop, slide_least=least, slide_most=most,
+                       head=upright)
     return interfaces, [np.repeat(values, stop - start) for values in middle]
 
 

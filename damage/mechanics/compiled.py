@@ -69,7 +69,7 @@ class _Announcement(event.Listener):
 
     def on_start(self, event):
         function = getattr(event.data["dispatcher"], "py_func", None)
-        if not self.printed and getattr(function, "__module__", "").startswith("damage."):
+        if not self.printed and (getattr(function, "__module__", None) or "").startswith("damage."):
             self.printed = True
             _delete_other_versions()
             print(COMPILING, flush=True)

@@ -10,8 +10,11 @@ import numpy as np
 
 from damage.mechanics.by_name import reader, writer
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.interfaces import Resultant
+from damage.mechanics.interfaces import Resultant, parted
 from damage.mechanics.tables import (
+    ENDED,
+    ENDING,
+    FAILED,
     FRACTURE,
     FRICTION,
     OPENED,
@@ -182,6 +185,45 @@ def log_event(system, step, i, kind, values):
         system.events[n, 0], system.events[n, 1], system.events[n, 2] = step, i, kind
         for k, value in enumerate(values):
             system.values[n, k] = value
+
+
+@inlined
+def ends_now(system, p, motion):
+    """Whether the faces of a failed interface cease to overlap at this RelativeMotion: then it is ENDING."""
+    interface = system.interfaces[p]
+    ends = interface.failed == FAILED and parted(motion, interface.slide_least, interface.slide_most)
+    if ends:
+        interface.failed = ENDING
+    return ends
+
+
+@inlined
+def has_ended(system, p, motion):
+    """Whether an interface has no forces any more, as its faces ceased to overlap in an earlier step."""
+    interface = system.interfaces[p]
+    if interface.failed == ENDING:
+        let_go(system, interface.start, interface.stop, motion)
+        interface.failed = ENDED
+    return interface.failed == ENDED
+
+
+@compiled
+def let_go(system, start, stop, motion):
+    """Take the forces of an interface's contacts away, one step after its faces ceased to overlap, when they were read;
+    the readings stay as they were but for the stresses.
+
+    Forces that fall to nothing in a step do half their work in it, as central differences do work on the bodies: what
+    they leave of the elastic energy counts as friction.
+    """
+    readings = system.readings
+    for i in range(start, stop):
+        contact, state = system.contacts[i], system.states[i]
+        sigma, tau = readings[READ_SIGMA, i] * contact.area, readings[READ_TAU, i] * contact.area
+        slid = motion.shear - readings[READ_SHEAR, i]
+        system.energy[FRICTION] += 0.5 * sigma * (motion.opening + contact.offset * motion.rotation + state.closure)
+        system.energy[FRICTION] += 0.5 * tau * (tau / contact.ks + slid)
+        state.normal_stress = state.shear_stress = 0.0
+        readings[READ_SIGMA, i] = readings[READ_TAU, i] = 0.0
 
 
 @inlined

@@ -120,6 +120,12 @@ def stays_intact(springs, largest_opening, largest_slide, motion):
 
 
 @inlined
+def parted(motion, least, most):
+    """Whether the two faces of an interface no longer overlap, as they do between these shear displacements [m]."""
+    return (motion.shear <= least) | (motion.shear >= most)
+
+
+@inlined
 def elastic_resultant(springs, motion):
     """Resultant of an intact interface [N, N m]."""
     return Resultant(springs.kn * motion.opening + springs.kn_offset * motion.rotation, springs.ks * motion.shear,

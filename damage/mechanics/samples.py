@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED
+from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, RIGID, ROTATION, X, Z
+from damage.mechanics.tables import ENDING, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, RIGID, ROTATION, X, Z
 from damage.wall.joint_law import elastic_energy
 
 KINETIC, TOTALS = 0, 5
@@ -68,8 +68,9 @@ def observe(system, stiffness, field, dt, samples, w, k):
             readings[READ_SIGMA, c], readings[READ_TAU, c], stiffness.normal[c], stiffness.shear[c])
     for p in range(len(system.interfaces)):
         if system.interfaces[p].failed:
+            ended = ENDED if system.interfaces[p].failed >= ENDING else 0
             for c in range(system.interfaces[p].start, system.interfaces[p].stop):
-                observe_contact(system, stiffness.shear[c], samples, w, k, c)
+                observe_contact(system, stiffness.shear[c], ended, samples, w, k, c)
     supports = len(system.place) - support_force.shape[2]
     for b in range(len(system.place)):
         for axis in range(RIGID):
@@ -82,9 +83,9 @@ def observe(system, stiffness, field, dt, samples, w, k):
 
 
 @inlined
-def observe_contact(system, ks, samples, w, k, c):
+def observe_contact(system, ks, ended, samples, w, k, c):
     """Write inelastic opening, slip and offset [m] and state (bits) of contact c; add what a softened bond has stored
-    by its secant [J].
+    by its secant [J].  ended: the bit of its interface.
 
     The opening is that of a failed bond, or what a softened one has lost; the offset is the shear displacement less its
     elastic part.
@@ -99,7 +100,7 @@ def observe_contact(system, ks, samples, w, k, c):
     fields[w, k, SLIP, c] = state.slip
     fields[w, k, OFFSET, c] = readings[READ_SHEAR, c] - readings[READ_TAU, c] / ks if broken or softened else 0.0
     fields[w, k, STATE, c] = (BROKEN if broken else 0) | (AT_LIMIT if state.at_limit > 0.0 else 0) | (
-        CRUSHED if state.closure > 0.0 else 0)
+        CRUSHED if state.closure > 0.0 else 0) | ended
     if state.elastic_tension_stiffness != contact.kn and wide > 0.0:
         samples.stored[w, k, c] += force * (wide - force / contact.kn) / 2
 

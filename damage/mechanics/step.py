@@ -15,7 +15,7 @@ from damage.mechanics import bodies, contacts, interfaces
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.interfaces import Line, Pose, RelativeMotion, Resultant, Springs
 from damage.mechanics.samples import observe
-from damage.mechanics.tables import DAMPING, INPUT, RIGID, ROTATION, X, Z
+from damage.mechanics.tables import DAMPING, FAILED, INPUT, RIGID, ROTATION, X, Z
 from damage.wall.joint_law import Material
 
 PARTS = 8
@@ -170,10 +170,12 @@ def find_forces(system, law, controls, step, singly, scratch):
 @inlined
 def forces_by_contacts(system, law, controls, p, step, singly, damped):
     """Forces of one interface contact by contact: as springs while all stay in their elastic range, else by the joint
-    law."""
+    law; from the step after its faces ceased to overlap none, for good."""
     interface = system.interfaces[p]
     start, stop = interface.start, interface.stop
     frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a), pose(system, interface.b))
+    if contacts.has_ended(system, p, motion):
+        return
     resultant, elastic = contacts.elastic_resultant(system.contacts, system.states, start, stop, motion, law.material)
     changed = change_since_last(system, p, resultant)
     if elastic or stays_intact(interface, motion):
@@ -182,8 +184,8 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped):
         resultant, changed, failed = contacts.law_resultant(system, law, p, step, motion, last_motion(system, p),
                                                             controls.beta > 0.0)
         if failed:
-            interface.failed = 1
-    if singly:
+            interface.failed = FAILED
+    if contacts.ends_now(system, p, motion) or singly:
         contacts.read(system.contacts, system.states, system.readings, start, stop, motion)
     if controls.beta > 0.0:
         resultant = damp(system, controls, p, motion, resultant, changed, damped)

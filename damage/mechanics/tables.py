@@ -46,12 +46,16 @@ INTERFACE = _row(
     ("b", INDEX, "-", "row of body b"),
     ("start", INDEX, "-", "row of the first contact point"),
     ("stop", INDEX, "-", "row after the last one"),
+    ("slide_least", REAL, "m", "shear displacement down to which the two faces overlap"),
+    ("slide_most", REAL, "m", "the same upwards; both infinite on a support"),
     # and what each has of its own:
-    ("failed", INDEX, "-", "1 once a contact point has failed, softened or been crushed"),
+    ("failed", INDEX, "-", "FAILED once a contact point has failed, softened or been crushed, then ENDING, ENDED"),
     ("largest_opening", REAL, "m", "opening at the reach up to which no contact point leaves its elastic range"),
     ("largest_slide", REAL, "m", "the same of the shear displacement, without opening"),
 )
-SHARED = INTERFACE.names[:15]
+SHARED = INTERFACE.names[:17]
+FAILED, ENDING, ENDED = 1, 2, 3
+"""Values of `failed`: the two faces ceased to overlap in this step (ENDING), or before, and there are no forces."""
 CONTACT = _row(  # what a contact point is; all of it times its area
     ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
     ("area", REAL, "m2", ""),

@@ -1,4 +1,4 @@
-"""Ground-motion files: reading them (CSV, PEER AT2, miniSEED) and writing CSV."""
+"""Ground-motion files: reading them (CSV and plain text, PEER AT2, miniSEED) and writing CSV."""
 
 import hashlib
 import io
@@ -12,14 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.checks import check_file
-from damage.errors import InputError
-from damage.files import DATA, text_lines, write_text
+from damage.checks import check_file, check_path
+from damage.errors import InputError, did_you_mean
+from damage.files import DATA, is_there, text_lines, write_text
+from damage.motion.columns import UNITS_M_S2, bad_line, is_number, numbers, read_columns
 from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
 from damage.units import GRAVITY
-
-CSV_UNITS_M_S2 = {"acc_m_s2": 1.0, "acc_g": GRAVITY}
-"""Names that the second CSV column may have, and the factor to m/s2."""
 
 TIME_TOLERANCE = 0.01
 """Largest distance of a CSV time from a uniform grid, as a share of the step.
@@ -51,21 +49,41 @@ _AT2_NOT_ACCELERATION_IN_G = re.compile(r"VELOCITY|DISPLACEMENT|UNITS OF (?!G\b)
 
 def shipped_record_path(name: str = "BGAR_HGE") -> Path:
     """Path of a record that comes with the package; damage/data/*/README.md say what each is."""
-    shipped = {path.name.split("__")[0]: path for path in DATA.glob("*/*.mseed")}
-    shipped |= {_csv_name(path): path for path in DATA.glob("*/*.csv")}
+    shipped = shipped_records()
     if name not in shipped:
-        known = ", ".join(sorted(shipped))
-        raise InputError(f"record {name!r} is not shipped; expected one of {known}")
+        raise InputError(f"record {name!r} is not shipped; expected one of {', '.join(shipped)}"
+                         f"{did_you_mean(name, shipped)}")
     return shipped[name]
+
+
+def shipped_records() -> dict[str, Path]:
+    """{name: path} of the records that come with the package, in the order of their names."""
+    shipped = {path.name.split("__")[0]: path for path in DATA.glob("*/*.mseed")}
+    shipped |= {_csv_name(path): path for path in DATA.glob("*/*_acc_m_s2.csv")}
+    return dict(sorted(shipped.items()))
+
+
+def record_path(word) -> Path:
+    """Path of a record, given by its path or by the name of a record that ships, like BGAR_HGE; a file of that name
+    comes first.  What is neither is taken for a path, but for a name without ending: InputError."""
+    path, named = check_path(word), shipped_records()
+    if str(path) in named and not is_there(path):
+        return named[str(path)]
+    if not path.suffix and len(path.parts) == 1 and not path.exists():
+        raise InputError(f"{path}: no such file; expected a record file (CSV, AT2 or miniSEED), or the name of a "
+                         f"record that ships: {', '.join(named)}{did_you_mean(path, named)}")
+    return path
 
 
 def read_record(path, response=None) -> Record:
     """Read one component of acceleration from a CSV, PEER AT2 or miniSEED file.
 
+    path: of the file, or the name of a record that ships (`record_path`).
     The suffix decides (.csv, .at2, .mseed), or the content where it says nothing. `response` is
     the StationXML of a miniSEED file; without it NET.STA.xml beside the file is taken. The record holds the SHA-256
     of every file that was read: a format that reads further ones names theirs in `beside_sha256`.
     """
+    path = record_path(path)
     data = _content(path)
     if Path(path).suffix.lower() in (".mseed", ".miniseed", ".msd") or _MINISEED_START.match(data):
         record = _read_miniseed(path, data, response)
@@ -95,53 +113,17 @@ def write_csv(record: Record, path, comments=()) -> Path:
 
 
 def _read_csv(path, lines: list[str]) -> Record:
-    """Two columns, time [s] and acceleration, after comments and a header (without: m/s2)."""
-    rows = [(i, line) for i, line in enumerate(lines, 1) if line.split("#")[0].strip()]
-    has_header = bool(rows) and not any(map(_is_number, rows[0][1].split(",")))
-    to_m_s2 = _header_unit(path, *rows.pop(0)) if has_header else 1.0
-    if len(rows) < 2:
-        raise InputError(f"{path}: {len(rows)} data rows; expected 2 or more of time_s,acc_m_s2")
-    if len(rows) > MOST_SAMPLES:
-        raise InputError(f"{path}: {len(rows)} samples; expected up to {MOST_SAMPLES}, cut the record")
-    values = _csv_values(path, rows)
-    step_s = _uniform_step(path, [number for number, _ in rows], values[:, 0])
+    """Two columns, time and acceleration, as `damage.motion.columns` reads them."""
+    line_numbers, values = read_columns(path, lines)
+    step_s = _uniform_step(path, line_numbers, values[:, 0])
     found = filter(None, map(_CSV_START_UTC.match, lines))
     start_utc = next((_utc(start.group(1), float(values[0, 0]), path) for start in found), "")
-    return Record(_csv_name(path), step_s, values[:, 1] * to_m_s2, start_utc, str(path))
+    return Record(_csv_name(path), step_s, values[:, 1], start_utc, str(path))
 
 
 def _csv_name(path) -> str:
     """Name of a record by its file's: without the quantity and unit at the end."""
-    return re.sub(r"_acc_(m_s2|g)$", "", Path(path).stem)
-
-
-def _header_unit(path, number: int, line: str) -> float:
-    """Factor from the header's unit to m/s2."""
-    cells = [cell.strip().lower() for cell in line.split(",")]
-    if len(cells) != 2 or cells[0] != "time_s" or cells[1] not in CSV_UNITS_M_S2:
-        expected = "the header time_s,acc_m_s2 or time_s,acc_g, convert the columns to these units"
-        raise _bad_line(path, number, line, "is an unknown header", expected)
-    return CSV_UNITS_M_S2[cells[1]]
-
-
-def _csv_values(path, rows) -> np.ndarray:
-    """Time [s] and acceleration [unit of the header] of all lines (number, text), (n_samples, 2)."""
-    try:
-        values = np.array([[float(cell) for cell in line.split(",")] for _, line in rows])
-        fit = values.shape[1:] == (2,) and np.isfinite(values).all()
-    except ValueError:
-        fit = False
-    # all at once for speed; one by one to tell the line that does not fit
-    return values if fit else np.array([_csv_row(path, number, line) for number, line in rows])
-
-
-def _csv_row(path, number: int, line: str) -> list[float]:
-    """Time [s] and acceleration [unit of the header] of one line."""
-    values = _numbers(path, number, line, ",")
-    if len(values) != 2:
-        expected = "two, time and acceleration, parted by one comma"
-        raise _bad_line(path, number, line, f"has {len(values)} column(s)", expected)
-    return values
+    return re.sub(rf"_acc_({'|'.join(UNITS_M_S2)})$", "", Path(path).stem)
 
 
 def _uniform_step(path, line_numbers: list[int], time_s: np.ndarray) -> float:
@@ -168,14 +150,14 @@ def _read_at2(path, lines: list[str]) -> Record:
     found = _at2_count_and_step(counts)
     if not found:
         expected = "a PEER AT2 header such as NPTS= 4000, DT= .0050 SEC"
-        raise _bad_line(path, 4, counts, "gives no NPTS and DT", expected)
+        raise bad_line(path, 4, counts, "gives no NPTS and DT", expected)
     if _AT2_NOT_ACCELERATION_IN_G.search(units):
         expected = "ACCELERATION IN UNITS OF G, give the record's AT2 file"
-        raise _bad_line(path, 3, units, "is another quantity", expected)
+        raise bad_line(path, 3, units, "is another quantity", expected)
     count, step_s = found
     if count > MOST_SAMPLES:
         raise InputError(f"{path}: {count} samples; expected up to {MOST_SAMPLES}, cut the record")
-    values = [value for i, line in enumerate(lines[4:], 5) for value in _numbers(path, i, line)]
+    values = [value for i, line in enumerate(lines[4:], 5) for value in numbers(path, i, line)]
     if len(values) != count:
         raise InputError(f"{path}: {len(values)} values; expected the NPTS = {count} of line 4, fetch it anew")
     with np.errstate(over="ignore"):  # an infinite sample is refused with its number
@@ -186,7 +168,7 @@ def _at2_count_and_step(line: str) -> tuple[int, float] | None:
     """NPTS and DT [s] of a fourth header line in either of PEER's orders, or None."""
     for pattern in _AT2_COUNT_AND_STEP:
         found = pattern.search(line)
-        if found and _is_number(found.group(2)):
+        if found and is_number(found.group(2)):
             return int(found.group(1)), float(found.group(2))
     return None
 
@@ -308,26 +290,3 @@ def _content(path) -> bytes:
     if not data.strip():
         raise InputError(f"{path}: empty; expected a record file (CSV, AT2 or miniSEED)")
     return data
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def _numbers(path, number: int, line: str, separator: str | None = None) -> list[float]:
-    """The finite numbers of one line, parted by a separator (None: by spaces)."""
-    cells = line.split(separator)
-    if not all(map(_is_number, cells)):
-        raise _bad_line(path, number, line, "is not numeric", "numbers; comments start with #")
-    values = [float(cell) for cell in cells]
-    if not all(map(math.isfinite, values)):
-        raise _bad_line(path, number, line, "is not finite", "no NaN or inf, fill or cut the gap")
-    return values
-
-
-def _bad_line(path, number: int, line: str, problem: str, expected: str) -> InputError:
-    return InputError(f"{path}: line {number}: {_shown(line)} {problem}; expected {expected}")

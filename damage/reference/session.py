@@ -9,9 +9,9 @@ from damage.errors import one_line
 from damage.provenance import shown_path
 from damage.reference.members import run_members
 from damage.reference.solver import ReferenceSolver
-from damage.run.session import EXIT_INPUT, Backend, run_session
+from damage.run.session import EXIT_INPUT, Backend, run_session, told
 from damage.run.settings import Softening
-from damage.wall.file import load_wall
+from damage.wall.file import load_wall, wall_path
 
 PROG = "python3 -m damage reference"
 BACKEND = Backend("reference", {"numba": numba.__version__}, lambda layout, time_step, settings: ReferenceSolver(
@@ -20,12 +20,14 @@ BACKEND = Backend("reference", {"numba": numba.__version__}, lambda layout, time
 
 
 def run_reference(arguments):
-    """Run with the words of a command line, the wall file first; returns the exit status."""
+    """Run with the words of a command line, the wall first (a file, or the name of a wall that ships); returns the exit
+    status."""
     wall, *options = arguments or ["--help"]
     if wall.startswith("-") and wall not in ("-h", "--help"):
-        print(f"error: {one_line(wall)} comes where a wall file should; give {PROG} walls/NAME.py [OPTIONS]",
+        print(f"error: {one_line(wall)} comes where a wall file should; give {PROG} WALL.py [OPTIONS]",
               file=sys.stderr)
         return EXIT_INPUT
     if wall.startswith("-"):
-        wall, options = "walls/NAME.py", ["--help"]
-    return run_session(BACKEND, wall, lambda: load_wall(wall), options, prog=f"{PROG} {shown_path(wall)}")
+        return run_session(BACKEND, "", lambda: None, ["--help"], prog=f"{PROG} WALL")
+    return told(lambda: run_session(BACKEND, wall_path(wall), lambda: load_wall(wall), options,
+                                    prog=f"{PROG} {shown_path(wall)}"))

@@ -66,6 +66,8 @@ def describe(summary):
                  f"{rounded(summary['max_psi'], 2)} ({summary['psi_class']}; cracks from "
                  f"{summary['psi_from_mm']:g} mm), friction and fracture took "
                  f"{rounded(summary['dissipated_energy_j'], 2)} J")
+    if summary["ended_joints"]:
+        lines.append(f"joints that ended, as their faces no longer overlapped: {summary['ended_joints']}")
     if summary["pgv_m_s"] is not None and summary["avg_sa_g"] is not None:
         lines.append(f"motion as applied: PGV {summary['pgv_m_s']:.3g} m/s, AvgSa {summary['avg_sa_g']:.3g} g, "
                      f"Arias intensity {summary['arias_m_s']:.3g} m/s")

@@ -4,6 +4,7 @@ import io
 import os
 import signal
 import sys
+import threading
 import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stdout
@@ -227,6 +228,8 @@ class _Interrupts:
         names = [signal.SIGINT, signal.SIGTERM]
         if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as nohup leaves it
             names.append(signal.SIGHUP)
+        if threading.current_thread() is not threading.main_thread():  # which alone gets signals, and may set handlers
+            names = []
         self._before = {name: signal.signal(name, self._ask) for name in names}
 
     def end_at_once(self):

@@ -13,7 +13,8 @@ A study is a TOML file:
 `options` is a table of the run's command-line options without their dashes (true stands for an
 option without a value), or the list of words of a command line.  A run may have an `id` of its own;
 otherwise one is made of its wall and options.  Paths are looked for beside the study file, then in
-the repository; a list of paths means the first that is there.  A table [[grid]] has `vary` or `rows`,
+the repository, then among what ships, by name, too (wall = "symmetric"); a list of paths means the first that
+is there.  A table [[grid]] has `vary` or `rows`,
 too, and stands for many runs: `damage.studies.grid`.
 
 Every run is a point of the study.  In the reference solver a point can be an ensemble:
@@ -33,7 +34,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from damage.checks import check_file, check_path, check_whole
-from damage.errors import InputError
+from damage.errors import InputError, did_you_mean
+from damage.files import is_there, shipped_files, shipped_path
+from damage.motion.formats import shipped_records
 from damage.run.options import parse_run
 from damage.run.settings import SCATTER
 from damage.studies.grid import expand, read_rows
@@ -299,7 +302,7 @@ def _existing_files(options, where, folder, root):
         paths = options.get(name)
         if isinstance(paths, list):
             there = [path for path in paths if isinstance(path, str)
-                     and any(_is_there(base / path) for base in (folder, root))]
+                     and any(map(is_there, _candidates(path, folder, root)))]
             if not there:
                 raise InputError(f"{where}: none of the files {name} = {paths!r} is there; expected one beside the "
                                  "study or in the repository; mend a path")
@@ -335,21 +338,22 @@ def _word(value, name, where):
     return str(value)
 
 
-def _is_there(path):
-    """Whether a path is that of a file; no file has a name that is longer than the system takes."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
+def _candidates(path, folder, root):
+    """Where a file of a study may be: beside it, in the repository, among what ships by its path or by its name."""
+    yield from (folder / check_path(path), root / path)
+    yield from filter(None, (shipped_path(path), shipped_files("walls", ".py").get(path), shipped_records().get(path)))
 
 
 def _find(path, where, folder, root):
-    """The path of a file named beside the study or in the repository: relative within the latter, else absolute."""
-    for candidate in (folder / check_path(path), root / path):
-        if _is_there(candidate):
+    """The path of a file named beside the study, in the repository or among what ships: relative within the repository,
+    else absolute."""
+    for candidate in _candidates(path, folder, root):
+        if is_there(candidate):
             found = candidate.resolve()
             return str(found.relative_to(root) if found.is_relative_to(root) else found)
-    raise InputError(f"{where}: no file {path}; expected one beside the study or in the repository; mend the path")
+    known = [*shipped_files("walls", ".py"), *shipped_records()]
+    raise InputError(f"{where}: no file {path}; expected one beside the study or in the repository, or the name of a "
+                     f"wall or record that ships{did_you_mean(Path(path).stem, known)}")
 
 
 def _try_options(run, where, root):

@@ -8,15 +8,28 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from damage.checks import check_path
-from damage.errors import InputError
+from damage.errors import InputError, did_you_mean
+from damage.files import shipped_files
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 
+def wall_path(word):
+    """Path of a wall file, given by its path or by the name of a wall that ships, like symmetric; a file of that name
+    comes first.  Raises InputError where there is neither."""
+    path, named = check_path(word), shipped_files("walls", ".py")
+    if path.is_file():
+        return path
+    if str(path) in named:
+        return named[str(path)]
+    meant = did_you_mean(path.stem, named) or did_you_mean(path, map(str, path.parent.glob("*.py")))
+    raise InputError(f"{path}: no such wall file; expected the path of one, or the name of a wall that ships: "
+                     f"{', '.join(named)}{meant}")
+
+
 def load_wall(path):
-    """The wall of the file at `path`; InputError where the file is missing or makes no wall."""
-    path = check_path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no such wall file; give one like walls/symmetric.py")
+    """The wall of a file, by its path or the name of a wall that ships; InputError where the file is missing or makes
+    no wall."""
+    path = wall_path(path)
 
     def make():
         make_wall = runpy.run_path(str(path), run_name="wall_file").get("wall")

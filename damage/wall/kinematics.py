@@ -18,6 +18,23 @@ def rigid_displacement(ux, uz, turn, x, z):
     return ux + cos * x - sin * z, uz + sin * x + cos * z
 
 
+def slide_limits(first, second, upright, bodies):
+    """Shear displacements of `second` along `first` between which the faces of their joint overlap: least and most
+    (n,) [m], infinite on supports, which have no end.
+
+    first, second: (n,) indices of bodies; upright: (n,) bool, of head joints and cuts; bodies: x, z, length and height
+    (n_bodies,) [m].
+    """
+    on_ground = first < 0
+    ends = []
+    for body in (np.where(on_ground, second, first), second):
+        middle = np.where(upright, bodies.z[body], bodies.x[body])
+        half = np.where(upright, bodies.height[body], bodies.length[body]) / 2
+        ends.append((middle - half, middle + half))
+    (start, end), (other_start, other_end) = ends
+    return np.where(on_ground, -np.inf, start - other_end), np.where(on_ground, np.inf, end - other_start)
+
+
 class ContactKinematics:
     """Opening and shear of the contacts of a layout, all of them or those of `select`."""
 

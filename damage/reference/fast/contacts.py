@@ -8,8 +8,8 @@ import numpy as np
 
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, bits, either, flags_of, load, spread, store
-from damage.mechanics.interfaces import BodyForces, Resultant
-from damage.mechanics.tables import READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
+from damage.mechanics.interfaces import BodyForces, Resultant, parted
+from damage.mechanics.tables import FAILED, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
 from damage.reference.fast import blocks as at
 from damage.reference.fast.blocks import INDEX
 from damage.reference.fast.interfaces import damp_eight, forces_where, push_in_lanes
@@ -22,7 +22,7 @@ def loosen(tables, columns, blocks):
     blocks.loose[:] = 0
     for w in range(tables.interfaces.shape[0]):
         for p in range(tables.interfaces.shape[1]):
-            if tables.interfaces[w, p].failed:
+            if tables.interfaces[w, p].failed == FAILED:
                 take(tables, columns, blocks, w, p)
 
 
@@ -33,7 +33,6 @@ def fasten(tables, columns, blocks):
         for w in range(tables.interfaces.shape[0]):
             if blocks.loose[p] >> w & 1:
                 give(tables, columns, blocks, w, p)
-    blocks.loose[:] = 0
 
 
 @compiled
@@ -54,6 +53,7 @@ def give(tables, columns, blocks, w, p):
         k = INDEX(i) * at.LOOSE + INDEX(w)
         for n in range(at.CHANGED):
             columns[w, i, at.COLUMNS[n]] = blocks.contacts[k + INDEX(8 * n)]
+    blocks.loose[p] &= 255 - (1 << w)
 
 
 @inlined
@@ -96,7 +96,9 @@ def forces_of_loose(tables, blocks, law, p, held, frame, motion, damped):
     intact interfaces have pushed their bodies."""
     waiting, k, m = blocks.waiting, p * at.WAITING, p * at.LAST
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
-    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, motion, flags_of(held))
+    ends = int(bits(parted(motion, tables.interfaces[0, p].slide_least, tables.interfaces[0, p].slide_most)))
+    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, motion,
+                                       flags_of(held & ~ends))
     remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, elastic)
     if damped:
         resultant, work = damp_eight(blocks.last, m, load(blocks.bench, at.RATE), motion, resultant, elastic)

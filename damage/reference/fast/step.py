@@ -13,7 +13,7 @@ from damage.mechanics import interfaces
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, bits, load, spread, store
 from damage.mechanics.samples import observe
-from damage.mechanics.tables import DAMPING, System
+from damage.mechanics.tables import DAMPING, FAILED, System
 from damage.reference.fast import blocks as at
 from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH, pack, place_of, unpack
 from damage.reference.fast.bodies import adapt, clear, move, total
@@ -245,6 +245,8 @@ def forces_by_contacts(tables, columns, blocks, lanes, law, step, w, p, at_end, 
     a, b, k = blocks.first[p] + INDEX(w), blocks.second[p] + INDEX(w), place_of(INDEX(p), at.INTERFACE)
     frame, motion = interfaces.relative_motion(line_of(blocks.interfaces, k), pose_of(bodies, a, apart),
                                                pose_of(bodies, b, apart))
+    if singly.has_ended(system, p, motion):
+        return
     intact = False
     if at_end:
         intact = interfaces.stays_intact(springs_of(blocks.interfaces, k), limits[held + at.OPENING],
@@ -259,11 +261,12 @@ def forces_by_contacts(tables, columns, blocks, lanes, law, step, w, p, at_end, 
     else:
         resultant, changed, failed = singly.law_resultant(system, law, p, step, motion, last_motion(last, m), damped)
         if failed:
-            tables.interfaces[w, p].failed = 1
+            tables.interfaces[w, p].failed = FAILED
             limits[held + at.OPENING] = -np.inf
-    if loose and tables.interfaces[w, p].failed:
+    ends = singly.ends_now(system, p, motion)
+    if loose and tables.interfaces[w, p].failed == FAILED:
         take(tables, columns, blocks, w, p)
-    if at_end:
+    if at_end or ends:
         singly.read(system.contacts, system.states, system.readings, start, stop, motion)
     if damped:
         viscous, work = interfaces.add_viscous(blocks.bench[at.RATE + INDEX(w)], motion, last_motion(last, m),

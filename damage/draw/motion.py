@@ -1,0 +1,59 @@
+"""Picture of a ground motion: its acceleration and velocity over time, and its response spectrum."""
+
+from textwrap import fill
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+
+from damage.draw.panels import from_zero, letter
+from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, LIGHT, TITLE_CHARACTERS, new_figure, styled
+from damage.motion.intensity import SPECTRUM_PERIODS_S, response_spectrum
+from damage.units import GRAVITY
+
+PERIODS_S = np.geomspace(0.02, 2.0, 80)
+"""Periods at which the line of the spectrum is evaluated [s]."""
+LABELLED_S = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2)
+DAMPING = 0.05
+
+
+@styled
+def motion_picture(loading, measures):
+    """Figure of a motion as a run applies it: acceleration [g], velocity [cm/s] and 5 % response spectrum [g].
+
+    loading: a `damage.motion.loading.Recorded`; measures: its `damage.motion.intensity.motion_summary`, whose peaks are
+    in the titles and whose spectral ordinates are marked.  The velocity starts from rest, as that of a run's base.
+    """
+    record = loading.applied()
+    velocity_cm_s = 100.0 * cumulative_trapezoid(record.acceleration_m_s2, dx=record.time_step_s, initial=0.0)
+    figure, (acceleration, velocity, spectrum) = new_figure(1.35 * COLUMN_WIDTH, 3)
+    _over_time(acceleration, record.time_s, record.acceleration_m_s2 / GRAVITY, "acceleration [g]")
+    letter(acceleration, 0, f"PGA {measures['pga_g']:.3g} g")
+    _over_time(velocity, record.time_s, velocity_cm_s, "velocity [cm/s]")
+    velocity.set_xlabel("time [s]")
+    letter(velocity, 1, f"PGV {measures['pgv_cm_s']:.3g} cm/s")
+    spectrum.plot(PERIODS_S, response_spectrum(record, PERIODS_S, DAMPING), color=BLUE)
+    spectrum.plot(SPECTRUM_PERIODS_S, list(measures["sa_g"].values()), "o", color=BLUE, ms=2.5)
+    spectrum.set(xscale="log", xlim=(PERIODS_S[0], PERIODS_S[-1]), xlabel="period [s]", ylabel="Sa [g]")
+    spectrum.set_xticks(LABELLED_S, list(map("{:g}".format, LABELLED_S)))
+    from_zero(spectrum)
+    letter(spectrum, 2, f"spectrum, {100 * DAMPING:g} % damping; points: ordinates as printed")
+    figure.suptitle(fill(f"{loading.record.name}: {_preparation(measures)}", TITLE_CHARACTERS), x=0.02, ha="left")
+    return figure
+
+
+def _over_time(ax, time_s, values, label):
+    ax.axhline(0, color=LIGHT, lw=0.8, zorder=0)
+    ax.plot(time_s, values, color=BLACK, lw=0.6)
+    ax.set_ylabel(label)
+    ax.margins(x=0)
+
+
+def _preparation(measures):
+    """What prepared the motion, in words."""
+    window, band = measures["window_s"], measures["band_hz"]
+    order = measures["baseline_order"]
+    parts = ["" if measures["scale"] == 1 else f"times {measures['scale']:g}",
+             "" if window is None else "{:g} to {:g} s of the file".format(*window),
+             "" if order is None else f"baseline of order {order} removed",
+             "not filtered" if band is None else "band-pass {:g} to {:g} Hz".format(*band)]
+    return ", ".join(filter(None, parts))

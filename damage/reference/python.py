@@ -1,0 +1,111 @@
+"""A run in the reference solver from Python: `damage.run(wall, motion, **options)`, documented in `damage.run`."""
+
+import io
+import sys
+from contextlib import nullcontext, redirect_stdout
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from damage.errors import InputError, did_you_mean
+from damage.history.in_memory import HistoryInMemory
+from damage.history.reader import read_history
+from damage.history.writer import HistoryWriter
+from damage.mechanics.compiled import COMPILING, is_cached
+from damage.motion.loading import Harmonic, Loading, Recorded
+from damage.motion.record import Record
+from damage.provenance import shown_path
+from damage.reference.session import BACKEND, PROG
+from damage.run.options import free_name, make_parser, parse_run, pictures_folder
+from damage.run.session import EXIT_INTERRUPTED, attended, prepare, simulate
+from damage.run.turns import take_turns
+from damage.wall.file import load_wall, wall_path
+from damage.wall.parameters import Wall
+
+DEFAULTS = {"pictures": False, "quiet": True}
+"""Options whose defaults are others than on the command line."""
+
+
+def run(wall, motion=None, **options):
+    """The History of one run; `damage.run` describes the arguments."""
+    settings, wall_file, built = _asked(wall, motion, options)
+    if settings.quiet and not is_cached():
+        print(COMPILING, file=sys.stderr)  # a minute without a word looks like an error
+    with TemporaryDirectory(prefix="masonry-damage-") as folder, \
+            redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
+        if settings.out is not None:
+            history = read_history(_simulate(wall_file, built, settings, HistoryWriter).path)
+        else:  # one that outgrows the memory goes on in this file, and is read before that goes
+            path = Path(folder) / free_name(built, settings, BACKEND.name).name
+            history = _simulate(wall_file, built, replace(settings, out=path), HistoryInMemory).history()
+    if settings.pictures:
+        from damage.draw.run import save_all
+
+        save_all(history, pictures_folder(settings.out))
+    return history
+
+
+def _simulate(wall_file, built, settings, write):
+    """Run all stages; returns what kept the history, a HistoryWriter or HistoryInMemory."""
+    prepared = prepare(BACKEND, wall_file, lambda: built, settings, write)
+    with attended(built.name, quiet=settings.quiet) as keep_going:
+        (status,) = take_turns([simulate(prepared, keep_going)])
+    if status == EXIT_INTERRUPTED:
+        raise KeyboardInterrupt
+    return prepared.writer
+
+
+def _asked(wall, motion, options):
+    """(RunSettings, the wall's file, the Wall) of the arguments of `run`."""
+    is_record, is_loading = isinstance(motion, (str, Path)), isinstance(motion, (Loading, Record))
+    if not (motion is None or is_record or is_loading):
+        raise InputError(f"motion = {motion!r}: expected a record's path or name, a Loading, or None with options like "
+                         "harmonic=(0.2, 0.05)")
+    words = _words(options | ({"record": motion} if is_record else {}))
+    file = "" if isinstance(wall, Wall) else wall_path(wall)
+    # a command line says it all unless records of Python are among the arguments
+    prog = f"{PROG} {shown_path(wall)}" if file and not is_loading else f"damage.run, {getattr(wall, 'name', wall)}:"
+    settings = parse_run(words, prog=prog, solver=BACKEND.name)
+    if is_loading:
+        settings = _driven_by(motion if isinstance(motion, Loading) else Recorded(motion), settings)
+    if settings.members > 1:
+        raise InputError(f"members = {settings.members}: expected 1, as damage.run makes one run; call it with "
+                         "scatter=0.001 and seed=1, 2, ...")
+    if settings.pictures and settings.out is None:
+        raise InputError('pictures=True of a run in memory: expected out="FILE.h5", beside which they go; give one')
+    return settings, file, load_wall(file) if file else wall
+
+
+def _driven_by(loading, settings):
+    """The settings with a Loading in place of the motion of the options, which are to name none."""
+    if settings.loading != parse_run([], prog="", solver=BACKEND.name).loading:
+        raise InputError(f"the motion {loading.name} and options of another: expected one of them; leave one out")
+    if settings.sequence != (1.0,) and not isinstance(loading, (Harmonic, Recorded)):
+        raise InputError(f"sequence with the motion {loading.name}: expected a harmonic or recorded one; leave it out")
+    return replace(settings, loading=loading, command=f"{settings.command} driven by {loading.name}")
+
+
+def _words(options):
+    """The words of a command line for options by their names in Python; raises InputError for one that is unknown."""
+    actions = {action.dest: action for action in make_parser("", BACKEND.name)._actions if action.dest != "help"}
+    unknown = [name for name in options if name not in actions]
+    if unknown:
+        raise InputError(f"damage.run({unknown[0]}=...): expected one of {', '.join(actions)}"
+                         f"{did_you_mean(unknown[0], actions)}")
+    return [word for name, value in (DEFAULTS | options).items() for word in _option(actions[name], name, value)]
+
+
+def _option(action, name, value):
+    """The words of one option; none where its value is None or what leaving it out means."""
+    if value is None:
+        return []
+    option = action.option_strings[0]
+    if action.nargs == 0:
+        if not isinstance(value, bool):
+            raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
+        return [option] if value is action.const else []
+    values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
+    words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
+    return [option, *words] if action.nargs else [option, ",".join(words)]

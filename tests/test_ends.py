@@ -1,0 +1,222 @@
+"""A joint ends where its two faces no longer overlap: closed forms of a brick that is pushed, or shoved, off another.
+
+Both bricks are 0.1125 m long, lie on each other over their whole length, and all joints are dry.
+"""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from damage.history.schema import ENDED as ENDED_BIT
+from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, INPUT, ROTATION, X, Z
+from damage.reference.lanes import run_together
+from damage.reference.solver import ReferenceSolver
+from damage.units import GRAVITY
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+
+LENGTH, HEIGHT = 0.1125, 0.075
+DRY = {"tensile_strength": 0.0, "cohesion": 0.0}
+FRICTION_COEFFICIENT = np.tan(Joint().friction_angle)
+
+
+def pair(fast=True, joint=DRY, **options):
+    """Two bricks on each other, at rest under their weight; the upper one is body 1 and interface 1."""
+    wall = Wall("pair", LENGTH, 2 * HEIGHT, precompression=0.0, joint=Joint(**joint))
+    layout = lay_out(wall, ModelOptions(**options))
+    wall = ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, fast=fast)
+    come_to_rest(wall)
+    return wall
+
+
+def come_to_rest(wall):
+    wall.adaptive_damping = 1.0
+    wall.run(3000)
+    wall.adaptive_damping = 0.0
+    wall.velocity = 0.0
+    wall.energy[:] = 0.0
+    wall.start(np.zeros((0, 2)))
+    assert_allclose(wall.force[:-1, Z], GRAVITY * wall.layout.bodies.mass, rtol=1e-6)
+
+
+def shove(wall, speed):
+    """Give the upper brick a horizontal velocity [m/s]."""
+    wall.velocity = [[0, 0, 0], [speed, 0, 0]]
+
+
+def total_energy(wall):
+    """Of all that is stored and was dissipated, less what came in [J]."""
+    lifted = GRAVITY * float(wall.layout.bodies.mass @ wall.displacement[:, Z])
+    return wall.kinetic_energy() + wall.elastic_energy() + lifted + wall.energy[1:].sum() - wall.energy[INPUT]
+
+
+def ended(wall):
+    """Values of `failed` of the joint between the bricks."""
+    return int(wall.system.interfaces["failed"][1])
+
+
+def run_to_the_end(wall, most=20_000):
+    """Step by step until the joint between the bricks ends in this very step."""
+    for _ in range(most):
+        wall.run(1)
+        if ended(wall) == ENDING:
+            return
+    raise AssertionError("the joint did not end")
+
+
+@pytest.mark.parametrize("speed", [1.0, -1.0])
+@pytest.mark.parametrize("fast", [True, False], ids=["fast", "plain"])
+def test_a_brick_that_is_pushed_off_falls_freely_from_where_the_faces_end(fast, speed):
+    """Pushed at constant speed, not turning, on a brick that stands still: s = v t, friction takes mu m g s."""
+    wall = pair(fast)
+    wall.system.inverse_mass[0] = wall.system.velocity[0] = 0.0
+    wall.hold(np.array([1]), rotation=True)
+    wall.push(speed)
+    began, start = total_energy(wall), wall.displacement[1]
+    steps = int(np.ceil((LENGTH - np.sign(speed) * start[X]) / (wall.time_step * abs(speed))))
+    wall.run(steps - 1)
+    assert ended(wall) == FAILED and wall.force[1, Z] == pytest.approx(GRAVITY * wall.layout.bodies.mass[1], rel=1e-4)
+    wall.run(1)
+    assert ended(wall) == ENDING
+    for _ in range(40):
+        wall.run(100)
+        assert ended(wall) == ENDED and np.all(wall.force[1] == 0.0)
+        time_s = (wall.step - 3000 - steps - 0.5) * wall.time_step  # velocities belong to half steps
+        assert wall.displacement[1, Z] - start[Z] == pytest.approx(-GRAVITY * time_s**2 / 2, abs=2e-8)
+    assert wall.displacement[1, Z] < -HEIGHT / 5
+    friction = FRICTION_COEFFICIENT * GRAVITY * wall.layout.bodies.mass[1] * LENGTH
+    assert wall.energy[FRICTION] == pytest.approx(friction, rel=3e-4)
+    assert total_energy(wall) - began == pytest.approx(0.0, abs=1e-4 * friction)
+
+
+@pytest.mark.parametrize("fast", [True, False], ids=["fast", "plain"])
+def test_a_brick_that_is_shoved_off_tips_and_then_flies(fast):
+    """Its deceleration by friction is at most mu g; in the air it falls with g and turns at a constant rate."""
+    wall = pair(fast)
+    shove(wall, 2.0)
+    run_to_the_end(wall)
+    wall.run(1)
+    before, where = wall.velocity[1], wall.displacement[1]
+    slowest = np.sqrt(2.0**2 - 2 * FRICTION_COEFFICIENT * GRAVITY * LENGTH)
+    assert slowest < before[0] < 2.0 and before[2] < 0.0
+    wall.run(1000)
+    time_s = 1000 * wall.time_step
+    assert_allclose(wall.velocity[1] - before, [0, -GRAVITY * time_s, 0], atol=1e-9)
+    fallen = before[1] * time_s - GRAVITY * time_s * (time_s + wall.time_step) / 2
+    assert wall.displacement[1, Z] - where[Z] == pytest.approx(fallen, abs=1e-9)
+
+
+KINDS = {"dry": DRY, "brittle": {"tensile_strength": 1e4, "cohesion": 1e4},
+         "softening": {"tensile_strength": 1e4, "cohesion": 1e4, "mode_i_fracture_energy": 0.1,
+                       "mode_ii_fracture_energy": 1.0}, "crushing": DRY | {"compressive_strength": 1e4}}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_energy_balance_is_closed_through_the_end(kind):
+    """To 1e-9 of the kinetic energy of the shove, off a brick that stands still: what the contacts had stored, friction
+    takes.  A brick that does not turn bears on all of them until then, and is slowed down by mu g."""
+    wall = pair(fast=False, joint=KINDS[kind])
+    wall.system.inverse_mass[0] = wall.system.velocity[0] = wall.system.inverse_mass[1, ROTATION] = 0.0
+    shove(wall, 3.0)
+    wall.run(10)  # a brittle bond breaks: what it takes depends on the step
+    began, kinetic = total_energy(wall), wall.kinetic_energy()
+    run_to_the_end(wall)
+    stored, taken = wall.elastic_energy(), wall.energy[FRICTION]
+    wall.run(1)
+    assert ended(wall) == ENDED
+    assert wall.elastic_energy() < stored and wall.energy[FRICTION] > taken
+    if kind in ("dry", "crushing"):
+        assert wall.velocity[1, X]**2 == pytest.approx(3.0**2 - 2 * FRICTION_COEFFICIENT * GRAVITY * LENGTH, rel=1e-3)
+    wall.run(500)
+    assert total_energy(wall) - began == pytest.approx(0.0, abs=1e-9 * kinetic)
+
+
+def test_contact_data_keep_the_values_of_the_end():
+    wall = pair()
+    shove(wall, 2.0)
+    run_to_the_end(wall)
+    joint = wall.layout.contacts.first >= 0
+    then = wall.instants().contacts
+    assert np.all(then["state"][0, joint] & ENDED_BIT) and not np.any(then["state"][0, ~joint] & ENDED_BIT)
+    assert_allclose(then["offset_m"][0, joint], LENGTH, rtol=1e-3)
+    wall.run(3000)
+    for name, values in wall.instants().contacts.items():
+        assert_allclose(values[0, joint], then[name][0, joint], atol=1e-8)  # but for the elastic part of the offset
+    assert wall.displacement[1, X] > 1.5 * LENGTH
+    wall.displacement = np.zeros((2, 3))  # put back it stays without forces: a joint ends for good
+    assert ended(wall) == ENDED and np.all(wall.force[1] == 0.0)
+
+
+@pytest.mark.parametrize("slide", [5.0, -5.0])
+def test_a_joint_on_the_ground_does_not_end(slide):
+    wall = pair()
+    wall.displacement = [[slide, -1e-6, 0.0], [slide, -1e-6, 0.0]]
+    assert wall.system.interfaces["failed"][0] == FAILED and wall.force[0, Z] > 0.0
+
+
+def test_the_cut_of_a_split_brick_ends_over_its_height():
+    """Two halves that have split, shifted upwards against each other."""
+    wall = Wall("brick", 0.225, HEIGHT, precompression=0.0, joint=Joint(**DRY),
+                brick=Brick(tensile_strength=1e4, cohesion=1e4))
+    split = ReferenceSolver(lay_out(wall), 1e-6)
+    cut = int(np.flatnonzero(split.system.interfaces["head"])[0])
+    assert split.layout.n_bricks == 2 and cut == len(split.system.interfaces) - 1
+    for share, state in ((0.999, FAILED), (1.001, ENDING), (0.5, ENDED)):
+        split.displacement = [[0, 0, 0], [0, share * HEIGHT, 0]]
+        assert split.system.interfaces["failed"][cut] == state
+
+
+def follow(wall, n=12):
+    """All that samples hold, and the tables at the end."""
+    for _ in range(n):
+        wall.run(450, 50)
+        now = wall.instants()
+        yield [wall.drain_events(), now.displacement, *now.contacts.values(), now.friction_j, now.elastic_j]
+    yield [table for table in wall.system if table is not wall.system.last]
+
+
+def as_bytes(parts):
+    return [np.ascontiguousarray(part).tobytes() for part in parts]
+
+
+@pytest.mark.parametrize("damping", [{}, {"beta": 1e-7}], ids=["undamped", "damped"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_fast_step_ends_joints_with_the_bits_of_the_plain_one(kind, damping):
+    walls = [pair(fast, KINDS[kind]) for fast in (True, False)]
+    for wall in walls:
+        wall.damp(**damping)
+        shove(wall, 2.5)
+    for one, other in zip(*map(follow, walls)):
+        assert as_bytes(one) == as_bytes(other)
+    assert ended(walls[0]) == ENDED
+
+
+def columns(system):
+    """All tables of a System but `last`, records field by field: what lies between is nothing."""
+    for table in system[:-1]:
+        yield from (table,) if table.dtype.names is None else (table[name] for name in table.dtype.names)
+
+
+@pytest.mark.parametrize("damping", [{}, {"beta": 1e-7}], ids=["undamped", "damped"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_joints_of_walls_that_step_together_end_each_by_itself(kind, damping):
+    speeds = (2.5, 0.1, -2.0, 1.9, 3.0)
+    walls = [[pair(joint=KINDS[kind]) for _ in speeds] for _ in range(2)]
+    together, alone = walls
+    for wall, speed in zip([*together, *alone], speeds * 2):
+        wall.damp(**damping)
+        shove(wall, speed)
+    for _ in range(12):
+        run_together(together, 450, 50)
+        for one, other in zip(together, alone):
+            other.run(450, 50)
+            assert as_bytes(one.instants().contacts.values()) == as_bytes(other.instants().contacts.values())
+            assert as_bytes(columns(one.system)) == as_bytes(columns(other.system))
+    assert [ended(wall) for wall in together] == [ENDED, FAILED, ENDED, ENDED, ENDED]
+    for wall in together:
+        wall.displacement = wall.velocity = np.zeros((2, 3))
+    run_together(together, 450, 50)  # back in its place a joint that has ended stays without forces
+    fall = -GRAVITY * 500 * together[0].time_step
+    falls = [wall.velocity[1, Z] == pytest.approx(fall, rel=1e-9) for wall in together]
+    assert falls == [True, False, True, True, True]

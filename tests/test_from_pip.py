@@ -1,0 +1,195 @@
+"""What is there after `pip install` alone: walls, records and studies by name, from Python and in a notebook."""
+
+import io
+import json
+import os
+import subprocess
+import sys
+import threading
+import tomllib
+from contextlib import redirect_stdout
+from shutil import copytree, ignore_patterns
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY, one_line_error
+from test_guides import BLOCK, GUIDES
+
+import damage
+from damage.__main__ import main
+from damage.files import shipped_files, shipped_path
+from damage.motion.loading import Harmonic, TopDisplacement
+from damage.wall.file import load_wall
+from damage.wall.new import new_wall
+
+SETUP = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
+PIER = damage.Wall("pier", length=0.9, height=0.6)
+SHORT = {"harmonic": (0.05, 0.1), "cycles": 1, "rest": 0}
+
+pytestmark = pytest.mark.xdist_group("guides")
+
+
+def test_every_package_is_installed_and_what_lies_beside_it():
+    """A folder of the package that pyproject.toml does not list would be missing after pip install."""
+    mine = {".".join(path.parent.relative_to(REPOSITORY).parts) for path in REPOSITORY.glob("damage/**/__init__.py")}
+    beside = {".".join(("damage", "share", *path.relative_to(REPOSITORY).parts))
+              for name in SETUP["package-dir"].values() for path in (REPOSITORY / name, *(REPOSITORY / name).iterdir())
+              if path.is_dir() and not path.name.startswith(("_", "."))}
+    assert set(SETUP["packages"]) == mine | beside
+    for package, folder in SETUP["package-dir"].items():
+        patterns = ["*.py", *SETUP["package-data"].get(package, [])]
+        left = {path.name for path in (REPOSITORY / folder).iterdir() if path.is_file()} - {
+            path.name for pattern in patterns for path in (REPOSITORY / folder).glob(pattern)}
+        assert not left, f"{folder} has files that are not installed: {left}"
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A folder like site-packages, by pyproject.toml, and one with the commands; compiled code as it is here."""
+    base = tmp_path_factory.mktemp("pip")
+    copytree(REPOSITORY / "damage", base / "site" / "damage")
+    for package, folder in SETUP["package-dir"].items():
+        copytree(REPOSITORY / folder, base.joinpath("site", *package.split(".")), ignore=ignore_patterns("__pycache__"))
+    (base / "bin").mkdir()
+    for name, words in (("python3", ""), ("damage", " -m damage")):
+        (base / "bin" / name).write_text(f'#!/bin/sh\nexec "{sys.executable}"{words} "$@"\n')
+        (base / "bin" / name).chmod(0o755)
+    return base
+
+
+def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
+    environment = {**os.environ, "PATH": f"{installed / 'bin'}:{os.environ['PATH']}",
+                   "PYTHONPATH": str(installed / "site")}
+    printed = ""
+    for language, text in BLOCK.findall((GUIDES / "from-pip.md").read_text(encoding="utf-8")):
+        if language == "sh":
+            done = subprocess.run(["bash", "-euc", text], cwd=tmp_path, capture_output=True, text=True, timeout=300,
+                                  env=environment)
+            assert done.returncode == 0, f"{text}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+            printed += done.stdout
+        else:
+            (tmp_path / text.split("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")
+    assert "study my-study: 2 of 2 runs done" in printed and "<History my_wall, " in printed
+    for name in ("demo/symmetric.h5", "demo/symmetric.html", "mine.html", "results/my-study/tables/points.csv"):
+        assert (tmp_path / name).is_file(), name
+
+
+def test_a_study_without_snakemake_or_yade_is_one_line(installed, tmp_path):
+    environment = {**os.environ, "PYTHONPATH": str(installed / "site")}
+    code = ("import sys, importlib.util as util; find = util.find_spec\n"
+            "util.find_spec = lambda name, *more: None if name == 'snakemake' else find(name, *more)\n"
+            "from damage.__main__ import main; sys.exit(main(sys.argv[1:]))")
+    for words, status, says in ((["quick"], 3, "masonry-damage[study]"),
+                                (["quick", "--solver", "yade"], 2, "--solver yade: its programs are in a clone")):
+        done = subprocess.run([sys.executable, "-c", code, "study", *words], cwd=tmp_path, capture_output=True,
+                              text=True, env=environment)
+        assert done.returncode == status and says in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
+def test_the_notebook_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = GUIDES / "notebook.ipynb"
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    assert path.stat().st_size < 100_000 and not any(cell.get("outputs") for cell in cells)
+    names, out = {}, io.StringIO()
+    with redirect_stdout(out):
+        for cell in cells:
+            if cell["cell_type"] == "code":
+                exec("".join(cell["source"]), names)
+    assert "<table>" in names["history"]._repr_html_() and names["figure"].axes
+    weak, strong = (float(line.split()[-1]) for line in out.getvalue().splitlines() if " MPa: maximum DI" in line)
+    assert weak > strong
+    assert "did you mean symmetric?" in out.getvalue()
+
+
+class TestNames:
+    @pytest.mark.parametrize("name", shipped_files("walls", ".py"))
+    def test_a_new_wall_is_the_one_that_ships_but_for_its_name(self, tmp_path, name):
+        path = new_wall(tmp_path / "mine", name)
+        mine, theirs = load_wall(path).as_dict(), load_wall(name).as_dict()
+        assert mine.pop("name") == "mine" and theirs.pop("name") == name
+        assert mine == theirs and "yade" not in path.read_text().lower()
+
+    def test_a_new_wall_replaces_nothing(self, tmp_path):
+        path = new_wall(tmp_path / "mine.py")
+        assert "mine.py exists" in one_line_error(new_wall, path)
+        assert one_line_error(new_wall, tmp_path / "b.py", "sold").endswith("did you mean solid?")
+        assert "expected a name that ends in .py" in one_line_error(new_wall, tmp_path / "b.txt")
+
+    @pytest.mark.parametrize("words, meant", [
+        (["idnex", "a.h5"], "index"), (["modes", "symetric"], "symmetric"), (["reference", "simmetric"], "symmetric"),
+        (["modes", "elsewhere/symmetric.py"], "symmetric"), (["study", "qick"], "quick"),
+        (["record", "BGRA_HGE"], "BGAR_HGE")])
+    def test_a_wrong_name_is_met_with_the_nearest(self, capsys, words, meant):
+        assert main(words) == 2
+        told = capsys.readouterr().err
+        assert f"; did you mean {meant}?" in told and told.count("\n") == 1
+
+    def test_what_is_far_from_every_name_has_no_nearest(self, capsys):
+        assert main(["xyzzy"]) == 2
+        assert "did you mean" not in capsys.readouterr().err
+
+    def test_shipped_paths_are_those_of_a_clone_and_no_others(self):
+        assert shipped_path("walls/variants/symmetric_fast.py").is_file()
+        for path in ("pyproject.toml", "walls/../LICENSE", "walls/absent.py", "damage/files.py", "/etc/hosts", ""):
+            assert shipped_path(path) is None
+
+    def test_record_draws_a_motion(self, tmp_path, capsys):
+        picture = tmp_path / "a.png"
+        words = ["record", "BGAR_HGE", "--window", "18", "20", "--band", "0.5", "25", "--json", "--plot"]
+        assert main([*words, str(picture)]) == 0
+        told = capsys.readouterr()
+        assert json.loads(told.out)["band_hz"] == [0.5, 25.0] and "picture: " in told.err
+        assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 20_000
+        assert main([*words, str(tmp_path / "a.pdf")]) == 2
+        assert "expected a name that ends in .png" in capsys.readouterr().err
+
+
+class TestRun:
+    def test_the_public_names_are_listed(self):
+        assert {"run", "History", "Wall", "read_history", "load_wall", "read_record"} <= set(dir(damage))
+        assert all(getattr(damage, name) is not None for name in dir(damage))
+        assert "harmonic" in damage.run.__doc__ and "InputError" in damage.run.__doc__
+
+    def test_in_memory_in_a_file_and_by_the_command_are_equal(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        new_wall("w.py", "solid")
+        in_memory, in_file = damage.run("w.py", **SHORT), damage.run("w.py", **SHORT, out="a.h5")
+        assert main(["reference", "w.py", "--harmonic", "0.05", "0.1", "--cycles", "1", "--rest", "0", "--no-pictures",
+                     "--quiet", "--out", "b.h5"]) == 0
+        for other in (in_file, damage.read_history("b.h5")):
+            assert in_memory.series.equals(other.series) and np.array_equal(in_memory.opening_m, other.opening_m)
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "b.h5", "w.py"]
+        assert in_file.command.startswith("python3 -m damage reference w.py ") and "--rest 0" in in_file.command
+
+    def test_a_motion_is_a_record_a_loading_or_options(self, capfd):
+        by_options = damage.run(PIER, **SHORT)
+        assert damage.run(PIER, Harmonic(0.05, 0.1, cycles=1), rest=0).series.equals(by_options.series)
+        by_name = damage.run(PIER, "BGAR_HGE", window=(18.7, 18.8), rest=0)
+        assert by_name.loading.name.startswith("BGAR_HGE")
+        assert damage.run(PIER, pushover=0.001).loading == TopDisplacement((0.001,), cycles=0)
+        assert len(damage.run(PIER, **SHORT | {"sequence": [1, 0.5]}).sequence) == 2
+        assert capfd.readouterr().out == ""
+
+    def test_a_run_in_a_thread_is_one(self):
+        ended = []
+        thread = threading.Thread(target=lambda: ended.append(damage.run(PIER, **SHORT)))
+        thread.start()
+        thread.join()
+        assert ended[0].complete
+
+    @pytest.mark.parametrize("arguments, says", [
+        ({"harmonc": 1}, "did you mean harmonic?"), ({"rest": -1}, "--rest"), ({"motion": 3}, "motion = 3"),
+        ({"members": 3}, "expected 1"), ({"pictures": True}, "pictures=True"), ({"quiet": 3}, "quiet = 3"),
+        ({"wall": "symetric"}, "did you mean symmetric?"), ({"motion": "BGRA_HGE"}, "did you mean BGAR_HGE?"),
+        ({"motion": Harmonic(0.2, 0.1), "cycles": 2}, "leave one out"), ({"out": "a.txt/b.h5\n"}, "control"),
+        ({"motion": TopDisplacement((0.1,)), "sequence": "1,2"}, "leave it out")])
+    def test_bad_arguments_are_one_line(self, arguments, says):
+        assert says in one_line_error(lambda: damage.run(**{"wall": PIER, **arguments}))
+
+    def test_a_history_is_short_and_a_table(self):
+        history = damage.run(PIER, **SHORT)
+        assert repr(history) == str(history) and len(repr(history)) < 120
+        assert repr(history).startswith("<History pier, harmonic_0.05s_0.1g_1cycles, reference solver: complete, ")
+        shown = history._repr_html_()
+        assert f"maximum {history.index()['DI'].max():.3f}" in shown and shown.count("<tr>") == 7

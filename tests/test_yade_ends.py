@@ -1,0 +1,90 @@
+"""A joint ends where its faces no longer overlap: YADE, where bricks have faces, beside the reference solver."""
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+from numpy.testing import assert_allclose
+from test_ends import HEIGHT, LENGTH, pair, shove
+
+import damage
+from damage.history.schema import ENDED
+from damage.measure.summary import summarise
+from damage.units import GRAVITY
+
+pytestmark = pytest.mark.yade
+
+PIER = '''
+import sys
+sys.path.insert(0, {repository!r})
+from damage import Joint, Wall
+
+def wall():
+    return Wall("pier", 0.1125, 0.225, precompression=0.0, joint=Joint(tensile_strength=0.0, cohesion=0.0))
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+    main(wall)
+'''
+SPEED, EASE_S = 1.0, 0.1
+"""Of the push [m/s]; how long it takes to start [s], over which half the distance is lost."""
+
+
+@pytest.fixture(scope="module")
+def pushed(tmp_path_factory, yade_command, damage_command):
+    """{solver: (History, what it said)} of three bricks on each other, of which the uppermost is pushed off."""
+    folder, found = tmp_path_factory.mktemp("pier"), {}
+    (folder / "pier.py").write_text(PIER.format(repository=str(REPOSITORY)))
+    words = [folder / "pier.py", "--pushover", 100, "--speed", SPEED, "--boundary", "fixed", "--damping", 0,
+             "--no-pictures"]
+    for solver, run in (("yade", lambda *words: yade_command("-j1", *words)),
+                        ("reference", lambda *words: damage_command("reference", *words, "--relaxation", "local"))):
+        done = run(*words, "--out", folder / f"{solver}.h5")
+        assert done.returncode == 0, done.stdout + done.stderr
+        found[solver] = damage.read_history(folder / f"{solver}.h5"), done.stdout + done.stderr
+    return found
+
+
+@pytest.mark.parametrize("solver", ["yade", "reference"])
+def test_a_brick_that_is_pushed_off_a_pier_is_a_collapse(pushed, solver):
+    """It leaves the brick below after 0.1125 m and falls by half its height; before, it floated."""
+    history, said = pushed[solver]
+    by_hand = LENGTH / SPEED + EASE_S / 2 + np.sqrt(2 * (HEIGHT / 2) / GRAVITY)
+    assert history.collapsed_at_s == pytest.approx(by_hand, rel=0.1)
+    summary = summarise(history)
+    assert summary["ended_joints"] == 1 and 1 <= summary["max_offset_over_overlap"] < 1.05
+    assert summary["max_opening_mm"] < 3.0
+    assert "joints that ended, as their faces no longer overlapped: 1" in said
+    assert "1 joint ended, the bed joint at x = 0.03 m, z = 0.15 m (t = 0.1" in said
+    joint = np.flatnonzero(history.joints["first_body"] == 1)
+    then = int(np.argmax(history.ended[:, joint[0]]))
+    assert history.ended[then:, joint].all() and not np.delete(history.ended, joint, axis=1).any()
+    for frames in (history.opening_m, history.slip_m, history.offset_m):
+        assert_allclose(frames[then:, joint], np.tile(frames[then, joint], (len(frames) - then, 1)), atol=1e-7)
+
+
+def test_both_codes_let_it_fall_at_the_same_time(pushed):
+    fallen = [history.collapsed_at_s for history, _ in pushed.values()]
+    assert_allclose(*fallen, rtol=0.1)
+
+
+@pytest.mark.parametrize("speed", [2.0, 4.0])
+def test_a_shoved_brick_falls_alike(yade_command, tmp_path, speed):
+    """Off a brick that stands still, free to turn: time until it is half its height lower, state and data of the joint,
+    and energy from the end on, when it flies."""
+    done = yade_command(REPOSITORY / "tests/yade_checks/shoved_brick.py", speed, tmp_path / "found.npz")
+    assert done.returncode == 0, done.stdout + done.stderr
+    with np.load(tmp_path / "found.npz") as results:
+        found = dict(results)
+    wall = pair()
+    wall.system.inverse_mass[0] = wall.system.velocity[0] = 0.0
+    shove(wall, speed)
+    start = wall.step
+    while wall.displacement[1, 1] > -HEIGHT / 2:
+        wall.run(10)
+    assert found["time_s"][-1] == pytest.approx((wall.step - start) * wall.time_step, rel=0.1)
+    ended = (found["state"] & ENDED) > 0
+    end = int(np.argmax(ended[:, 0]))
+    assert ended[end:].all() and not ended[:end].any()
+    assert_allclose(found["offset_m"][end:], LENGTH, rtol=0.02)
+    assert_allclose(found["opening_m"][end:], np.tile(found["opening_m"][end], (len(ended) - end, 1)), rtol=0, atol=0)
+    assert np.ptp(found["energy_j"][end - 1:]) < 1e-6 * found["energy_j"][end]
