@@ -24,7 +24,7 @@ Every run is a point of the study.  In the reference solver a point can be an en
     samples = 25       # or: draws of the joints' strengths, strength-seed 1 to 25; needs strength-cov
 
 YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a point from other solvers.
-`docs/batches.md` describes all keys.
+`docs/reference/studies.md` describes all keys.
 """
 
 import hashlib
