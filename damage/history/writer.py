@@ -113,7 +113,7 @@ class HistoryWriter(Buffer):
             _LEFT_OPEN.append(self)
             said = re.search(r"error message = '([^']*)'", str(error))
             raise WriteError(f"cannot write {self.path} ({said[1] if said else str(error).splitlines()[0]}): what was "
-                             "flushed is kept, unfinished; mend that, as by making room, and run it again") from error
+                             "flushed is kept, unfinished; make room, and run it again") from error
 
 
 def check_output(path, overwrite=False):
@@ -248,9 +248,9 @@ def _extend(dataset, rows):
     start = dataset.shape[0]
     dataset.resize(start + len(rows), axis=0)
     if start % dataset.chunks[0] == 0 and len(rows) == dataset.chunks[0]:
-        told = np.bitwise_or.reduce(rows.reshape(-1).view(f"u{rows.itemsize}"))
+        bits = np.bitwise_or.reduce(rows.reshape(-1).view(f"u{rows.itemsize}"))
         dataset.id.write_direct_chunk((start, *(0,) * (rows.ndim - 1)),
-                                      _packed(rows) if told else _packed_zeros(rows.shape, rows.dtype))
+                                      _packed(rows) if bits else _packed_zeros(rows.shape, rows.dtype))
     else:
         dataset[start:] = rows
 
@@ -262,5 +262,5 @@ def _packed(rows):
 
 @cache
 def _packed_zeros(shape, dtype):
-    """A chunk in which nothing is told, as many are of a wall that hardly cracks."""
+    """A packed chunk of zeros, as most are of a wall that hardly cracks."""
     return _packed(np.zeros(shape, dtype))

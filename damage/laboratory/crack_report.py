@@ -14,7 +14,7 @@ from damage.laboratory.crack_mapping import describe_level, largest, map_cracks
 from damage.laboratory.dic import measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
 from damage.measure.cracks import PSI_FROM, cracks_at, psi, psi_summary
-from damage.measure.doubts import offset_doubts
+from damage.measure.warnings import offset_warnings
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -107,7 +107,7 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
             f"{moments_s} s", f"joints whose width reaches {least / MILLIMETRE:g} mm; docs/reference/crack-format.md"])
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
             "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": total, "levels": levels,
-            "max": largest(levels), "run": psi_summary(history, psi_from), "notes": offset_doubts(history)}
+            "max": largest(levels), "run": psi_summary(history, psi_from), "notes": offset_warnings(history)}
 
 
 # --- a crack file, a field --------------------------------------------------------------------------

@@ -44,8 +44,8 @@ def _index(kind, slip):
 
 def slip_criteria(table):
     """The criteria of slip in the columns of a table that name none, a list: one, or both where rows differ."""
-    told = "; ".join(table["slip"].dropna()) if "slip" in table else ""
-    return sorted(set(told.split("; ")), reverse=True) if told else ["displacement"]
+    criteria = "; ".join(table["slip"].dropna()) if "slip" in table else ""
+    return sorted(set(criteria.split("; ")), reverse=True) if criteria else ["displacement"]
 
 
 PARAMETERS = {
@@ -150,7 +150,7 @@ MEASURES = {
         "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
         "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out"),
     },
-    "Classes by published limits": {one.name: Column("", one.told) for one in LIMITS},
+    "Classes by published limits": {one.name: Column("", one.description) for one in LIMITS},
 }
 """By section of the document."""
 
@@ -247,7 +247,7 @@ def _read_csv(path):
 
 
 def read_table(path, needed=()):
-    """A table of a study as a DataFrame, older spellings mended; "none" is a word, only an empty cell is missing.
+    """A table of a study as a DataFrame, older spellings corrected; "none" is a word, only an empty cell is missing.
 
     Raises InputError where it cannot be read or lacks one of the needed columns.
     """

@@ -156,7 +156,7 @@ class Recorded(Loading):
                 raise InputError(f"{key} of {len(pair)} numbers; expected two, start and end")
         if self.vertical is not None:
             _check_simultaneous(self.record, self.vertical)
-        self.motion  # noqa: B018, prepared now so that a bad parameter is told at once
+        self.motion  # noqa: B018, prepared now so that a bad parameter is reported at once
 
     @cached_property
     def motion(self) -> tuple[Record, ...]:
@@ -400,14 +400,14 @@ def loading_from_dict(table: dict) -> Loading:
 def _check_simultaneous(record: Record, vertical: Record) -> None:
     """Both components must hold the same instants."""
     kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, vertical)]
-    mend = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
+    correction = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
     if kinds[0] != kinds[1]:
         raise InputError(f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
-                         f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {mend}")
+                         f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {correction}")
     if record.start_utc and vertical.start_utc:
         late_s = prepare.start_difference_s(vertical, record)
         if abs(late_s) > 0.5 * record.time_step_s:
-            raise InputError(f"{vertical.name} starts {late_s:g} s after {record.name}; {mend}")
+            raise InputError(f"{vertical.name} starts {late_s:g} s after {record.name}; {correction}")
 
 
 def _origin(record: Record) -> dict:

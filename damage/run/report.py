@@ -1,9 +1,9 @@
 """What a finished run leaves beside its history: a summary on the screen, tables and pictures."""
 
 from damage.errors import InputError, one_line, warn
-from damage.measure.doubts import static_doubts
 from damage.measure.members import describe_spread, members_of, spread
 from damage.measure.summary import summarise
+from damage.measure.warnings import static_warnings
 from damage.run.options import pictures_folder
 from damage.units import rounded
 from damage.wall.lintel import ElasticShare, describe_share
@@ -16,7 +16,7 @@ def report(history, pictures=True):
     """
     path = history.path
     if len(history.series) == 0:
-        warn(*static_doubts(history))
+        warn(*static_warnings(history))
         print(f"{history.status}: no sample was written")
         return
     summary = with_members(summarise(history), history)

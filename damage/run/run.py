@@ -6,8 +6,8 @@ import numpy as np
 
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
-from damage.measure.doubts import AT_REST
 from damage.measure.energy import Balance, noise_j
+from damage.measure.warnings import AT_REST
 from damage.run import schedule
 from damage.run.settings import ADAPTIVE_DAMPING, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import NO_MOTION

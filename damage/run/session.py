@@ -14,7 +14,7 @@ from pathlib import Path
 from damage.errors import InputError, RunError, WriteError, warn
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
-from damage.measure.doubts import ENERGY_FAILURE
+from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures
 from damage.provenance import file_origin, versions

@@ -1,4 +1,4 @@
-"""The joint law: the definition that every solver is held against.
+"""The joint law: the definition that every solver is compared with.
 
 A contact of unit area with normal opening u_n (tension positive) and shear displacement u_s:
 linear springs, a tension cut-off, Mohr-Coulomb slip, and a bond.  A brittle bond goes at once: exceeding

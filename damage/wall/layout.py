@@ -375,7 +375,7 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     normal, shear = lumped_stiffness(wall, bodies, kind, first, second)
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
-    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie on the edges of its courses
+    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses
     elastic = (kind == CAP) | in_lintel(wall, options.lintel, middle_x, middle_z)
     strengths = [np.where(elastic, np.inf, strength) for strength in (
         wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]

@@ -54,7 +54,7 @@ def elastic_share(wall, joints, bodies):
     kind = joints["kind"].to_numpy()
     length = np.where(kind == "brick", 0.0, joints["length_m"])
     elastic = length * joints["elastic"].to_numpy()
-    # A contact point at the end of a head joint lies on the edge of its course: the brick beside it lies inside.
+    # A contact point at the end of a head joint lies at the boundary of its course: the brick beside it lies inside.
     z = np.where(kind == "head", bodies["z_m"].to_numpy()[joints["second_body"]], joints["z_m"])
     above = np.zeros(len(z), bool)
     for opening in wall.openings:

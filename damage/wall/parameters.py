@@ -84,7 +84,7 @@ class Joint:
                      **_given(self, "compressive_strength"))
         if self.compressive_strength == 0:
             raise InputError("Joint.compressive_strength = 0 Pa: expected above zero, or None for joints that do not "
-                             "crush; mend it")
+                             "crush; correct it")
         check_not_negative("Joint.friction_angle", self.friction_angle)
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
@@ -321,7 +321,7 @@ class ModelOptions:
         check_whole("fibres", self.fibres, 0, 64)
 
     def tags(self):
-        """What tells this model from the default in a file's name, a list of words."""
+        """The differences of this model from the default in a file's name: a list of words."""
         return [one.metadata["tag"].format(**asdict(self)) for one in fields(self)
                 if one.metadata["tag"] and getattr(self, one.name) != one.default]
 
@@ -343,4 +343,4 @@ def _lintel_word(lintel):
 
 
 USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]} | {"joints": "face"}
-"""{column: default} of the choices that tell one model from another; joints: `History.joint_normals`."""
+"""{column: default} of the choices that distinguish models; joints: `History.joint_normals`."""
