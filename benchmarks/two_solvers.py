@@ -77,7 +77,7 @@ def nonlinear_rows(folder, motion, words):
 
 def pattern_row(words, scores):
     """Line of the table for one of `damage.measure.patterns.compare_patterns`."""
-    lacking = "" if scores["tells_sides"] else ", does not tell sides"
+    lacking = "" if scores["tells_sides"] else ", does not distinguish sides"
     holds = scores["fss"] >= LEAST_FSS and scores["fss"] > scores["shuffled"]
     return (f"| | FSS of {words} (shuffled, mirrored) | | {scores['fss']:.2f} ({scores['shuffled']:.2f}, "
             f"{scores['mirrored']:.2f}{lacking}) | {LEAST_FSS} | {'holds' if holds else 'DIFFERS'} |")

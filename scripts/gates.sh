@@ -32,13 +32,13 @@ doctests() { quiet_pytest --doctest-modules "${@:-damage}"; }
 
 documents() { "$PYTHON" scripts/documents.py "$@"; }
 
-# Runs one gate and tells how it went.
+# Runs one gate and prints its result.
 pass() {
-    local start=$SECONDS told
-    if told=$("$@" 2>&1); then
+    local start=$SECONDS output
+    if output=$("$@" 2>&1); then
         printf '%-10s open, %d s\n' "$1" $((SECONDS - start))
     else
-        printf '%s\n%-10s SHUT\n' "$told" "$1"
+        printf '%s\n%-10s SHUT\n' "$output" "$1"
         return 1
     fi
 }

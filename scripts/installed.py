@@ -57,17 +57,17 @@ def main():
 
 
 def works(wheel, version, kind):
-    """Try the wheel on a Python with the oldest or the newest packages and tell how it went; False where it failed."""
+    """Try the wheel on a Python with the oldest or the newest packages and print the result; False where it failed."""
     python, began = find_python(version), time.monotonic()
     if python is None:
         print(f"Python {version}, {kind}: skipped, there is no Python {version} on this machine", flush=True)
         return True
     try:
-        told = try_wheel(wheel, python, OLDEST[version] if kind == "oldest" else NEEDS.split())
+        result = try_wheel(wheel, python, OLDEST[version] if kind == "oldest" else NEEDS.split())
     except Failed as error:
-        told = f"FAILED: {error}"
-    print(f"Python {version}, {kind}: {told}, {time.monotonic() - began:.0f} s", flush=True)
-    return not told.startswith("FAILED")
+        result = f"FAILED: {error}"
+    print(f"Python {version}, {kind}: {result}, {time.monotonic() - began:.0f} s", flush=True)
+    return not result.startswith("FAILED")
 
 
 def find_python(version):

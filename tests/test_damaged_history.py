@@ -155,7 +155,7 @@ def test_every_flip_behind_the_head_of_a_sealed_file_is_refused(finished):
 
 @pytest.mark.parametrize("header", [0, 4, 11])
 def test_a_file_that_grew_and_is_damaged_is_an_error_after_a_while(header, files, tmp_path, monkeypatch):
-    """In the checksummed headers of groups and datasets HDF5 waits for the writer to mend them."""
+    """In the checksummed headers of groups and datasets HDF5 waits for the writer to correct them."""
     monkeypatch.setattr(in_a_child, "SECONDS", 1)
     path = tmp_path / "a.h5"
     data = bytearray(files[KILLED].read_bytes())

@@ -152,7 +152,7 @@ class TestMissing:
         done = machine.source("everything")
         assert done.returncode == 2
         assert done.stderr == ("error: environment.sh everything: expected run, test, coverage, browser, site or "
-                               "gates; mend the call\n")
+                               "gates; correct the call\n")
 
 
 OS_RELEASE = Path("/etc/os-release")

@@ -171,7 +171,7 @@ def test_a_study_ends_politely_when_the_room_runs_short(study, tmp_path):
         done = run_until_full(words, folder, "runs/*.part.h5", 15_000)
         assert done.returncode == 1, done.stderr
         assert done.stderr.count("\n") == 1 and "MB free: expected 20 MB" in done.stderr
-        assert "the same command goes on from here" in done.stderr
+        assert "the same command continues from here" in done.stderr
         assert not (folder / "out" / "tables" / "summary.csv").exists() and not running(folder)
 
 

@@ -376,7 +376,7 @@ class TestBatch:
         wait_until(lambda: "1 of 8 steps" in log.read_text())  # b is done and noted
         process.send_signal(getattr(signal, name))
         _, told = process.communicate(timeout=300)
-        assert process.returncode == 130 and "goes on from here" in told
+        assert process.returncode == 130 and "continues from here" in told
         assert running(batches.folder) == []
         done, calls = batches.run(batches.study("all", a=1.2, b=1))
         assert (done.returncode, calls) == (0, ["1.2"]), done.stderr

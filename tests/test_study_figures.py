@@ -422,7 +422,7 @@ class TestChoices:
         edge = ax.transData.transform([[at, 0] for at in (*points["max_shear_limit_DI"][:2], 0.0)])[:, 0]
         assert np.all(x > edge)  # beyond all that stand, and far from an index of zero
         assert "fell: beyond the scale of the index" in text(figure)
-        assert not any(other.has_data() for other in others)  # one second has no default to be held against
+        assert not any(other.has_data() for other in others)  # one second has no default to be compared with
 
     def test_without_a_default_there_is_no_figure(self):
         with pytest.raises(Missing, match="default point"):

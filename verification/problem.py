@@ -61,8 +61,8 @@ class Result:
 
 def ask_yade(case, *numbers):
     """The number that `verification/yade_case.py CASE NUMBERS` prints from inside YADE."""
-    told = run_yade("verification/yade_case.py", case, *map(repr, numbers))
-    lines = [line for line in told.splitlines() if line.startswith("result ")]
+    output = run_yade("verification/yade_case.py", case, *map(repr, numbers))
+    lines = [line for line in output.splitlines() if line.startswith("result ")]
     return float(lines[-1].split()[1])
 
 

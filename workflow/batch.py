@@ -290,10 +290,10 @@ def report(batch, status):
     print(f"\nstudy {batch.study.name}: {done} of {len(batch.study.runs)} {batch.unit} done")
     if batch.interrupted:
         print("interrupted: runs that had ended are kept, those that were under way begin again: the same command "
-              "goes on from here", file=sys.stderr)
+              "continues from here", file=sys.stderr)
         return EXIT_INTERRUPTED
     if batch.short:
-        print(f"error: {shortage(folder)}, and the same command goes on from here", file=sys.stderr)
+        print(f"error: {shortage(folder)}, and the same command continues from here", file=sys.stderr)
         return 1
     failed = list(failures(batch))
     if (folder / "tables" / "summary.csv").exists():
@@ -351,8 +351,8 @@ def run_program():
         print(f"error: {error}", file=sys.stderr)
     except OSError as error:
         if not is_of_output(error):
-            print(f"error: cannot write {error.filename}: {error.strerror}; mend that, and the same command goes on "
-                  "from here", file=sys.stderr)
+            print(f"error: cannot write {error.filename}: {error.strerror}; correct that, and the same command "
+                  "continues from here", file=sys.stderr)
     return 1
 
 

@@ -26,7 +26,7 @@ from itertools import islice
 from pathlib import Path
 
 from shards import FIRST_TABLES
-from shared import end_with_parent, tell
+from shared import announce, end_with_parent
 
 from damage.errors import InputError
 from damage.files import plain_file, write_text
@@ -136,34 +136,34 @@ class Point:
         self._records[number] = record
         self.mark()
 
-    def mark(self, told=True):
-        """Name the runs of a point that is done, and tell it."""
+    def mark(self, visible=True):
+        """Name the runs of a point that is done, and announce it."""
         count = runs_needed(self.run, self._records)
         if all(number in self._records for number in range(1, count + 1)):
             if self.run.is_ensemble:
                 write_text(self.folder / "runs" / f"{self.run.id}.members",
                            "".join(f"{self.run.name(number)}\n" for number in range(1, count + 1)))
-            if told:
-                tell(f"{self.run.id}: done")
+            if visible:
+                announce(f"{self.run.id}: done")
 
 
 class Shard:
     """The points of a shard on their way, `jobs` groups of runs at a time."""
 
     def __init__(self, path, jobs):
-        told = json.loads(path.read_text(encoding="utf-8"))
+        job = json.loads(path.read_text(encoding="utf-8"))
         folder, self.rows, self.jobs = path.parents[1], path.with_suffix(".rows"), jobs
         records = read_records(self.rows)
         runs = [StudyRun(**{name: tuple(value) if isinstance(value, list) else value for name, value in one.items()})
-                for one in told["points"]]
-        self.points = {run.id: Point(run, folder, told["keep"] == "all", records) for run in runs}
+                for one in job["points"]]
+        self.points = {run.id: Point(run, folder, job["keep"] == "all", records) for run in runs}
         self.status, self.interrupted, self.lost = EXIT_OK, False, 0
 
     def run(self):
         """Bring all points up to date; returns the exit status."""
         waiting = [task for point in self.points.values() for task in point.next_tasks()]
         for point in self.points.values():
-            point.mark(told=False)
+            point.mark(visible=False)
         if not waiting:
             return EXIT_OK
         for name in (signal.SIGINT, signal.SIGTERM):
@@ -175,19 +175,19 @@ class Shard:
             self._work(waiting, workers, rows)
         if self.interrupted:
             ended = sum(point.done for point in self.points.values())
-            tell(f"interrupted: {self.lost} runs were under way and are lost; {ended} that had ended are kept")
+            announce(f"interrupted: {self.lost} runs were under way and are lost; {ended} that had ended are kept")
         return EXIT_INTERRUPTED if self.interrupted else self.status
 
     def _work(self, waiting, workers, rows):
         """Hand out groups of runs until none is waiting or under way."""
-        under_way, told = set(), False
+        under_way, announced = set(), False
         while waiting or under_way:
             while waiting and len(under_way) < self.jobs and not self.interrupted:
                 group = take_group(waiting, self.jobs - len(under_way))
-                if len(group) > 1 and not told:
-                    told = True
-                    tell(f"{len(group)} runs step together and are saved when they have ended: an interruption loses "
-                         "those under way")
+                if len(group) > 1 and not announced:
+                    announced = True
+                    announce(f"{len(group)} runs step together and are saved when they have ended: an interruption "
+                             "loses those under way")
                 under_way.add(workers.submit(do_group, group))
             if not under_way:
                 return
@@ -202,7 +202,7 @@ class Shard:
             self.interrupted |= status == EXIT_INTERRUPTED
             self.lost += status == EXIT_INTERRUPTED
             self.status = status
-            tell(f"{task.name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
+            announce(f"{task.name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
             return []
         add_record(rows, record)
         if not task.kept:
@@ -230,7 +230,7 @@ def take_group(waiting, idle):
 def load_compiled(task):
     """Compile the reference solver, or load it, before there are processes: once for all of them."""
     if not is_cached():
-        tell(COMPILING)
+        announce(COMPILING)
     wall = ReferenceSolver(lay_out(load_wall(task.point.wall)), 1e-6)
     wall.run(1)
     wall.instants()

@@ -1,4 +1,4 @@
-"""What `python3 -m damage cracks` tells of the cracks of a history, of a crack file or of a DIC field."""
+"""Results of `python3 -m damage cracks`: cracks of a history, of a crack file or of a DIC field."""
 
 from pathlib import Path
 
@@ -84,7 +84,7 @@ def choose_samples(history, moments):
 
 
 def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
-    """What is told of the cracks of the history at `path`, a dictionary; written to `export` if it is given."""
+    """The cracks of the history at `path`, a dictionary; written to `export` if it is given."""
     history = read_history(path)
     samples = choose_samples(history, moments)
     index, total = history.index(threshold, drift_limit), float(history.joint_length_m.sum())
@@ -113,7 +113,7 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
 # --- a crack file, a field --------------------------------------------------------------------------
 
 def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, tolerance=None):
-    """What is told of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
+    """The results of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
     mapped = [map_cracks(pattern, layout, tolerance) for pattern in patterns]
     levels = [describe_level(pattern, cracks, layout, threshold, drift_limit, psi_from)
               for pattern, cracks in zip(patterns, mapped)]
@@ -143,7 +143,7 @@ def _notes(levels):
         where = f"level {level['load_level']:g}: "
         if level["undecided_m"] > 0:
             yield (where + f"{level['undecided_m']:.3f} m of cracks give their width only: tension and shear cannot "
-                   "be told apart there, and DI_open, DI_slip and DI lie between the bounds shown")
+                   "be distinguished there, and DI_open, DI_slip and DI lie between the bounds shown")
         if level["drift_pct"] is None:
             yield where + "drift unknown: DI is that of the cracks alone"
         if level["unmapped_m"] > 5e-4:

@@ -93,7 +93,7 @@ RUN = {
     **_model(seeds=True),
     "seed": Column("1", "of the bricks' random offsets and of `scatter`"),
 }
-"""What tells one run from another of its point, and how it ended."""
+"""What distinguishes the runs of a point, and how each ended."""
 MADE_BY = {
     "software": Column("", "version of this software, `unknown` of a run before 0.2"),
     "commit": Column("", "of its repository; `changed` where the tree differed"),

@@ -13,8 +13,8 @@ from damage.wall.parameters import USUAL_MODEL
 
 SHAPE = {name: value for name, value in USUAL_MODEL.items() if name != "lintel"} \
     | {"shocks": 1, "alpha_1_s": 0.0, "vertical": 0}
-"""Parameters of the runs that are held against the paper; a table without one of these columns has none other.
-Lintels are held against it one by one."""
+"""Parameters of the runs that are compared with the paper; a table without one of these columns has these values.
+Lintels are compared one by one."""
 LEAST_STEP_S = 2e-5
 """Runs with smaller steps are studies of the step [s]."""
 BETA_S = 1e-6

@@ -1,4 +1,4 @@
-"""The verdict on the paper: each of its claims held against the tables of studies.
+"""The verdict on the paper: each of its claims compared with the tables of studies.
 
 `damage.paper.criteria` says what is claimed and when it holds, `damage.paper.evidence` picks the runs, and here
 one small function a claim decides, by how much its value is inside of its criterion or outside (`margins`).  A claim

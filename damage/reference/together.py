@@ -12,7 +12,7 @@ from damage.reference.lanes import MOST_LANES
 from damage.reference.session import BACKEND, PROG
 from damage.reference.settled import SettledWalls
 from damage.run.options import parse_run
-from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, telling, told
+from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, reported, simulate, with_errors_reported
 from damage.run.turns import take_turns
 from damage.wall.file import load_wall
 
@@ -61,8 +61,8 @@ def _run_group(lines, histories, settled):
     hold_buffers()
     with attended(f"{next(iter(lines))}{others}") as keep_going:
         for name, (wall, *words) in lines.items():
-            statuses[name] = told(lambda name=name, wall=wall, words=words: begin(name, wall, words), f"{name}: ")
-        runs = [telling(f"{name}: ", simulate(one, keep_going, wall))
+            statuses[name] = reported(lambda name=name, wall=wall, words=words: begin(name, wall, words), f"{name}: ")
+        runs = [with_errors_reported(f"{name}: ", simulate(one, keep_going, wall))
                 for (name, one), wall in zip(prepared.items(), settled.of_group(prepared.values()))]
         statuses |= zip(prepared, take_turns(runs, Companies().move))
     return statuses

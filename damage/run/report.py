@@ -12,7 +12,7 @@ from damage.wall.lintel import ElasticShare, describe_share
 def report(history, pictures=True):
     """Print the summary of a History; write its pictures beside it.
 
-    The history is complete by then: whatever fails here is told and loses nothing.
+    The history is complete by then: whatever fails here is reported and loses nothing.
     """
     path = history.path
     if len(history.series) == 0:

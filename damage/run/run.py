@@ -244,7 +244,7 @@ class Run:
         return None, count
 
     def _energies(self, now, motion):
-        """Energies since time zero (n,) [J].  Damping that the solver cannot tell is what is missing in the balance
+        """Energies since time zero (n,) [J].  Damping that the solver does not compute is the remainder of the balance
         while the wall settles or is pushed; in any other stage there is none."""
         zero, mass = self._zero, self.layout.bodies.mass
         energies = {

@@ -6,7 +6,7 @@ HEAVY = 0.1
 """Range of the first members' values over their median from which as many again are run: the median of five is then
 uncertain by some percent, and a sixth member lies outside of their range in one case out of three."""
 LEAST = 5
-"""Fewer members tell nothing of tails."""
+"""Least number of members for a statement on tails."""
 JUDGED = ("max_DI", "max_drift_ratio")
 
 

@@ -101,8 +101,8 @@ def _believed(line):
         raise ValueError("it is no JSON") from None
     if not isinstance(record, dict) or any(not isinstance(record.get(name), kind) for name, kind in _PARTS.items()):
         raise ValueError(f"it lacks one of {', '.join(_PARTS)}")
-    told = record.pop(SUM, None)
-    if told is not None and told != _sum(record):
+    total = record.pop(SUM, None)
+    if total is not None and total != _sum(record):
         raise ValueError("its checksum is wrong")
     if (wrong := _wrong_number(record)) is not None:
         raise ValueError(f"its {wrong}")
