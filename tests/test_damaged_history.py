@@ -262,7 +262,7 @@ def test_a_dataset_that_no_schema_names_yet_is_left_alone(finished):
     assert history.series.equals(whole.series)
 
 
-def test_changes_that_crash_hdf5_itself_are_told(finished, monkeypatch):
+def test_changes_that_crash_hdf5_itself_are_reported(finished, monkeypatch):
     """The mutator works in a child, too: of some of its changes HDF5 dies, and the next file is made."""
     for name in ("dataset", "values", "link", "attribute", "parameter"):
         monkeypatch.setattr(histories, f"_change_{name}", lambda file, random: os.kill(os.getpid(), 9))

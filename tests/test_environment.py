@@ -124,7 +124,7 @@ class TestMissing:
         assert missing == f"error: missing on this machine: {' '.join(packages)}"
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
 
-    def test_programs_of_other_names_are_told_by_their_packages(self, machine):
+    def test_programs_of_other_names_are_reported_by_their_packages(self, machine):
         done = machine.source("browser")
         assert done.returncode == 3
         assert done.stderr.splitlines()[0].startswith(
@@ -207,7 +207,7 @@ class TestInstalling:
 
 
 class TestObspy:
-    def test_without_it_the_tests_go_on_and_the_reason_is_told(self, machine):
+    def test_without_it_the_tests_go_on_and_the_reason_is_reported(self, machine):
         pytest.importorskip("hypothesis")
         machine.stub("python3", machine.python_without("obspy"), machine.system_python.parent)
         done = machine.source("test")

@@ -70,7 +70,7 @@ def test_yade_ends_and_keeps_what_was_flushed(kilobytes, yade_command, tmp_path)
     assert history.status == "unfinished" and len(history.series) % 120 == 0 < len(history.series)
 
 
-def test_too_little_room_is_told_before_the_run(monkeypatch, tmp_path):
+def test_too_little_room_is_reported_before_the_run(monkeypatch, tmp_path):
     monkeypatch.setattr("shutil.disk_usage", lambda folder: SimpleNamespace(free=5e5))
     with pytest.raises(InputError, match=r"0\.5 MB free"):
         check_output(tmp_path / "run.h5")

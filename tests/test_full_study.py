@@ -176,7 +176,7 @@ def test_a_study_ends_politely_when_the_room_runs_short(study, tmp_path):
 
 
 @ROOT
-def test_a_folder_that_can_only_be_read_is_told_in_one_line(study, tmp_path):
+def test_a_folder_that_can_only_be_read_is_reported_in_one_line(study, tmp_path):
     with disk(tmp_path / "disk", 40_000) as folder:
         remount(folder, "ro")
         done = run(*command(study, folder / "out"))
@@ -225,7 +225,7 @@ def test_all_studies_take_with_them_what_they_run(study, tmp_path):
     wait_until(lambda: not running(tmp_path))
 
 
-def test_a_study_with_too_little_memory_is_told_in_one_line(study, tmp_path):
+def test_a_study_with_too_little_memory_is_reported_in_one_line(study, tmp_path):
     words = " ".join(map(str, command(study, tmp_path / "out")))
     done = run("bash", "-c", f"ulimit -v 300000; {words}")
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "out of memory: ulimit -v is 307 MB" in done.stderr

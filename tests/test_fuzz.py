@@ -121,12 +121,12 @@ def test_a_table_with_a_row_longer_than_its_header_is_refused(tmp_path):
     assert "more cells than the header" in one_line_error(columns.read_table, path)
 
 
-def test_a_cell_over_two_lines_does_not_shift_the_line_that_is_told(tmp_path):
+def test_a_cell_over_two_lines_does_not_shift_the_line_that_is_reported(tmp_path):
     path = written(tmp_path / "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,1,1\n1,1,1,up\n')
     assert "line 5: uz_m = 'up'" in one_line_error(dic.read_field, path)
 
 
-def test_a_row_of_another_length_is_told_with_its_line(tmp_path):
+def test_a_row_of_another_length_is_reported_with_its_line(tmp_path):
     path = written(tmp_path / "t.csv", 'a,b\n"0\n",1\n1,2,3\n')
     assert "line 4: 3 cells, the header has 2" in one_line_error(CsvTable, path, ("a", "b"))
 

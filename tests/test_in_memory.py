@@ -69,7 +69,7 @@ def test_one_that_is_kept_is_its_file_which_is_whole(most_bytes, tmp_path, monke
 
 
 @pytest.mark.parametrize("write", [HistoryWriter, HistoryInMemory, HistoryKept])
-def test_told_are_the_joints_of_which_anything_is_told(write, tmp_path):
+def test_active_contacts_are_those_with_any_value(write, tmp_path):
     history = make_history(tmp_path / "a.h5", **TOLD, write=write)
     told = history.told
     others = np.setdiff1d(np.arange(len(history.joints)), told.joints)

@@ -60,7 +60,7 @@ def test_slip_is_frozen_while_open():
     assert events == [(0, "opened")]
 
 
-def test_first_passing_is_told_once():
+def test_first_passing_is_reported_once():
     _, _, _, events = follow_both(shaken(), 1)
     assert sorted(events) == [(0, "opened"), (0, "slipped")]
 

@@ -100,7 +100,7 @@ def test_a_solver_that_runs_one_wall_refuses_members_and_names_the_other(tmp_pat
     assert told.count("\n") == 1
 
 
-def test_a_member_that_fails_is_named_and_the_others_are_told(tiny, tmp_path, capsys, monkeypatch):
+def test_a_member_that_fails_is_named_and_the_others_are_reported(tiny, tmp_path, capsys, monkeypatch):
     from damage.reference import members as of_reference
 
     def simulate(prepared, *more):

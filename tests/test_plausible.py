@@ -63,7 +63,7 @@ def test_the_unit_that_was_meant_is_named(name, value, meant):
     assert meant in told
 
 
-def test_a_fault_is_told_in_one_line_of_all_fields_and_once():
+def test_a_fault_is_reported_in_one_line_of_all_fields_and_once():
     said = one_line_error(check_plausible, IN_MPA)
     assert "tensile_strength = 0.1 Pa, expected 1000 to 1e7 Pa, or 0: 0.1 MPa is 0.1e6 Pa" in said
     assert "cohesion = 0.15 Pa" in said and "--accept-implausible" in said

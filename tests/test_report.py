@@ -12,7 +12,7 @@ from damage.measure.warnings import energy_warnings, static_warnings
     (0, float("nan"), []),  # interrupted before the static stage ended
     (1, 1.0, ["1 contact points broke", "at rest"]),
 ])
-def test_an_odd_static_stage_is_told(broken, unbalanced, words):
+def test_an_odd_static_stage_is_reported(broken, unbalanced, words):
     history = SimpleNamespace(static={"broken_joints": broken, "unbalanced_force": unbalanced})
     warnings = static_warnings(history)
     assert len(warnings) == len(words)
@@ -20,5 +20,5 @@ def test_an_odd_static_stage_is_told(broken, unbalanced, words):
 
 
 @pytest.mark.parametrize(("error", "told"), [(None, 0), (0.02, 0), (0.05, 1), (1e15, 1), (float("nan"), 1)])
-def test_an_energy_error_that_spoils_a_run_is_told(error, told):
+def test_an_energy_error_that_spoils_a_run_is_reported(error, told):
     assert len(energy_warnings(error)) == told

@@ -328,7 +328,7 @@ class TestOneRunAgain:
                     tmp_path / "tables" / "summary.csv")
         return SimpleNamespace(make=lambda: again.make_again(self.NAME, study(), tmp_path), simulate=simulate)
 
-    def test_equal_values_are_told_and_the_history_stays(self, again, tmp_path, capsys):
+    def test_equal_values_are_reported_and_the_history_stays(self, again, tmp_path, capsys):
         assert again.make() == 0
         assert "the values are those of" in capsys.readouterr().out
         assert (tmp_path / "runs" / f"{self.NAME}.h5").is_file()
@@ -349,7 +349,7 @@ class TestOneRunAgain:
             again.make()
         assert not list((tmp_path / "runs").glob("*.h5"))
 
-    def test_rows_of_other_versions_and_runs_without_a_row_are_told(self, again, tmp_path, capsys):
+    def test_rows_of_other_versions_and_runs_without_a_row_are_reported(self, again, tmp_path, capsys):
         path = tmp_path / "tables" / "summary.csv"
         table = pd.read_csv(path)
         table.assign(model_digest="0123456789ab").to_csv(path, index=False)

@@ -232,7 +232,7 @@ class TestTables:
         index = pd.read_csv(tmp_path / "t" / "one_index.csv")
         assert_allclose(index["DI"], history.index()["DI"], rtol=1e-8)  # nine digits are written
 
-    def test_a_file_that_is_no_history_is_told_in_one_line(self, tmp_path, capsys):
+    def test_a_file_that_is_no_history_is_reported_in_one_line(self, tmp_path, capsys):
         (tmp_path / "a.h5").write_text("x")
         assert main(["tables", "summary", str(tmp_path / "a.h5"), "--out", str(tmp_path / "s.csv")]) == 2
         assert capsys.readouterr().err.count("\n") == 1

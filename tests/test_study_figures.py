@@ -331,7 +331,7 @@ class TestPanels:
         letter(axes[0, 1], 26, "next")
         assert [ax.get_title(loc="left") for ax in axes[0]] == ["(z)", "(aa) next"]
 
-    def test_scales_apart_are_told_and_hidden_panels_do_not_count(self):
+    def test_scales_apart_are_reported_and_hidden_panels_do_not_count(self):
         _, axes = grid(1, 3, 1.0)
         for ax, top in zip(axes[0], (0.01, 0.5, 1e-9)):
             ax.set_ylim(0, top)

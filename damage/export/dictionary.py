@@ -49,7 +49,7 @@ JOINTS_OF_A_RUN = {
     "max_opening_m": Column("m", "largest opening of all samples"),
     "final_slip_m": Column("m", "accumulated slip at the last sample, signed"),
     "max_abs_slip_m": Column("m", "largest absolute accumulated slip of all samples"),
-    "broken": Column("bool", "whether the bond was gone at the last sample"),
+    "broken": Column("bool", "whether the bond had failed at the last sample"),
     "at_shear_limit": Column("bool", "whether it had failed in shear or slid by then"),
     "crushed": Column("bool", "whether it had been crushed by then"),
     "ended": Column("bool", "whether it had ended by then, as its faces no longer overlapped"),

@@ -27,7 +27,7 @@ def compare_patterns(first, second):
     """Scores of two Histories of one wall at the end of their motions, None where nothing has cracked in either:
     {"broken", "visible": {"fss", "shuffled", "mirrored": number, "tells_sides": bool}, "window_m"}.
 
-    broken: joints whose bond is gone; visible: that opened or slipped by more than 0.1 mm, whatever they do then.
+    broken: joints whose bond has failed; visible: that opened or slipped by more than 0.1 mm, whatever they do then.
     slip: the criterion of both, `displacement` where both have offsets, and else `accumulated`.
     """
     slip = common_slip(first, second)

@@ -63,7 +63,7 @@ class Joint:
 
     normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa];
     friction_angle [rad], the same before and after the bond breaks; dilation is zero.
-    mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the bond is gone;
+    mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the bond fails;
         None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and 102 to 353
         (Korswagen, dissertation, TU Delft, 2022); `softening_energies` gives a rule.
     compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not, as in the paper.
