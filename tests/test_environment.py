@@ -271,7 +271,7 @@ def run_all(*words, **variables):
 
 
 class TestRunAll:
-    @pytest.mark.parametrize(("words", "told"), [
+    @pytest.mark.parametrize(("words", "printed"), [
         ((), "no study given: expected"),
         (("harmonik",), "no study harmonik is shipped: expected"),
         (("../studies/quick",), "is shipped: expected"),
@@ -286,11 +286,11 @@ class TestRunAll:
         (("quick", "--solver", "udec"), "expected yade, reference or both"),
         (("quick", "--solver=udec"), "--solver udec: expected yade"),
     ], ids=str)
-    def test_bad_command_lines_get_one_line_and_status_2(self, words, told):
+    def test_bad_command_lines_get_one_line_and_status_2(self, words, printed):
         done = run_all(*words)
         assert (done.returncode, done.stdout) == (2, "")
         assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
-        assert told in done.stderr
+        assert printed in done.stderr
 
     def test_help_names_the_studies(self):
         done = run_all("--help")

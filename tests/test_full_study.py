@@ -141,10 +141,10 @@ def test_a_study_on_a_full_disk_ends_in_a_line_and_goes_on_with_room(kilobytes, 
         words = command(study, folder / "out", least=100_000)
         done = run_until_full(words, folder, when, leave)
         assert done.returncode in (1, 2), done.stdout
-        told = done.stderr.splitlines()
+        lines = done.stderr.splitlines()
         assert "Traceback" not in done.stderr + done.stdout
         assert any(line.startswith(("error: ", "failed: ")) and ("MB free" in line or "No space left" in line
-                                                                 or "no room left" in line) for line in told), told
+                                                                 or "no room left" in line) for line in lines), lines
         (folder / "filler").unlink(missing_ok=True)
         remount(folder, "size=64m")
         again = run(*words)
@@ -191,10 +191,10 @@ def test_a_study_whose_runs_will_not_fit_is_warned_of(study, tmp_path, workflow,
     assert room.forecast(loaded, tmp_path) is None  # nothing is there to judge by
     (tmp_path / "runs" / "one_reference.h5").write_bytes(b"x" * 3_000_000)
     (tmp_path / "runs" / "two_reference_s1.part.h5").write_bytes(b"x" * 9_000_000)
-    for free, told in ((26e6, None), (25.9e6, "up to 2 runs are left, about 6 MB if they are as large as the 1 there")):
+    for free, said in ((26e6, None), (25.9e6, "up to 2 runs are left, about 6 MB if they are as large as the 1 there")):
         monkeypatch.setattr("shutil.disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
         warning = room.forecast(loaded, tmp_path)
-        assert warning is None if told is None else told in warning
+        assert warning is None if said is None else said in warning
         assert room.forecast(loaded, tmp_path, keep="summary") is None  # the first of two
 
 

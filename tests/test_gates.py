@@ -33,10 +33,10 @@ def seeded(path, folder, old, new):
     return copy
 
 
-def assert_shut(done, *told):
+def assert_shut(done, *faults):
     assert done.returncode == 1, done.stdout + done.stderr
     assert done.stdout.endswith("SHUT\n")
-    for fault in told:
+    for fault in faults:
         assert fault in done.stdout
 
 

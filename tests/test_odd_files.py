@@ -209,8 +209,8 @@ def test_a_crack_whose_name_grows_when_it_is_escaped_is_reported_in_one_line_of_
     """4000 zero bytes behind its name: each is four characters where they are shown."""
     zeros = "\0" * 4000
     (tmp_path / "zeros.csv").write_text(f"{HEAD}a{zeros},4,0,0,1\n")
-    told = one_line_error(read_cracks, tmp_path / "zeros.csv")
-    assert "\\x00" in told and told.endswith("expected 1 where a polyline begins") and len(told) < 1600
+    message = one_line_error(read_cracks, tmp_path / "zeros.csv")
+    assert "\\x00" in message and message.endswith("expected 1 where a polyline begins") and len(message) < 1600
 
 
 def test_a_long_crack_is_mapped_as_one_piece_would_be(tmp_path, monkeypatch):

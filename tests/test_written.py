@@ -50,9 +50,9 @@ def limited(kind, number):
     return {"preexec_fn": lambda: resource.setrlimit(kind, (number, number))}
 
 
-def one_error(done, told):
+def one_error(done, printed):
     assert done.returncode not in (0, 120) and done.returncode > 0, done.stderr
-    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1 and told in done.stderr, done.stderr
+    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1 and printed in done.stderr, done.stderr
 
 
 @pytest.mark.parametrize("words", [
@@ -202,17 +202,17 @@ class TestSignals:
         while library not in Path(f"/proc/{process.pid}/maps").read_text() and process.poll() is None:
             time.sleep(0.001)
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=60)
-        assert process.returncode == 130 and told in ("", "interrupted\n")
+        _, printed = process.communicate(timeout=60)
+        assert process.returncode == 130 and printed in ("", "interrupted\n")
 
     @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
     def test_a_polite_end_keeps_what_was_seen(self, name, tmp_path):
         process = self.start(tmp_path / "a.h5", lambda: has_samples(tmp_path / "a.h5"))
         for _ in range(2):  # a second one, while it ends, changes nothing
             process.send_signal(getattr(signal, name))
-        _, told = process.communicate(timeout=60)
+        _, printed = process.communicate(timeout=60)
         ended = {130} if name == "SIGINT" else {130, -getattr(signal, name)}  # the second may meet the summary
-        assert process.returncode in ended and "Traceback" not in told
+        assert process.returncode in ended and "Traceback" not in printed
         history = damage.read_history(tmp_path / "a.h5")
         assert history.status == "interrupted" and len(history.series) > 0
 
@@ -246,9 +246,9 @@ class TestSignals:
             time.sleep(0.05)
         time.sleep(1)  # the file is made, its first flush done
         process.send_signal(getattr(signal, name))
-        _, told = process.communicate(timeout=60)
-        assert process.returncode == (-signal.SIGKILL if name == "SIGKILL" else 130), told
-        assert "Traceback" not in told and damage.read_history(out).status == status
+        _, printed = process.communicate(timeout=60)
+        assert process.returncode == (-signal.SIGKILL if name == "SIGKILL" else 130), printed
+        assert "Traceback" not in printed and damage.read_history(out).status == status
 
 
 def started(words, hangup=signal.SIG_DFL):
