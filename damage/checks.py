@@ -1,4 +1,4 @@
-"""Checks of input, each in one place: what came, what was expected, how to correct it; and records made from tables."""
+"""Checks of input: messages name what was given, what was expected and how to correct it; records from tables."""
 
 import math
 import os

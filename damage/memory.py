@@ -31,7 +31,7 @@ def least_bytes(beside=0):
 
 
 def shortage(beside=0):
-    """What to say where this process may have too little memory, None where it may have enough; as `least_bytes`."""
+    """Message where this process's memory limit is too low, None where it suffices; arguments as of `least_bytes`."""
     limit = _limit()
     if limit is None or limit >= least_bytes(beside):
         return None

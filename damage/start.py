@@ -73,7 +73,7 @@ def leave(status):
 
 
 def missing_library(error):
-    """What to say of an ImportError of a library, None where it is a fault of this software."""
+    """Message for a missing library (ImportError), None where the error is a fault of this software."""
     while isinstance(error.__context__, ImportError) and error.__context__.name:  # the one that others fell over
         error = error.__context__
     library = (error.name or "").partition(".")[0]

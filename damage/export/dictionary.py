@@ -1,4 +1,4 @@
-"""The data dictionary: every column of every table that this software writes, with its unit and what it means.
+"""The data dictionary: every column of every table that this software writes, with unit and meaning.
 
 `python3 -m damage dictionary --out docs/reference` writes dictionary.csv and dictionary.md.  Columns that have their
 definition elsewhere are taken from there: those of histories from `damage.history.schema`, those of summaries from

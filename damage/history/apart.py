@@ -71,7 +71,7 @@ def bounded():
 
 
 def _be_the_child(path, read, send, limit_s):
-    """Read, send what came of it, and end without a trace of this process's own ending."""
+    """Read, send the result or the error, and end the child without the parent's exit handlers."""
     import resource  # not on every system
 
     signal.signal(signal.SIGALRM, signal.SIG_DFL)  # ends HDF5, too, wherever it is

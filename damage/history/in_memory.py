@@ -32,7 +32,7 @@ class HistoryInMemory(Buffer):
         return f"in memory, and in {self.path} should the run fail"
 
     def static_stage(self, **values):
-        """Keep what the static stage ended with; keys are those of STATIC."""
+        """Keep the results of the static stage; keys are those of STATIC."""
         self._values = values
 
     def store(self, columns):

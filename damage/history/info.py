@@ -1,4 +1,4 @@
-"""What a history is worth, and what made it: `python3 -m damage check` and `info`."""
+"""State and origin of a history: `python3 -m damage check` and `info`."""
 
 from math import isnan
 
@@ -55,7 +55,7 @@ def made_by(history):
 
 
 def origin(history):
-    """What made a History, for a picture's own data."""
+    """Origin of a History, for the metadata of a picture."""
     made = made_by(history)
     return (f"{history.path.name}: {history.command}; {history.solver} solver, masonry-damage {made['software']}, "
             f"commit {made['commit']}, model {made['model_digest']}")
@@ -78,7 +78,7 @@ def results(history):
 
 
 def given(about):
-    """The parameters without what follows from them; about: an `info`."""
+    """The parameters without those derived from others; about: an `info`."""
     return {name: value for name, value in about["parameters"].items() if name not in about["results"]}
 
 

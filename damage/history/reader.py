@@ -288,7 +288,7 @@ def _open(path, believe=lambda n_bytes: None):
 
 
 def checked(history):
-    """A History that says nothing that cannot be; raises InputError of one that does."""
+    """The History after the checks of its values; raises InputError for impossible ones."""
     check_values(history)
     check_parameters(history.parameters)
     # Parameters that make no sense are a fault of the file, reported here and not in the midst of a command.
@@ -390,7 +390,7 @@ def _at_all_joints(sparse, joints, n_joints):
 
 
 def _number_shocks(series):
-    """The series with the number of the shock, from 1: a new one begins with each motion after settling."""
+    """The series with the number of the event, from 1: a new one begins with each motion after settling."""
     settling = (series["stage"] == "settling").to_numpy()
     series["shock"] = 1 + np.cumsum(np.diff(settling.astype(int), prepend=0) < 0)
     return series

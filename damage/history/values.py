@@ -28,7 +28,7 @@ def check_parameters(parameters):
 
 
 def check_values(history):
-    """Raise InputError where a History says what cannot be: no numbers, joints that do not exist, time that stops."""
+    """Raise InputError for impossible values of a History: not finite, unknown joints, time that does not increase."""
     joints, bodies, events, series = history.joints, history.bodies, history.events, history.series
     for name, value in history.static.items():
         if abs(value) >= _HUGE:

@@ -72,7 +72,7 @@ class HistoryWriter(Buffer):
         return self in _LEFT_OPEN
 
     def static_stage(self, **values):
-        """Store what the static stage ended with; keys are those of STATIC."""
+        """Store the results of the static stage; keys are those of STATIC."""
         with self._writing():
             for name, value in values.items():
                 self._file["static"][name][()] = value
@@ -106,7 +106,7 @@ class HistoryWriter(Buffer):
 
     @contextmanager
     def _writing(self):
-        """Turn what HDF5 says of a failed write into a WriteError."""
+        """Raise a WriteError from HDF5's error of a failed write."""
         try:
             yield
         except (OSError, RuntimeError) as error:
@@ -176,7 +176,7 @@ def _lock(path, kind):
 
 
 def run_attributes(layout, solver, parameters, versions):
-    """What a history says of its run, {name: words or number}; arguments as those of HistoryWriter."""
+    """The attributes of a history's run, {name: words or number}; arguments as of HistoryWriter."""
     command = parameters.get("command") or shown_command(sys.argv)
     parameters = {name: value for name, value in parameters.items() if name != "command"}
     versions = {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__,

@@ -138,7 +138,7 @@ def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMI
 
 
 def _notes(levels):
-    """What a reader must know of the levels, a line each."""
+    """Notes on the levels, a line each."""
     for level in levels:
         where = f"level {level['load_level']:g}: "
         if level["undecided_m"] > 0:

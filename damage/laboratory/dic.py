@@ -62,7 +62,7 @@ class Motions:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a field says of the joints at one level.
+    """Opening and slip of the joints at one level of a DIC field.
 
     opening, slip: (n_joints,) [m], NaN where a brick was not seen; deviation: (n_joints,) standard
     deviation of the opening from the field's noise [m]; noise: of a point [m]; drift_ratio [-].

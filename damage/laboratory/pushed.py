@@ -1,4 +1,4 @@
-"""Walls tested in a laboratory: their measured numbers, and what a simulated wall gives beside them.
+"""Walls tested in a laboratory: their measured numbers beside those of a simulated wall.
 
 EUCENTRE's in-plane cyclic tests (Graziotti et al. 2016), `damage/data/eucentre`.
 """

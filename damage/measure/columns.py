@@ -1,4 +1,4 @@
-"""Every column of summary.csv and points.csv, once: what it is called, its unit, what it means.
+"""Every column of summary.csv and points.csv: name, unit, meaning.
 
 The tables of `docs/reference/measures.md` are these; `damage.measure.tables.summary_row` fills them,
 `damage.studies.tables` sums them up by point.
@@ -30,7 +30,7 @@ WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default
 
 
 def made_by_words(table):
-    """What made the runs of a table, in words, as far as it says so."""
+    """Origin of the runs of a table, in words, as far as it is known."""
     return "; ".join(f"{name} {', '.join(sorted(set(table[name].dropna())))}" for name in MADE_BY if name in table)
 
 

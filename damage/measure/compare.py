@@ -155,7 +155,7 @@ def _lag(time, here, there):
 # --- joint by joint -----------------------------------------------------------------------------
 
 def joints_ever(history, threshold=THRESHOLD):
-    """What each joint between two bodies ever did: DataFrame indexed by (first_body, second_body).
+    """Extremes of each joint between two bodies: DataFrame indexed by (first_body, second_body).
 
     state: index of `damage.history.moments.STATES`, slipped by the shear limit, broken alone given by broken: bool;
     first_break_s (NaN: never); x_m, z_m.  Contact points of one pair of bodies are one joint, so that any

@@ -72,7 +72,7 @@ def _at(history, row, sample):
 
 
 def normal_warnings(history):
-    """What is said of a run in YADE whose joints leant."""
+    """The warning of a run in YADE whose joints leant."""
     if history.joint_normals == "face":
         return []
     return ["joints between the centres of cells, as in YADE before version 0.2: a joint that slides leans; this "

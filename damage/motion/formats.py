@@ -94,7 +94,7 @@ def read_record(path, response=None) -> Record:
 
 @lru_cache(maxsize=2)  # both components of a motion, which the members of a study ask for again and again
 def _read_text(path, data: bytes) -> Record:
-    """The record that the text of a CSV or AT2 file says."""
+    """The record in the text of a CSV or AT2 file."""
     suffix = Path(path).suffix.lower()
     # a comment may be in any encoding; a binary file fails as a line that is not numeric
     lines = text_lines(path, data, MOST_LINES, errors="replace")
@@ -264,7 +264,7 @@ def without_entities(xml: bytes) -> bytes:
 
 
 def _quietly(path, wanted, read):
-    """What `read()` makes of a file by obspy; InputError of what it raises, prints or only warns of."""
+    """The result of `read()`, which uses obspy; its errors, printed errors and warnings become an InputError."""
     problems, hook = [], sys.unraisablehook
     sys.unraisablehook = lambda problem: problems.append(problem.exc_value)  # in what its C code calls
     try:

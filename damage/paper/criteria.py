@@ -1,4 +1,4 @@
-"""What the paper states, and by which numbers a claim of it holds: data only, `damage.paper.verdict` judges.
+"""Statements of the paper and the criteria of its claims: data only, `damage.paper.verdict` judges.
 
 Paper: V. Sarhosis, D. Dais, E. Smyrou, I. E. Bal, A. Drougkas (2021), Engineering Structures 243, 112529,
 doi:10.1016/j.engstruct.2021.112529.  Its statements P1 to P17 are split into claims that one number each can

@@ -33,7 +33,7 @@ RECORDS = {"zeerijp": r"BGAR.*HGE", "huizinge": r"(?i:MID1|huizinge)"}
 
 
 class NotThere(Exception):
-    """A claim lacks runs; the text says which."""
+    """A claim cannot be judged for lack of runs; the message names them."""
 
 
 class Fell(Exception):
@@ -132,7 +132,7 @@ def _table_of(path, time_ns):
 
 @dataclass(frozen=True)
 class Evidence:
-    """What one solver has to say with one lintel and one slip criterion.
+    """Evidence from one solver with one lintel and one slip criterion.
 
     runs: comparable runs of one solver, all lintels; points: theirs, of `gather`; records: {name: Record} of
     the paper's two; usual_cycles: of the harmonic motions, where a claim does not say.

@@ -104,7 +104,7 @@ def _without_offsets(findings):
 
 
 def before_offsets(solver):
-    """What is said of a solver whose runs, or some of them, lack the offsets that `displacement` needs."""
+    """Notes on solvers some of whose runs lack the offsets that `displacement` needs."""
     return (f"{SOLVER_NAMES[solver]}: some histories are older than the joint offsets; their slip by displacement is "
             "judged by accumulated slip")
 

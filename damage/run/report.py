@@ -1,4 +1,4 @@
-"""What a finished run leaves beside its history: a summary on the screen, tables and pictures."""
+"""Output of a finished run beside its history: a printed summary, tables and pictures."""
 
 from damage.errors import InputError, one_line, warn
 from damage.measure.members import describe_spread, members_of, spread

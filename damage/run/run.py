@@ -1,4 +1,4 @@
-"""One wall under one loading, whichever solver moves it: static stage, shocks or a push, samples into a history."""
+"""One wall under one loading, with any solver: static stage, events or a push, samples into a history."""
 
 import math
 

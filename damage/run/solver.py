@@ -1,4 +1,4 @@
-"""What a run asks of a solver: a few verbs, and instants."""
+"""Interface of a solver: the methods that a run calls, and the instants that it returns."""
 
 from typing import NamedTuple, Protocol
 

@@ -1,4 +1,4 @@
-"""Runs go on in turns: each up to the steps that its solver is to take; then the solvers take them."""
+"""Runs that step together: each yields the steps that its solver has to take; then the solvers take them."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ def run_each(asked):
 
 @np.errstate(over="ignore", invalid="ignore")  # a run that blows up says so itself
 def take_turns(runs, move=run_each):
-    """Let runs go on until all have ended; returns what each of them returned.
+    """Advance runs until all have ended; returns the result of each.
 
     runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run goes
     on; an error in it is raised there.  move: as `run_each`, takes the steps of all that have not ended.

@@ -272,7 +272,7 @@ def _load_entry(table, where, folder, root):
 
 
 def _ensemble(table, where):
-    """What makes a StudyRun an ensemble, as its `members` or `samples` ask for; empty without."""
+    """The ensemble of a StudyRun, by its `members` or `samples`; empty without."""
     if "members" in table and "samples" in table:
         raise InputError(f"{where}: members and samples given together; choose one kind of ensemble")
     kinds = [kind for kind in ("scatter", "perturb") if kind in table]

@@ -19,7 +19,7 @@ def most_members(run):
 
 
 def runs_needed(run, records):
-    """How many runs a point needs, by what is known of it.
+    """Number of runs that a point needs, from the results so far.
 
     run: a damage.studies.definition.StudyRun; records: {number from 1: record (`damage.studies.records`)} of its runs
     so far.  Of an adaptive ensemble the first is the only one where it breaks no joint: the wall was linear, and

@@ -1,4 +1,4 @@
-"""What studies left in their folders: a row for each point, its runs, their histories.
+"""Results of studies in their folders: a row for each point, its runs, their histories.
 
 A study's folder holds `tables/points.csv`, a row for each point and solver, with the median of its
 members, runs that differ in their perturbation alone, under a measure's NAME and their range under

@@ -1,4 +1,4 @@
-"""The same wall shaken again and again: its damage index after each shock, from a study's histories."""
+"""Figure of sequences: the damage index of a wall after each event, from a study's histories."""
 
 import numpy as np
 import pandas as pd

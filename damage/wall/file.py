@@ -52,7 +52,7 @@ def wall_of(make_wall, path):
 
 
 def _message_of(error):
-    """What an error of a wall file says; of a keyword that no record of a wall has, also which ones it has."""
+    """Message of an error in a wall file; for an unknown keyword also the known ones."""
     message = f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
     found = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", message)
     kind = found and next((one for one in (Wall, Opening, Brick, Joint) if one.__name__ == found[1]), None)

@@ -42,7 +42,7 @@ GONE = 0.01
 
 
 class Material(NamedTuple):
-    """What all contacts of a wall share: friction = tan(phi) [-], the same before and after the bond breaks."""
+    """Parameters common to all contacts of a wall: friction = tan(phi) [-], equal before and after the bond fails."""
 
     friction: float
 

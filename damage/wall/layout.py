@@ -243,7 +243,7 @@ def _lay_segment(wall, course, left, right):
 
 
 def _find_piers(wall):
-    """What carries the top: the parts of the length where no opening of the top storey stands, left to right."""
+    """Piers that carry the top: parts of the length without an opening of the top storey, left to right."""
     piers, start = [], 0.0
     for opening in sorted(_top_storey(wall), key=lambda o: o.left):
         if opening.left > start + _TINY:

@@ -1,4 +1,4 @@
-"""Lintels over openings: which joints they keep elastic, and what share of a wall's joints cannot fail for it."""
+"""Lintels over openings: the joints that they keep elastic, and the share of a wall's joints that cannot fail."""
 
 from typing import NamedTuple
 
@@ -76,7 +76,7 @@ def describe_share(share):
 
 
 def warn_of_share(share):
-    """What is odd about an ElasticShare, a list of at most one line."""
+    """Warnings of an ElasticShare: a list of at most one line."""
     if share.of_all <= LARGE_SHARE:
         return []
     return [f"{describe_share(share)}: above {100 * LARGE_SHARE:g} % the choice of the lintel may decide the result; "

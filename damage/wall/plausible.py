@@ -76,7 +76,7 @@ def check_plausible(wall):
 
 
 def implausible(wall):
-    """What is implausible of a damage.Wall, a list of str, each with what was probably meant.
+    """Implausible values of a damage.Wall: a list of str, each with the unit that was probably meant.
 
     >>> from damage.wall.parameters import Joint, Wall
     >>> implausible(Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.0)))
