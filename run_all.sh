@@ -38,7 +38,7 @@ A wall file is Python and is executed: read a study's walls before you run what 
 
 DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
 runs), pictures/ where the study asks for them, and logs/.  docs/reference/studies.md describes studies.
-What is done is not done again: the same command goes on where an interrupted one stopped, and
+What is done is not done again: the same command continues where an interrupted one stopped, and
 repeats only what a changed study file, wall or record touches.  To have tables or pictures made anew,
 delete their folder.
 

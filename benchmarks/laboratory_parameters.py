@@ -1,4 +1,4 @@
-"""What the laboratory walls' results depend on: speed and damping of the loading, and the material.
+"""Sensitivity of the laboratory walls' results to speed and damping of the loading and to the material.
 
     python3 benchmarks/laboratory_parameters.py [--out DIR] [TABLE ...]
 

@@ -48,7 +48,7 @@ def datasets(path):
 
 
 def differences(old, new, tolerance=0.0):
-    """What differs between two histories, a line a dataset: a list of str."""
+    """Differences of two histories, a line a dataset: a list of str."""
     old, new = datasets(old), datasets(new)
     found = [f"{name}: gone" for name in sorted(old.keys() - new.keys())]
     for name in sorted(old.keys() & new.keys()):

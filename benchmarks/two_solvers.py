@@ -67,10 +67,10 @@ def nonlinear_rows(folder, motion, words):
         yield (f"| {motion if key == 'max_drift_ratio' else ''} | {label} | {factor * row['first']:.{digits}f} | "
                f"{factor * row['median']:.{digits}f}{spread} | {allowed} | {'holds' if row['agrees'] else 'DIFFERS'} |")
     drift, joints = result["drift"], result["joints"]
-    parted = "never" if drift["diverged_at_s"] is None else f"{drift['diverged_at_s']:.3f} s"
+    diverged = "never" if drift["diverged_at_s"] is None else f"{drift['diverged_at_s']:.3f} s"
     yield (f"| | drift to the first failure at {drift['first_failure_s']:.4f} s, RMS | | "
            f"{100 * drift['rms_before_failure']:.3f} % | 0.5 % | {'holds' if drift['agrees'] else 'DIFFERS'} |")
-    yield f"| | parted by 1 % of the peak; kappa of the contact points | | {parted}; {joints['kappa']:.2f} | | |"
+    yield f"| | diverged by 1 % of the peak; kappa of the contact points | | {diverged}; {joints['kappa']:.2f} | | |"
     for what, words in (("broken", "broken joints"), ("visible", "joints over 0.1 mm")):
         yield pattern_row(words, result["patterns"][what])
 

@@ -43,7 +43,7 @@ DELEGATED = {"reference": "run a wall in the reference solver (see reference --h
 
 
 class _Silence(io.StringIO):
-    """Where output goes that nobody wants to see."""
+    """A stream that discards its output."""
 
 
 def main(arguments=None):

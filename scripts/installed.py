@@ -39,7 +39,7 @@ print(" ".join(f"{name} {installed.version(name)}" for name in sys.argv[1].split
 
 
 class Failed(Exception):
-    """A command failed; the message is what it said last."""
+    """A command failed; the message is its last line."""
 
 
 def main():
@@ -132,7 +132,7 @@ def use(command, folder):
 
 
 def run(*words, cwd):
-    """What a command prints, without this checkout on Python's path."""
+    """The output of a command, without this checkout on Python's path."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     done = subprocess.run([str(word) for word in words], cwd=cwd, capture_output=True, text=True,
                           env=environment | {"MPLBACKEND": "Agg", "PIP_DISABLE_PIP_VERSION_CHECK": "1"})

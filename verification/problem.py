@@ -1,4 +1,4 @@
-"""A problem with an exact solution, and what each solver makes of it."""
+"""A problem with an exact solution, and the result of each solver."""
 
 import subprocess
 from collections.abc import Callable
@@ -67,7 +67,7 @@ def ask_yade(case, *numbers):
 
 
 def run_yade(script, *words):
-    """What a script prints inside YADE; RuntimeError where it fails."""
+    """The output of a script inside YADE; RuntimeError where it fails."""
     command = [*COMMAND, script, *map(str, words)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode != 0:

@@ -91,7 +91,7 @@ def main():
 
 
 def note_tables(study, solver, folder):
-    """Write what the tables are made by, beside their runs: they are made anew where one of these files is younger."""
+    """Write the inputs of the tables beside their runs: tables are made anew where one of these files is younger."""
     write_if_other(folder / ".tables" / "measures", measures_digest())
     write_if_other(folder / ".tables" / "runs", "\n".join((solver, *(run.id for run in study.runs))))
 
@@ -237,7 +237,7 @@ class Batch:
                 "IPYTHONDIR": str(inside / "ipython")}
 
     def _show(self, line):
-        """Print what is for people: the runs' own lines, and how far the study is."""
+        """Print the runs' own lines and the progress of the study."""
         self.short = self.short or any(word in line for word in NO_ROOM)  # what Snakemake itself cannot write
         steps = _STEPS.match(line)
         if line.startswith(MARK):
@@ -342,7 +342,7 @@ def last_words(log, run):
 
 
 def run_program():
-    """Run `main`; returns the exit status.  What cannot be printed ends all with this process."""
+    """Run `main`; returns the exit status.  An output that takes nothing ends this process."""
     try:
         return main()
     except KeyboardInterrupt:  # before Snakemake runs

@@ -1,4 +1,4 @@
-"""What a batch would do, without doing it: which runs are there and which are to be made, how long, how much disk.
+"""Dry run of a batch: runs that are there, runs to make, their time and disk space.
 
     plan.py STUDY.toml|STUDIES [-j N] [--out DIR] [--solver yade|reference|both]
 
@@ -153,7 +153,7 @@ def seconds_of(study, count, costs, scale, jobs, machine):
 
 
 def _planned(run, cost, scale):
-    """What is to be made of a run or an ensemble, in words."""
+    """The runs to make of a run or an ensemble, in words."""
     each = f"about {duration(max(cost.seconds * scale.seconds, 1))}, {cost.n_bytes * scale.n_bytes / 1e6:.2g} MB"
     most = most_members(run)
     return each if most == 1 else f"{run.members}{f' to {most}' if most != run.members else ''} runs of {each}"

@@ -90,7 +90,7 @@ class Task:
 
     @property
     def company(self):
-        """What runs have in common that step together from beginning to end."""
+        """Properties that runs share which step together from beginning to end."""
         return company_of(self.point)
 
 
@@ -126,7 +126,7 @@ class Point:
         return len(self._records)
 
     def next_tasks(self):
-        """What is to be done now, by what is known, and was not asked for yet."""
+        """The tasks that the results so far ask for and that were not handed out yet."""
         numbers = set(range(1, runs_needed(self.run, self._records) + 1)) - self._records.keys() - self._asked
         self._asked |= numbers
         return [self._task(number) for number in sorted(numbers)]

@@ -1,4 +1,4 @@
-"""What the programs of a batch share."""
+"""Functions shared by the programs of a batch."""
 
 import ctypes
 import os

@@ -62,7 +62,7 @@ def _arguments():
 
 
 def _command_of(solver):
-    """What runs a wall file; YADE's part of this software comes with a clone alone."""
+    """The command that runs a wall file; YADE's part of this software comes with a clone alone."""
     if solver == "reference":
         return [sys.executable, "-m", "damage", "reference"]
     from yade_scripts import COMMAND

@@ -1,4 +1,4 @@
-"""What was made of other inputs than a study has now: found before a batch starts, and taken away.
+"""Stale results, made from other inputs than a study has now: found before a batch starts, and deleted.
 
 runs/.inputs/RUN notes what the runs of a point were made from (`damage.studies.inputs`), of either solver.
 """

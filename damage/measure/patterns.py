@@ -94,7 +94,7 @@ def _scores(first, second, what, slip):
 
 
 def describe_patterns(result):
-    """What `compare_patterns` returns, as lines for people."""
+    """The result of `compare_patterns` as lines of text."""
     lines = []
     for what, words in (("broken", "broken joints"), ("visible", "joints that opened or slipped by 0.1 mm")):
         scores = result[what]

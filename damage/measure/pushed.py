@@ -64,7 +64,7 @@ def first_loading(history):
 # --- the envelope ---------------------------------------------------------------------------------
 
 def envelope(history, sign=1):
-    """Loading beyond what the wall has seen: DataFrame of drift_ratio and force_n, both positive.
+    """Loading beyond the largest earlier drift: DataFrame of drift_ratio and force_n, both positive.
 
     sign: +1 or -1, the direction of loading.
     """

@@ -56,7 +56,7 @@ def summary_row(history, run="", point=""):
 
 
 def _motion_columns(history):
-    """What drove the run; accelerations are of the motion as it was applied, at the largest factor of a sequence."""
+    """Columns of the loading; accelerations are of the motion as applied, at the largest factor of a sequence."""
     loading, factor = history.loading, max(map(abs, history.sequence))
     given = loading.as_dict()
     start, end = given.get("window_s") or (None, None)
