@@ -15,8 +15,9 @@ import numpy as np
 from damage.index import THRESHOLD
 from damage.mechanics import tables
 from damage.mechanics.samples import Samples
-from damage.reference.fast import step as fast
+from damage.reference.fast import alone, together
 from damage.reference.fast.blocks import make_blocks
+from damage.reference.fast.step import Law
 from damage.reference.plain import Alone
 
 MOST_LANES = 8
@@ -64,7 +65,7 @@ class Lanes:
         for lane, wall in enumerate(self.walls):
             wall.system, wall.lanes = _lane(self.tables, lane), self
         self._width = 1 if len(self.walls) == 1 else MOST_LANES
-        self._law = fast.Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
+        self._law = Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
         self._columns = self.tables.states.view(tables.REAL).reshape(*self.tables.states.shape, tables.STATE_FIELDS)
         self._blocks = make_blocks(self.tables.interfaces[0], self.tables.place.shape[1],
                                    self.tables.contacts.shape[1], self._width)
@@ -83,8 +84,14 @@ class Lanes:
         if len(steps) > self._samples.totals.shape[1]:
             self._samples = self.room(len(steps))
         ends = np.cumsum(steps)
-        fast.run(self.tables, self._columns, self._blocks, self._width, self._law, self._controls(),
-                 self._field(ends[-1] + 1), self._clock(), ends, self.walls[0].stiffness, self._samples)
+        if self._width == 1:
+            alone.run(self.tables, self._blocks, self._law, self._controls(), self._field(ends[-1] + 1),
+                      self._clock()[0], ends, self.walls[0].stiffness, self._samples)
+        else:
+            together.run(self.tables, self._columns, self._blocks, self._law, self._controls(),
+                         self._field(ends[-1] + 1), self._clock(), ends,
+                         np.full(len(ends), (1 << len(self.walls)) - 1), self.walls[0].stiffness, self._samples,
+                         np.zeros(len(self.walls), int))
         for wall in self.walls:
             wall.step += int(ends[-1])
 
@@ -98,8 +105,7 @@ class Lanes:
 
     def find_forces(self, singly):
         """Forces at the present places without damping; and, if `singly`, stresses: then each contact by itself."""
-        fast.find_forces(self.tables, self._columns, self._blocks, self._width, self._law, self._clock(), 0, singly,
-                         False)
+        alone.find_forces(self.tables, self._blocks, self._law, self._clock()[0], singly, False)
 
     def _controls(self):
         return np.array([wall.controls for wall in self.walls], float)
