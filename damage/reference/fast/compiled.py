@@ -5,7 +5,8 @@ from pathlib import Path
 from damage.mechanics.compiled import PLAIN, Package
 
 FAST = Package(Path(__file__).parent, (
-    "compiled", "blocks", "rows", "bodies", "interfaces", "contacts", "step", "alone", "together"), PLAIN.sources)
+    "compiled", "blocks", "rows", "bodies", "interfaces", "contacts", "step", "alone", "together"),
+    [path for path in PLAIN.sources if path.name != "step.py"])  # all but the plain step itself
 compiled, inlined = FAST.compiled, FAST.inlined
 
 
