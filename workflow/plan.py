@@ -29,7 +29,7 @@ from shared import ROOT
 from speed import Speed, python_seconds, speed
 
 from damage.errors import InputError
-from damage.reference.companies import LEAST_LANES
+from damage.reference.ensembles import LEAST_LANES
 from damage.reference.fast.compiled import is_cached
 from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step, sample_steps

@@ -22,7 +22,6 @@ from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import islice
 from pathlib import Path
 
 from shards import FIRST_TABLES
@@ -34,7 +33,6 @@ from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
 from damage.mechanics.compiled import COMPILING
-from damage.reference.companies import LEAST_LANES
 from damage.reference.fast.compiled import is_cached
 from damage.reference.lanes import MOST_LANES
 from damage.reference.settled import SettledWalls
@@ -49,6 +47,8 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 
 _SETTLED = SettledWalls()  # of this process
+_ENDED = multiprocessing.get_context("fork").SimpleQueue()  # what all processes' runs leave: (task, status, record)
+MOST_RUNS, LOOK_S = 64, 0.1  # in a group; between two looks at what has ended [s]
 
 
 def main():
@@ -91,7 +91,7 @@ class Task:
 
     @property
     def company(self):
-        """What runs have in common that step together from beginning to end."""
+        """What runs have in common that step together."""
         return company_of(self.point)
 
 
@@ -99,8 +99,8 @@ class Task:
 def company_of(point):
     """As Task.company, of all runs of a point."""
     settings = parse_run(point.command(1)[1:], prog="", solver="reference")
-    return (point.wall, replace(settings.model, strength_seed=0), settings.duration_s, settings.time_step_s,
-            settings.alpha_1_s, settings.beta_s)
+    return (point.wall, replace(settings.model, strength_seed=0), settings.time_step_s, settings.alpha_1_s,
+            settings.beta_s)
 
 
 class Point:
@@ -184,18 +184,18 @@ class Shard:
         under_way, told = set(), False
         while waiting or under_way:
             while waiting and len(under_way) < self.jobs and not self.interrupted:
-                group = take_group(waiting, self.jobs - len(under_way))
+                group = take_group(waiting, self.jobs)
                 if len(group) > 1 and not told:
                     told = True
-                    tell(f"{len(group)} runs step together and are saved when they have ended: an interruption loses "
-                         "those under way")
+                    tell(f"up to {MOST_LANES} runs step together in a process: an interruption loses those under way")
                 under_way.add(workers.submit(do_group, group))
             if not under_way:
                 return
-            done, under_way = wait(under_way, return_when=FIRST_COMPLETED)
+            done, under_way = wait(under_way, LOOK_S, FIRST_COMPLETED)
+            while not _ENDED.empty():  # before a process that was ended from outside is told of
+                waiting += self._note(*_ENDED.get(), rows)
             for future in done:
-                for task, status, record in future.result():
-                    waiting += self._note(task, status, record, rows)
+                future.result()
 
     def _note(self, task, status, record, rows):
         """Take note of how a run ended; returns the tasks that follow."""
@@ -219,13 +219,12 @@ class Shard:
             os.kill(worker.pid, signal.SIGTERM)
 
 
-def take_group(waiting, idle):
-    """Take the next tasks for one of so many idle processes off a list: up to eight that step together, where there
-    are enough for all of these processes, else one."""
-    alike = [*islice((k for k, task in enumerate(waiting) if task.company == waiting[0].company), MOST_LANES)]
-    share = min(len(alike), math.ceil(len(waiting) / idle))
-    chosen = alike[:share if share >= LEAST_LANES else 1]
-    return [waiting.pop(k) for k in reversed(chosen)][::-1]
+def take_group(waiting, processes):
+    """Take the next tasks for one of so many processes off a list: of walls with the same bricks a half of its share of
+    all, so that the processes end at about the same time, but no fewer than step together."""
+    alike = [k for k, task in enumerate(waiting) if task.company == waiting[0].company]
+    count = min(MOST_RUNS, max(MOST_LANES, math.ceil(len(alike) / processes / 2)), math.ceil(len(waiting) / processes))
+    return [waiting.pop(k) for k in reversed(alike[:count])][::-1]
 
 
 def load_compiled(task):
@@ -255,17 +254,19 @@ def leave_without_parent(*_):
 
 
 def do_group(tasks):
-    """Simulate runs that are not there, together; returns (task, exit status, record or None) of each."""
-    lines = {task.name: [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
-             for task in tasks if not task.history.is_file()}
-    statuses = dict.fromkeys((task.name for task in tasks), EXIT_OK)
+    """Simulate runs that are not there, together; puts (task, exit status, record or None) of each into _ENDED."""
+    there = [task for task in tasks if task.history.is_file()]
+    for task in there:
+        _ENDED.put((task, *conclude(task)))
+    tasks = {task.name: task for task in tasks if task not in there}
+    lines = {name: [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
+             for name, task in tasks.items()}
+    histories = {name: HistoryKept if task.kept else HistoryInMemory for name, task in tasks.items()}
     print("---", *lines, flush=True)
-    histories = {task.name: HistoryKept if task.kept else HistoryInMemory for task in tasks if task.name in lines}
-    for ended in run_references(lines, histories, _SETTLED):
-        statuses |= ended
-    leave_without_parent()  # whose death interrupted them
-    return [(task, *(conclude(task, histories.pop(task.name, None)) if statuses[task.name] == EXIT_OK
-                     else (statuses[task.name], None))) for task in tasks]
+    for name, status in run_references(lines, histories, _SETTLED):
+        leave_without_parent()  # whose death interrupted them
+        task, history = tasks.pop(name), histories.pop(name)
+        _ENDED.put((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
 
 
 def conclude(task, kept=None):

@@ -84,7 +84,7 @@ class YadeSolver(Solver):
         self._input_energy += 0.5 * mass * (self._velocity**2 - old**2)
         self._input_power = self._push_force() * self._velocity
 
-    def advance(self, n_steps, sample_steps=None, on_samples=None):
+    def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
         self._sample_steps, self._on_samples = sample_steps, on_samples
         if on_samples and self.clock == 0:
             self._observe()
