@@ -212,20 +212,6 @@ class TestShards:
         (tmp_path / "runs" / "a_reference.members").write_text("a_reference_s2\n")
         assert set(summary_of(study, tmp_path)["measures_digest"]) == {measures_digest()}
 
-    def test_processes_share_runs_of_the_same_bricks(self, workflow):
-        from run_shard import MOST_RUNS, take_group
-
-        def taken(companies, processes):
-            waiting = [SimpleNamespace(company=company, number=k) for k, company in enumerate(companies)]
-            group = take_group(waiting, processes)
-            assert len(group) + len(waiting) == len(companies)
-            return [task.number for task in group]
-
-        assert len(taken("a" * 1000, 2)) == MOST_RUNS and len(taken("a" * 100, 2)) == 25
-        assert taken("a" * 20, 1) == list(range(10)) and taken("a" * 16, 2) == list(range(8))
-        assert taken("a" * 12, 2) == list(range(6)) and taken("a" * 5, 1) == list(range(5))
-        assert taken("ab" * 8, 1) == list(range(0, 16, 2)) and taken("abcdefgh", 1) == [0]
-
 
 @pytest.fixture
 def study(tmp_path):

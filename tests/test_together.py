@@ -38,7 +38,7 @@ from damage.wall.parameters import Wall
 names = sys.argv[2:]
 words = [sys.argv[1], "--harmonic", "0.1", "0.5", "--rest", "100", "--strength-cov", "0.3", "--no-pictures"]
 print(sorted(run_references({name: [*words, "--strength-seed", str(k), "--out", name]
-                             for k, name in enumerate(names)})))
+                             for k, name in enumerate(names)}.items())))
 '''
 
 
@@ -75,7 +75,7 @@ def moved(monkeypatch):
 def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, moved):
     """Whatever the others are, wherever they stop, and when they begin: the ninth where one has ended."""
     asked = lines(tiny, tmp_path / "together", 10)
-    ended = list(run_references(asked))
+    ended = list(run_references(asked.items()))
     assert sorted(ended) == sorted(dict.fromkeys(asked, 0).items())
     assert {8, 1} <= set(map(len, moved))
     assert any(len({step for step, *_ in group}) > 1 for group in moved)  # one of them began later
@@ -94,7 +94,7 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
         asked = {f"m{k}": [str(tiny), *SHAKEN, *words, "--strength-seed", str(k), "--out",
                            str(tmp_path / folder / f"m{k}.h5"), "--no-pictures"] for k in numbers}
         moved.clear()
-        assert dict(run_references(asked, None, walls)) == dict.fromkeys(asked, 0)
+        assert dict(run_references(asked.items(), None, walls)) == dict.fromkeys(asked, 0)
         resting = sum(steps == [LOOK_STEPS] for group in moved for _, *steps in group)
         return {name: contents(tmp_path / folder / f"{name}.h5") for name in asked}, resting
 
@@ -135,7 +135,7 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
     monkeypatch.setattr(ensembles, "LEAST_LANES", 2)
     asked = lines(tiny, tmp_path / "together")
     asked["m2"] += ["--dt", "0.1"]
-    ended = dict(run_references(asked))
+    ended = dict(run_references(asked.items()))
     assert ended == dict.fromkeys(asked, 0) | {"m2": 2, "m7": 1, "m8": 1}
     told = without_progress(capsys.readouterr().err).splitlines()
     assert sorted(line[:24] for line in told) == [
@@ -157,7 +157,7 @@ def test_an_error_of_steps_ends_those_that_took_them_together(fewest, tiny, alon
 
     monkeypatch.setattr(ensembles, "advance_together", advance_together)
     monkeypatch.setattr(ensembles, "LEAST_LANES", fewest)
-    ended = dict(run_references(lines(tiny, tmp_path / "together")))
+    ended = dict(run_references(lines(tiny, tmp_path / "together").items()))
     assert (len(together_with) > 5) == (fewest == 6)
     assert ended == {name: int(name in together_with) for name in ended}
     told = without_progress(capsys.readouterr().err).splitlines()

@@ -47,8 +47,10 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 
 _SETTLED = SettledWalls()  # of this process
-_ENDED = multiprocessing.get_context("fork").SimpleQueue()  # what all processes' runs leave: (task, status, record)
-MOST_RUNS, LOOK_S = 64, 0.1  # in a group; between two looks at what has ended [s]
+# Tasks on their way to the processes, and what their runs leave: (task, status, record).
+_TASKS, _ENDED = (multiprocessing.get_context("fork").SimpleQueue() for _ in range(2))
+_TAKING = multiprocessing.get_context("fork").Lock()
+STOCK, LOOK_S = 2 * MOST_LANES, 0.1  # tasks that are under way or next, a process; between two looks at what ended [s]
 
 
 def main():
@@ -163,6 +165,7 @@ class Shard:
     def run(self):
         """Bring all points up to date; returns the exit status."""
         waiting = [task for point in self.points.values() for task in point.next_tasks()]
+        waiting.sort(key=lambda task: str(task.company))  # those that can step together, one after the other
         for point in self.points.values():
             point.mark(told=False)
         if not waiting:
@@ -180,19 +183,23 @@ class Shard:
         return EXIT_INTERRUPTED if self.interrupted else self.status
 
     def _work(self, waiting, workers, rows):
-        """Hand out groups of runs until none is waiting or under way."""
-        under_way, told = set(), False
-        while waiting or under_way:
-            while waiting and len(under_way) < self.jobs and not self.interrupted:
-                group = take_group(waiting, self.jobs)
-                if len(group) > 1 and not told:
-                    told = True
-                    tell(f"up to {MOST_LANES} runs step together in a process: an interruption loses those under way")
-                under_way.add(workers.submit(do_group, group))
+        """Let processes take runs until none is waiting or under way."""
+        under_way, begun, told = set(), 0, False
+        while True:
+            while waiting and begun < STOCK * self.jobs and not self.interrupted:
+                _TASKS.put(waiting.pop(0))
+                begun += 1
+            lanes = max(1, min(MOST_LANES, math.ceil(begun / self.jobs)))
+            while len(under_way) < self.jobs and not (_TASKS.empty() or self.interrupted):
+                under_way.add(workers.submit(do_runs, lanes))
             if not under_way:
                 return
+            if lanes > 1 and not told:
+                told = True
+                tell(f"up to {lanes} runs step together in a process: an interruption loses those under way")
             done, under_way = wait(under_way, LOOK_S, FIRST_COMPLETED)
             while not _ENDED.empty():  # before a process that was ended from outside is told of
+                begun -= 1
                 waiting += self._note(*_ENDED.get(), rows)
             for future in done:
                 future.result()
@@ -217,14 +224,6 @@ class Shard:
         self.interrupted = True
         for worker in multiprocessing.active_children():
             os.kill(worker.pid, signal.SIGTERM)
-
-
-def take_group(waiting, processes):
-    """Take the next tasks for one of so many processes off a list: of walls with the same bricks a half of its share of
-    all, so that the processes end at about the same time, but no fewer than step together."""
-    alike = [k for k, task in enumerate(waiting) if task.company == waiting[0].company]
-    count = min(MOST_RUNS, max(MOST_LANES, math.ceil(len(alike) / processes / 2)), math.ceil(len(waiting) / processes))
-    return [waiting.pop(k) for k in reversed(alike[:count])][::-1]
 
 
 def load_compiled(task):
@@ -253,20 +252,31 @@ def leave_without_parent(*_):
         os._exit(EXIT_INTERRUPTED)
 
 
-def do_group(tasks):
-    """Simulate runs that are not there, together; puts (task, exit status, record or None) of each into _ENDED."""
-    there = [task for task in tasks if task.history.is_file()]
-    for task in there:
-        _ENDED.put((task, *conclude(task)))
-    tasks = {task.name: task for task in tasks if task not in there}
-    lines = {name: [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
-             for name, task in tasks.items()}
-    histories = {name: HistoryKept if task.kept else HistoryInMemory for name, task in tasks.items()}
-    print("---", *lines, flush=True)
-    for name, status in run_references(lines, histories, _SETTLED):
+def do_runs(lanes):
+    """Simulate runs that are not there, so many at a time; puts (task, exit status, record or None) of each into _ENDED
+    when it ends, and takes the next from _TASKS while there are any."""
+    tasks, histories = {}, {}
+    for name, status in run_references(_lines(tasks, histories), histories, _SETTLED, lanes):
         leave_without_parent()  # whose death interrupted them
         task, history = tasks.pop(name), histories.pop(name)
         _ENDED.put((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
+
+
+def _lines(tasks, histories):
+    """(name, words) of the next runs, and what `do_runs` needs to know of them."""
+    while (task := _next_task()) is not None:
+        if task.history.is_file():
+            _ENDED.put((task, *conclude(task)))
+            continue
+        tasks[task.name], histories[task.name] = task, HistoryKept if task.kept else HistoryInMemory
+        print("---", task.name, flush=True)
+        yield task.name, [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
+
+
+def _next_task():
+    """The next of _TASKS, None where there is none now."""
+    with _TAKING:
+        return None if _TASKS.empty() else _TASKS.get()
 
 
 def conclude(task, kept=None):

@@ -19,20 +19,28 @@ from damage.run.turns import as_they_end
 from damage.wall.file import load_wall
 
 
-def run_references(lines, histories=None, settled=None):
-    """Run command lines as `run_reference` does, the wall file first, up to eight at a time; what each ended with is in
-    its history, of which no summary and no picture is made.
+def run_references(lines, histories=None, settled=None, most=MOST_LANES):
+    """Run command lines as `run_reference` does, the wall file first, so many at a time; what each ended with is in its
+    history, of which no summary and no picture is made.
 
-    lines: {name: words}, each with an --out of its own; histories: {name: HistoryInMemory or HistoryKept} of runs whose
-    histories are wanted in memory, each of which gets its own in place of the class; settled: SettledWalls of runs
-    before, for more to come.  Yields (name, exit status) of each as it ends; none begins after one was interrupted.
+    lines: (name, words) of each, with an --out of its own, asked for when a run begins; histories: {name:
+    HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory, each of which gets its own in place of
+    the class; settled: SettledWalls of runs before, for more to come.  Yields (name, exit status) of each as it ends;
+    none begins after one was interrupted.
     """
-    histories, settled, names, interrupted = histories or {}, settled or SettledWalls(), list(lines), []
-    others = f" and {len(lines) - 1} more" if len(lines) > 1 else ""
+    histories, settled = {} if histories is None else histories, settled or SettledWalls()
+    names, interrupted = [], []
+
+    def runs():
+        for name, line in lines:
+            names.append(name)
+            yield _run(name, line, histories, settled, keep_going)
+            if interrupted:
+                return
+
     hold_buffers()
-    with attended(f"{names[0]}{others}" if names else "") as keep_going:
-        runs = (_run(name, lines[name], histories, settled, keep_going) for name in names if not interrupted)
-        for number, status in as_they_end(runs, Ensemble().move, MOST_LANES):
+    with attended("runs that step together" if most > 1 else "a run") as keep_going:
+        for number, status in as_they_end(runs(), Ensemble().move, most):
             if status == EXIT_INTERRUPTED:
                 interrupted.append(names[number])
             yield names[number], status
