@@ -212,19 +212,6 @@ class TestShards:
         (tmp_path / "runs" / "a_reference.members").write_text("a_reference_s2\n")
         assert set(summary_of(study, tmp_path)["measures_digest"]) == {measures_digest()}
 
-    def test_idle_processes_get_lanes_where_there_are_enough_runs_for_all(self, workflow):
-        from run_shard import take_group
-
-        def taken(companies, idle):
-            waiting = [SimpleNamespace(company=company, number=k) for k, company in enumerate(companies)]
-            group = take_group(waiting, idle)
-            assert len(group) + len(waiting) == len(companies)
-            return [task.number for task in group]
-
-        assert taken("a" * 20, 1) == list(range(8)) == taken("a" * 16, 2)
-        assert taken("a" * 12, 2) == list(range(6)) and taken("a" * 10, 2) == [0] and taken("a" * 5, 1) == [0]
-        assert taken("ab" * 8, 1) == list(range(0, 16, 2)) and taken("abcdefgh", 1) == [0]
-
 
 @pytest.fixture
 def study(tmp_path):

@@ -104,7 +104,7 @@ class YadeSolver(Solver):
                 state.vel = Vector3(vx - rotating * up, 0, vz + rotating * along)
                 state.angVel = Vector3(0, -rotating, 0)
 
-    def advance(self, n_steps, sample_steps=None, on_samples=None):
+    def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
         self._sample_steps, self._on_samples = sample_steps, on_samples
         if on_samples and self.clock == 0:
             self._observe()

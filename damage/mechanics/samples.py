@@ -51,7 +51,7 @@ class Samples(NamedTuple):
                    np.zeros((n_walls, n_samples, n_supports, 3)), np.zeros((n_walls, n_samples, TOTALS)))
 
     def of(self, wall, which):
-        """Samples of one wall, without that axis; which: a slice."""
+        """Samples of one wall, without that axis; which: a slice or numbers."""
         return Samples(*(values[wall, which] for values in self))
 
 

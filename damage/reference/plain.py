@@ -18,7 +18,7 @@ class Alone:
         """Whether this is the wall."""
         return len(walls) == 1 and walls[0] is self.wall and self.wall.lanes is self and not self.wall.fast
 
-    def run(self, *steps):
+    def run(self, steps):
         """Advance by these numbers of steps, one after the other; `samples_of` gives what was after each."""
         wall = self.wall
         if wall.adaptive_damping == 0.0:

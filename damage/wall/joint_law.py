@@ -296,7 +296,8 @@ def on_the_envelope(share, opening, trial, gap, parameters):
 @register_jitable
 def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffness):
     """Elastic energy of a contact per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s."""
-    return 0.5 * normal_stress**2 / normal_stiffness + 0.5 * shear_stress**2 / shear_stiffness
+    return (0.5 * normal_stress * normal_stress / normal_stiffness
+            + 0.5 * shear_stress * shear_stress / shear_stiffness)
 
 
 @register_jitable
