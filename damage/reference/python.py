@@ -13,10 +13,11 @@ from damage.errors import InputError, did_you_mean
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
-from damage.mechanics.compiled import COMPILING, is_cached
+from damage.mechanics.compiled import COMPILING
 from damage.motion.loading import Harmonic, Loading, Recorded
 from damage.motion.record import Record
 from damage.provenance import shown_path
+from damage.reference.fast.compiled import is_cached
 from damage.reference.session import BACKEND, PROG
 from damage.run.options import free_name, make_parser, parse_run, pictures_folder
 from damage.run.session import EXIT_INTERRUPTED, attended, prepare, simulate
