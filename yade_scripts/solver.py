@@ -252,7 +252,7 @@ class YadeSolver(Solver):
         friction = self.model.friction_work() + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
-            clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports,
+            clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports.copy(),
             support_force=self.scene.support_forces(self._supports), joints=slice(None), contacts={
                 "opening_m": tracker.opening, "slip_m": tracker.slip, "offset_m": tracker.offset,
                 "state": BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed
