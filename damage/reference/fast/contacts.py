@@ -97,7 +97,7 @@ def forces_of_loose(tables, blocks, law, p, held, frame, motion, damped):
     waiting, k, m = blocks.waiting, p * at.WAITING, p * at.LAST
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
     ends = int(bits(parted(motion, tables.interfaces[0, p].slide_least, tables.interfaces[0, p].slide_most)))
-    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, motion,
+    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion,
                                        flags_of(held & ~ends))
     remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, elastic)
     if damped:
@@ -137,21 +137,21 @@ def loose_spring(contact, loose, k, motion, plain):
 
 
 @inlined
-def loose_springs(contacts, loose, law, start, stop, motion, elastic):
+def loose_springs(contacts, loose, plain, start, stop, motion, elastic):
     """`damage.mechanics.contacts.elastic_resultant` in eight walls, of which it leaves those elastic whose contacts all
     are."""
     held = elastic
     normal, shear, couple = spread(0.0), spread(0.0), spread(0.0)
     for i in range(start, stop):
         contact, k = contacts[0, i], INDEX(i) * at.LOOSE
-        opening, sigma = loose_spring(contact, loose, k, motion, law.plain)
+        opening, sigma = loose_spring(contact, loose, k, motion, plain)
         tau0, shear0, idle = load(loose, k + at.SHEAR_STRESS), load(loose, k + at.SHEAR0), load(loose, k + at.IDLE)
         tau = tau0 + contact.ks * (motion.shear - shear0)
         is_open = (opening > 0.0) & (opening <= idle) & (tau0 == 0.0)
         store(loose, k + at.SHEAR0, either(held & is_open, motion.shear, shear0))
         within = joint_law.stays_elastic(sigma, tau, load(loose, k + at.TENSILE), load(loose, k + at.COHESION),
-                                         joint_law.friction_left(idle >= 0.0, law.material))
-        if not law.plain:
+                                         load(loose, k + at.FRICTION))
+        if not plain:
             within = within & joint_law.withstands(sigma, load(loose, k + at.COMPRESSIVE))
         elastic = elastic & (within | is_open)
         normal = normal + either(is_open, 0.0, sigma)

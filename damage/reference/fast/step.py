@@ -254,7 +254,7 @@ def forces_by_contacts(tables, columns, blocks, lanes, law, step, w, p, at_end, 
     loose = lanes > 1 and not at_end
     if loose and blocks.loose[p] >> w & 1:
         give(tables, columns, blocks, w, p)
-    resultant, elastic = singly.elastic_resultant(system.contacts, system.states, start, stop, motion, law.material)
+    resultant, elastic = singly.elastic_resultant(system.contacts, system.states, start, stop, motion)
     changed = interfaces.change(resultant, last_resultant(last, m))
     if elastic or intact:
         singly.remember(system.contacts, system.states, start, stop, motion)
