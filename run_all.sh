@@ -26,7 +26,7 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --keep WHAT    histories: all (default), or summary: those of each point's first run, and what failed
   --run ID       make the history of this run alone, which was not kept, and compare it with its row in the table
   --slurm        as jobs of a SLURM cluster that shares this folder; SBATCH_PARTITION and the like
-                 choose where (docs/batches.md); -j is the number of jobs at a time
+                 choose where (docs/reference/studies.md); -j is the number of jobs at a time
   --cores N      processors that work at a shard of the reference solver's runs (default: -j; with --slurm 1)
   --shard RUNS   runs of a shard, which is one job (default: about an hour's, 1500 a processor)
   --remake       make runs again that another version of the model made (without it they are kept, and named), or
@@ -37,7 +37,7 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
 A wall file is Python and is executed: read a study's walls before you run what someone else sent.
 
 DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
-runs), pictures/ where the study asks for them, and logs/.  docs/batches.md describes studies.
+runs), pictures/ where the study asks for them, and logs/.  docs/reference/studies.md describes studies.
 What is done is not done again: the same command goes on where an interrupted one stopped, and
 repeats only what a changed study file, wall or record touches.  To have tables or pictures made anew,
 delete their folder.

@@ -1,4 +1,4 @@
-"""Joints that break in the rest after a motion: a table of docs/underdetermined.md.
+"""Joints that break in the rest after a motion: a table of docs/paper/open-points.md.
 
     python3 benchmarks/bouncing_caps.py [--out DIR]
 

@@ -1,6 +1,6 @@
 """How far the tables of points of two versions are apart: medians, ranges, and the points that moved most.
 
-    python3 benchmarks/changed_points.py OLD NEW [STUDY ...]      # a table of docs/changed-points.md
+    python3 benchmarks/changed_points.py OLD NEW [STUDY ...]      # a table of docs/paper/changed-points.md
 
 OLD holds an older version's STUDY_points.csv, or is a commit of this repository, whose docs/tables are taken; NEW holds
 files of that name, too.  Of what changed in DI by slip, two causes are told apart: the older tables' slip by

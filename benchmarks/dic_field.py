@@ -1,4 +1,4 @@
-"""What a DIC field with noise shows of a simulation, beside what the simulation says: docs/crack-format.md.
+"""What a DIC field with noise shows of a simulation, beside what the simulation says: docs/reference/crack-format.md.
 
     python3 -m damage reference walls/symmetric.py --harmonic 0.2 0.1 --no-pictures --out FILE.h5
     python3 benchmarks/dic_field.py FILE.h5 [--every-s 0.1] [--noise-mm 0.01]

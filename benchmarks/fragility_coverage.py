@@ -1,4 +1,4 @@
-"""How often the 90 % interval for a new record holds its median: the table in docs/batches.md.
+"""How often the 90 % interval for a new record holds its median: the table in docs/reference/studies.md.
 
     python3 benchmarks/fragility_coverage.py [--studies 100]
 

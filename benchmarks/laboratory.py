@@ -1,4 +1,4 @@
-"""The tables of docs/laboratory.md: all tested walls by all laws of the joint, beside the tests.
+"""The tables of docs/validation/laboratory.md: all tested walls by all laws of the joint, beside the tests.
 
     python3 benchmarks/laboratory.py [--out DIR] [TABLE ...]
 

@@ -1,4 +1,4 @@
-"""Three cycles that start and end otherwise than a sine from zero, as records: the rows of docs/underdetermined.md.
+"""Three cycles that start and end otherwise than a sine from zero, as records: the rows of docs/paper/open-points.md.
 
     python3 benchmarks/other_starts.py [--out DIR] [--motion PERIOD_S AMPLITUDE_G ...] [cosine] [ramp] [in-and-out]
 

@@ -1,4 +1,4 @@
-"""Fragility of light damage beside a published one: table and picture of docs/published-fragility.md.
+"""Fragility of light damage beside a published one: table and picture of docs/paper/published-fragility.md.
 
     ./run_all.sh published --solver reference
     python3 benchmarks/published_fragility.py results/published [--out DIR]

@@ -1,4 +1,6 @@
-"""Numbers of docs/results.md and docs/laboratory.md that no table holds: python3 benchmarks/results_figures.py RESULTS
+"""Numbers of docs/paper/results.md and docs/validation/laboratory.md that no table holds.
+
+    python3 benchmarks/results_figures.py RESULTS
 
 How far YADE's points of crosscheck lie from the medians of harmonic and ida; how far bricks are really offset after
 each shock of a sequence, beside what slip counts; the force that YADE's sliding base loses for every millimetre.

@@ -1,4 +1,4 @@
-"""The tables of docs/softening.md: tested walls pushed over, step and damping, ensembles, crack patterns.
+"""Tables of docs/validation: tested walls pushed over, step and damping, ensembles, crack patterns.
 
     python3 benchmarks/softening.py [--out DIR] [TABLE ...]
 

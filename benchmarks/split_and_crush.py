@@ -1,9 +1,9 @@
-"""The tables of docs/split-and-crush.md: tested walls whose bricks split and whose joints crush, pushed over.
+"""The tables of docs/validation/laboratory.md: tested walls whose bricks split and whose joints crush, pushed over.
 
     python3 benchmarks/split_and_crush.py [--out DIR] [--drift PERCENT] [--share SHARE] [--solver reference|yade]
                                           [WALL ...]
 
-Joints soften by the rule (docs/softening.md); bricks have a share of their normalised compressive strength for a
+Joints soften by the rule (docs/model/model.md); bricks have a share of their normalised compressive strength for a
 tensile one, joints the masonry's compressive strength, both of damage/data/eucentre/tests.csv.  About 15 minutes on one
 core in the reference solver; histories that are already in DIR are not run again.
 """

@@ -1,4 +1,4 @@
-"""The table of docs/two-solvers.md: YADE against an ensemble of the reference solver, motion by motion.
+"""The table of docs/validation/two-solvers.md: YADE against an ensemble of the reference solver, motion by motion.
 
     python3 benchmarks/two_solvers.py --out DIR
 
@@ -41,7 +41,8 @@ def main():
     parser.add_argument("--out", type=Path, required=True)
     folder = parser.parse_args().out
     folder.mkdir(parents=True, exist_ok=True)
-    print("| motion | quantity | YADE | reference: median (range) | allowed difference | |\n" + "| --- " * 6 + "|")
+    print("| motion | quantity | YADE | reference: median (range) | allowed difference | verdict |",
+          "| --- " * 6 + "|", sep="\n")
     for motion, words in MOTIONS.items():
         for line in nonlinear_rows(folder, motion, words):
             print(line, flush=True)

@@ -1,4 +1,4 @@
-"""The tables of docs/underdetermined.md, in Markdown, from two studies and one that this script writes.
+"""The tables of docs/paper/open-points.md, in Markdown, from two studies and one that this script writes.
 
     python3 benchmarks/underdetermined.py --write DIR       # DIR/more.toml: bricks, openings, members at the edge
     ./run_all.sh DIR/more.toml --solver reference --out DIR/more

@@ -29,6 +29,7 @@ html_theme = "furo"
 html_title = f"masonry-damage {VERSION}"
 html_copy_source = html_show_copyright = False
 autodoc_preserve_defaults = True
+autodoc_default_options = {"members": True, "member-order": "bysource"}
 nitpicky = False
 
 _LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(([^)#\s:]+)(#[^)]*)?\)")
@@ -38,12 +39,12 @@ def only_what_is_here(app, name, source):
     """Turn links to files that are no pages of the site into their names."""
     folder = (Path(app.srcdir) / name).parent
 
-    def mend(match):
+    def without_link(match):
         words, path = match[1], (folder / match[2]).resolve()
         page = path.suffix == ".md" and path.is_relative_to(app.srcdir) and path.name != "README.md"
         return match[0] if page or not path.exists() else f"{words} (`{path.relative_to(ROOT)}`)"
 
-    source[0] = _LINK.sub(mend, source[0])
+    source[0] = _LINK.sub(without_link, source[0])
 
 
 def as_plain_text(app, what, name, obj, options, lines):

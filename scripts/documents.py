@@ -1,4 +1,4 @@
-"""Holds the generated parts of documents against the tables and the code that they come from, or renews them.
+"""Compares the generated parts of documents with the tables and the code that they come from, or renews them.
 
     python3 scripts/documents.py [--renew] [ROOT]   # ROOT: a folder with README.md and docs/, by default the repository
 
@@ -19,22 +19,27 @@ from damage.files import write_text
 from damage.measure.columns import read_table
 from damage.paper import report
 from damage.paper.verdict import judge
+from scripts.document_tables import with_tables
 
-VERDICT = "docs/paper-verdict.md"
+VERDICT = "docs/paper/verdict.md"
 RENEW = "renew it: python3 scripts/documents.py --renew"
 
 
 def verdict_follows_from_the_tables(root):
     """The verdict's document is what today's code and criteria make of docs/tables."""
-    made = report.as_markdown(judge_tables(root / "docs/tables")).splitlines()
-    for line in unified_diff(_text(root / VERDICT).splitlines(), made, lineterm="", n=0):
+    yield from _differences(VERDICT, _text(root / VERDICT), report.as_markdown(judge_tables(root / "docs/tables")))
+
+
+def _differences(name, text, made):
+    """A line for each line in which a document's text differs from what is made of the tables."""
+    for line in unified_diff(text.splitlines(), made.splitlines(), lineterm="", n=0):
         if line[:1] in "+-" and line[:3] not in ("+++", "---"):
             side = "docs/tables say" if line.startswith("+") else "it says"
-            yield f"{VERDICT}: {side} {line[1:100]!r}; {RENEW}"
+            yield f"{name}: {side} {line[1:100]!r}; {RENEW}"
 
 
 def readme_quotes_the_verdict(root):
-    """What stands between the README's markers stands in the document, too."""
+    """The README's part between its markers is in the document, too."""
     _, begin, rest = _text(root / "README.md").partition(report.BEGIN)
     block, end, _ = rest.partition(report.END)
     known = _text(root / VERDICT).splitlines()
@@ -45,7 +50,19 @@ def readme_quotes_the_verdict(root):
             yield f"README.md: {line[:60]!r} is not in {VERDICT}; {RENEW}"
 
 
-CHECKS = [verdict_follows_from_the_tables, readme_quotes_the_verdict]
+def tables_show_the_files(root):
+    """The tables of all documents show what the files in docs/tables hold."""
+    for path in documents_below(root):
+        text = _text(path)
+        yield from _differences(path.relative_to(root), text, with_tables(text, root / "docs/tables"))
+
+
+def documents_below(root):
+    """The Markdown files that may have tables: README.md and those below docs."""
+    return [root / "README.md", *sorted((root / "docs").rglob("*.md"))]
+
+
+CHECKS = [verdict_follows_from_the_tables, readme_quotes_the_verdict, tables_show_the_files]
 """Functions of ROOT that yield a line for each part that is not current: add those of further parts."""
 
 
@@ -90,10 +107,15 @@ def _cycles_as_runs(cycles):
 
 
 def renew(root):
-    """Writes the verdict's document, and the README's part of it."""
+    """Writes the verdict's document, the README's part of it, and the tables of all documents."""
     findings = judge_tables(root / "docs/tables")
     write_text(root / VERDICT, report.as_markdown(findings))
     report.update_readme(findings, root / "README.md")
+    for path in documents_below(root):
+        text = _text(path)
+        renewed = with_tables(text, root / "docs/tables")
+        if renewed != text:
+            write_text(path, renewed)
 
 
 def main(arguments):
@@ -103,12 +125,12 @@ def main(arguments):
     try:
         if wanted:
             renew(root)
-        told = [line for check in CHECKS for line in check(root)]
+        stale = [line for check in CHECKS for line in check(root)]
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    print(*told, sep="\n", end="\n" if told else "")
-    return 1 if told else 0
+    print(*stale, sep="\n", end="\n" if stale else "")
+    return 1 if stale else 0
 
 
 if __name__ == "__main__":

@@ -17,12 +17,12 @@ SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": colu
 
 @pytest.mark.parametrize("section", SUMMARY)
 def test_the_measures_document_shows_the_table(section):
-    assert markdown(SUMMARY[section]) in (REPOSITORY / "docs/measures.md").read_text()
+    assert markdown(SUMMARY[section]) in (REPOSITORY / "docs/reference/measures.md").read_text()
 
 
 @pytest.mark.parametrize("group", TABLES)
 def test_the_schema_document_shows_the_table(group):
-    assert markdown(TABLES[group]) in (REPOSITORY / "docs/history-schema.md").read_text()
+    assert markdown(TABLES[group]) in (REPOSITORY / "docs/reference/history-schema.md").read_text()
 
 
 def test_a_summary_has_these_columns_and_no_others(tmp_path):

@@ -263,7 +263,7 @@ def test_the_command_exports_reads_and_draws(random_history, tmp_path, capsys):
 
 def test_the_example_of_the_documentation(tmp_path, capsys):
     """Crack A's four joints by hand; B's mode is open."""
-    text = (REPOSITORY / "docs" / "crack-format.md").read_text()
+    text = (REPOSITORY / "docs" / "reference" / "crack-format.md").read_text()
     (tmp_path / "example.csv").write_text(text.split("```text\n")[1].split("```")[0])
     wall = str(REPOSITORY / "walls" / "solid.py")
     assert main(["cracks", str(tmp_path / "example.csv"), "--wall", wall, "--json"]) == 0

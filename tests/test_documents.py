@@ -10,14 +10,17 @@ from conftest import REPOSITORY
 from damage.__main__ import main
 
 ROOT_DOCUMENTS = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
-DOCUMENTS = [*(REPOSITORY / name for name in ROOT_DOCUMENTS), *sorted((REPOSITORY / "docs").glob("*.md"))]
-of_every_document = pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+DOCUMENTS = [*(REPOSITORY / name for name in ROOT_DOCUMENTS), *sorted((REPOSITORY / "docs").rglob("*.md"))]
+of_every_document = pytest.mark.parametrize(
+    "document", DOCUMENTS, ids=lambda path: path.relative_to(REPOSITORY).as_posix())
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 CODE = re.compile(r"^```.*?^```|^ {4}\S.*?$|`[^`]+`", re.DOTALL | re.MULTILINE)
 COMMAND = re.compile(r"python3 -m damage (\w[\w-]*)")
 # What a reader is to have, or a run leaves: no part of the repository.
-NOT_OURS = ("records/*", "walls/NAME.py", "walls/{wall}.py", "walls/mine.py")
+NOT_OURS = ("records/*", "walls/NAME.py", "walls/{wall}.py", "walls/mine.py", "benchmarks/NAME.csv", *(
+    name for guide in (REPOSITORY / "docs" / "guides").glob("*.md")
+    for name in re.findall(r"^```python\n# (\S+)$", guide.read_text(), re.MULTILINE)))
 
 
 def listed_files():
@@ -68,23 +71,25 @@ def test_named_files_are_there(document):
 @of_every_document
 def test_commands_are_those_of_the_program(document):
     if document.name != "CHANGELOG.md":  # it names old ones, too
-        assert [name for name in set(COMMAND.findall(document.read_text())) if not is_command(name)] == []
+        named = set(COMMAND.findall(document.read_text())) - {"COMMAND"}
+        assert [name for name in named if not is_command(name)] == []
+
+
+PAGES = {path.relative_to(REPOSITORY / "docs").as_posix() for path in (REPOSITORY / "docs").rglob("*.md")
+         if "tables" not in path.parts} - {"README.md", "index.md"}  # these, and the front page of the site
 
 
 def test_every_document_is_in_the_index():
     index = (REPOSITORY / "docs" / "README.md").read_text()
-    linked = {link for link in LINK.findall(index) if "/" not in link}
-    assert linked - {"tables", "guides"} == {path.name for path in DOCUMENTS if path.parent.name == "docs"} - {
-        "README.md", "index.md"}  # these, and the front page of the site
+    linked = {link for link in LINK.findall(index) if link.endswith(".md") and not link.startswith("..")}
+    assert linked == {page for page in PAGES if not page.startswith("api/")}
 
 
 def test_every_document_is_in_the_sites_menu():
     """Sphinx would warn of one that is in no toctree, but the site is not built by every test run."""
-    docs = REPOSITORY / "docs"
-    menu = set(re.findall(r"^[\w/-]+$", (docs / "index.md").read_text(), re.MULTILINE))
-    paths = [*docs.glob("*.md"), *docs.glob("guides/*.md")]
-    written = {path.relative_to(docs).with_suffix("").as_posix() for path in paths}
-    assert menu == written - {"README", "index"} | {"reference/index"}
+    menu = set(re.findall(r"^[\w/-]+$", (REPOSITORY / "docs" / "index.md").read_text(), re.MULTILINE))
+    written = {page.removesuffix(".md") for page in PAGES if not page.startswith("api/")}
+    assert menu == written | {"api/index"}
 
 
 def test_what_is_not_there_is_found():
@@ -92,14 +97,14 @@ def test_what_is_not_there_is_found():
     assert named_files("`damage/nowhere.py`, `walls/*.py`, `x/y`, `nothing.md`") == [
         "damage/nowhere.py", "walls/*.py", "nothing.md"]
     assert not is_there("damage/nowhere.py", document) and not is_there("nothing.md", document)
-    assert is_there("walls/*.py", document) and is_there("choices.md", document)
+    assert is_there("walls/*.py", document) and is_there("guides/options.md", document)
     assert LINK.findall("[a](b.md) and ![c](d/e.png)") == ["b.md", "d/e.png"]
     assert COMMAND.findall("`python3 -m damage nonsense FILE`") == ["nonsense"]
     assert is_command("index") and is_command("reference") and not is_command("nonsense")
 
 
 def test_tests_that_documents_name_are_there():
-    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`; every fault of docs/faults.md has one."""
+    """Each `tests/FILE.py::NAME` or `tests/FILE.py::CLASS::NAME`; every fault of docs/reference/faults.md has one."""
     named = {test for document in DOCUMENTS for test in re.findall(r"`(tests/\w+\.py::[\w:]+)`", document.read_text())}
     missing = []
     for test in sorted(named):
@@ -108,6 +113,6 @@ def test_tests_that_documents_name_are_there():
         missing += [test for name in names if not re.search(rf"^ *(def|class) {name}\b", source, re.MULTILINE)]
     assert named
     assert missing == []
-    faults = (REPOSITORY / "docs/faults.md").read_text().partition("\n## ")[0]
+    faults = (REPOSITORY / "docs/reference/faults.md").read_text().partition("\n## ")[0]
     rows = [line for line in faults.splitlines() if line.startswith("| ")][2:]
     assert [row for row in rows if "`tests/" not in row] == []

@@ -1,6 +1,6 @@
 """Files of every kind that were damaged at random: each is read or refused in one line, in time and in little memory.
 
-`python3 -m tests.fuzz --seconds 1200` tries far more; what it found is in `docs/faults.md`, and held here.
+`python3 -m tests.fuzz --seconds 1200` tries far more; what it found is in `docs/reference/faults.md`, and held here.
 """
 
 import random
@@ -12,6 +12,7 @@ from damage.files import DATA, LONGEST_LINE
 from damage.laboratory import dic
 from damage.laboratory.csv_table import CsvTable
 from damage.measure import columns
+from damage.motion import columns as record_columns
 from damage.motion import formats
 from damage.motion.formats import read_record, shipped_record_path
 from damage.studies import definition
@@ -88,7 +89,7 @@ def test_a_record_of_too_many_lines_is_refused_before_they_are_parsed(text, tmp_
     monkeypatch.setattr(formats, "MOST_LINES", 30)
     assert "more than 30 lines" in one_line_error(read_record, written(tmp_path / "a.csv", text))
     monkeypatch.setattr(formats, "MOST_LINES", 100)
-    monkeypatch.setattr(formats, "MOST_SAMPLES", 30)
+    monkeypatch.setattr(record_columns, "MOST_SAMPLES", 30)
     assert "40 samples; expected up to 30" in one_line_error(read_record, written(tmp_path / "a.csv", text))
 
 

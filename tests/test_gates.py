@@ -76,7 +76,7 @@ def test_doctests(tmp_path):
 
 
 def test_documents(tmp_path):
-    verdict, points = "docs/paper-verdict.md", "docs/tables/harmonic_points.csv"
+    verdict, points = "docs/paper/verdict.md", "docs/tables/harmonic_points.csv"
     shutil.copytree(REPOSITORY / "docs" / "tables", tmp_path / "docs" / "tables")
     seeded(verdict, tmp_path, "| 0.0637 s", "| 0.0737 s")
     seeded("README.md", tmp_path, "| YADE, elastic lintel | 1", "| YADE, elastic lintel | 2")

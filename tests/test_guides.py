@@ -72,6 +72,10 @@ def test_a_wall_and_a_study_of_ones_own(clone):
     assert (clone / "my_study.html").stat().st_size > 1_000_000
 
 
+def test_other_kinds_of_walls(clone):
+    assert follow("other-walls", clone).count("mode 1: ") == 2
+
+
 def test_a_record_of_ones_own(clone):
     assert "pga" in follow("own-record", clone).lower()
     history = damage.read_history(clone / "my_record.h5")
@@ -79,7 +83,7 @@ def test_a_record_of_ones_own(clone):
 
 
 def test_every_guide_is_followed_or_has_nothing_to_follow():
-    followed = {"first-wall", "reading-results", "own-wall", "own-study", "own-record",
+    followed = {"first-wall", "reading-results", "own-wall", "own-study", "own-record", "other-walls",
                 "from-pip"}  # the last in test_from_pip.py
     for path in GUIDES.glob("*.md"):
         assert (path.stem in followed) == bool(BLOCK.search(path.read_text(encoding="utf-8"))), path.name

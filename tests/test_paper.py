@@ -129,7 +129,7 @@ class TestReadings:
         assert len({line.count("|") for line in lines}) == 1
         row, = (line for line in lines if line.startswith("| P4,"))
         assert row.endswith("| s | das | ? | das |")
-        assert "0.3 MPa in the piers: mends nothing; breaks nothing." in conclusions(judge_readings(tmp_path))
+        assert "0.3 MPa in the piers: gains nothing; loses nothing." in conclusions(judge_readings(tmp_path))
 
     def test_the_command_writes_a_document(self, papers_world, tmp_path, capsys):
         (tmp_path / "tables").mkdir()
@@ -320,7 +320,7 @@ def test_offsets_and_what_accumulated_are_judged_side_by_side(papers_world, judg
     """A table of this version has both; one without offsets is judged by accumulated, and the verdict says so."""
     judged(papers_world)
     assert main(["paper", str(tmp_path)]) == 0
-    assert "from before histories had offsets of the joints; their slip by displacement" in capsys.readouterr().out
+    assert "older than the joint offsets; their slip by displacement" in capsys.readouterr().out
     both = papers_world.assign(slip="displacement", **{
         f"{kind}_accumulated_{name}": papers_world[f"{kind}_{name}"]
         for kind in ("max", "residual") for name in COMPONENTS})
@@ -453,8 +453,8 @@ def test_a_claim_that_hardly_holds_or_differs_is_on_the_edge(papers_world, judge
     assert (finding.verdict, finding.on_edge) == (verdict, edge)
     assert finding.margin == pytest.approx((0.02 - value) / 0.02) and (abs(finding.margin) <= EDGE) == edge
     [line] = [line for line in merged([finding]) if line[0] == "reference"]
-    assert line[3] == verdict + ", on the edge" * edge
-    assert ("P4" in tally(findings)["on the edge"].split(", ")) == edge
+    assert line[3] == verdict + ", borderline" * edge
+    assert ("P4" in tally(findings)["borderline"].split(", ")) == edge
 
 
 def test_what_cannot_be_compared_is_on_no_edge(papers_world, judged):

@@ -121,4 +121,4 @@ def test_a_record_in_gal_is_warned_of(tmp_path, capsys):
 
 
 def test_the_document_has_the_ranges():
-    assert markdown() in (REPOSITORY / "docs/ranges.md").read_text()
+    assert markdown() in (REPOSITORY / "docs/reference/ranges.md").read_text()

@@ -195,7 +195,7 @@ class TestFibres:
             split_into_fibres(Joint(), lay_out(Wall("w", 0.675, 0.45)).contacts, 8)
 
     def test_along_the_same_paths_they_dissipate_alike(self):
-        """docs/softening.md; between mixed paths the two forms differ by up to 8 %, along the others by 0.1 %."""
+        """docs/validation/verification.md: along mixed paths the two forms differ by up to 8 %, else by 0.1 %."""
         for path, dissipated, more_8, _, more_16, _ in compared(fine=400, coarse=400):
             pure = path.startswith(("tension", "shear", "opened and closed"))
             assert max(abs(more_8), abs(more_16)) < (1.5 if pure else 9.5), path
@@ -323,7 +323,7 @@ FIVE_FIFTY = {"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0}
 
 @pytest.mark.slow
 def test_a_tested_wall_that_slides_reaches_its_measured_force(tmp_path):
-    """COMP1_3: 76.7 / 78.0 kN measured, 61 with brittle joints; docs/softening.md."""
+    """COMP1_3: 76.7 / 78.0 kN measured, 61 with brittle joints; docs/validation/laboratory.md."""
     assert 70e3 < pushed(tmp_path, "squat_tested", FIVE_FIFTY, "--pushover", 0.07) < 85e3
 
 
@@ -336,5 +336,5 @@ def test_a_tested_wall_that_slides_reaches_its_measured_force(tmp_path):
     ("comp2_1", FIVE_FIFTY, 0.97 * 59.0e3, 1.03 * 59.0e3, ["--pushover", 0.2, "--boundary", "fixed"]),
 ], ids=str)
 def test_tested_walls_peak_where_the_document_says(tmp_path, name, energies, least, most, words):
-    """Of walls that shear the tests' forces, of one that rocks the brittle wall's; docs/softening.md."""
+    """Of walls that shear the tests' forces, of one that rocks the brittle wall's; docs/validation/laboratory.md."""
     assert least < pushed(tmp_path, name, energies, *words) < most

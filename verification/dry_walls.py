@@ -21,7 +21,7 @@ BLOCK = Brick(length=0.4, height=0.175, thickness=0.2, density=2000.0)
 """Length, height and friction of Ferris and Tin-Loi (2001); the multiplier depends on neither thickness nor
 density."""
 STIFF = 1e10
-"""Normal stiffness of the joints [Pa/m]: hard enough for the limit of rigid joints (docs/dry-joint-walls.md)."""
+"""Normal stiffness of the joints [Pa/m]: hard enough for the limit of rigid joints (docs/validation/dry-joints.md)."""
 OPTIONS = ModelOptions(lintel="none", contacts="corners")
 PUBLISHED = {"benchmark": 0.643}
 """Multiplier of wall 1 of M. C. Ferris, F. Tin-Loi (2001), doi:10.1016/S0020-7403(99)00111-3."""

@@ -41,7 +41,7 @@ CRUSHING = 57.1e6
 """Compressive strength of prisms of the same stone [Pa], from the same tests."""
 SPLITTING = 3e6
 """Tensile strength of the stone [Pa], assumed: a twentieth of the compressive one, at the low end of what is usual
-for sandstone; docs/dry-joint-walls.md varies it."""
+for sandstone; docs/validation/dry-joints.md varies it."""
 PUSH_M_S, FARTHEST_M, AVERAGED_M = 2e-3, 0.025, 0.25e-3
 SPLITTING_PUSH_M_S = 5e-3
 """Stiff cuts make the time step four times shorter; at 0.002 m/s the peak of SW.200 is 0.5 % lower."""

@@ -12,7 +12,7 @@ from damage.errors import InputError
 from damage.start import EXIT_MISSING, missing_library
 
 FIBRES = 16
-"""Of a joint that softens, where no other number is asked for (docs/softening.md)."""
+"""Of a joint that softens, where no other number is asked for (docs/model/model.md)."""
 
 
 def main(make_wall):

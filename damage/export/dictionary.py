@@ -1,7 +1,7 @@
 """The data dictionary: every column of every table that this software writes, with its unit and what it means.
 
-`python3 -m damage dictionary --out docs` writes dictionary.csv and dictionary.md.  Columns that have their definition
-elsewhere are taken from there: those of histories from `damage.history.schema`, those of summaries from
+`python3 -m damage dictionary --out docs/reference` writes dictionary.csv and dictionary.md.  Columns that have their
+definition elsewhere are taken from there: those of histories from `damage.history.schema`, those of summaries from
 `damage.measure.columns`.
 """
 
@@ -185,7 +185,7 @@ def write_dictionary(folder):
 def _markdown(table):
     codes = "; ".join(f"`{name}`: {', '.join(words)}" for name, words in CODES.items())
     lines = ["# Data dictionary", "", "Every column of every table that the software writes; made by `python3 -m "
-             "damage dictionary --out docs`, as is [dictionary.csv](dictionary.csv).",
+             "damage dictionary --out docs/reference`, as is [dictionary.csv](dictionary.csv).",
              "RUN stands for a run's name, INTENSITY for that of an intensity of the motion; a unit of 1 is a ratio or "
              "a number, none a word.", f"In histories (RUN.h5) codes are numbers from 0: {codes}."]
     for name, rows in table.groupby("table", sort=False):

@@ -1,4 +1,4 @@
-"""Names, codes, units and meanings of the history file; the tables of `docs/history-schema.md` are these."""
+"""Names, codes, units and meanings of the history file; the tables of `docs/reference/history-schema.md` are these."""
 
 from typing import NamedTuple
 

@@ -1,6 +1,6 @@
 """The history file: one HDF5 file a run, written step by step and readable while it grows.
 
-`docs/history-schema.md` is the schema.  All datasets are made first; then the file is in HDF5's
+`docs/reference/history-schema.md` is the schema.  All datasets are made first; then the file is in HDF5's
 single-writer multiple-reader mode, so that what was flushed is whole even after SIGKILL.  When it is closed, its head
 is sealed with the checksum of all that follows.
 """

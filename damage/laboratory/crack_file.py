@@ -1,4 +1,4 @@
-"""Digitised cracks of a wall at successive load levels: the CSV format of `docs/crack-format.md`.
+"""Digitised cracks of a wall at successive load levels: the CSV format of `docs/reference/crack-format.md`.
 
 A crack is one polyline or several.  The sizes and the mode in the row of a point hold from there to the
 next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, the mode says what it is:

@@ -104,7 +104,7 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
         least = min(threshold, psi_from)
         write_cracks(export, patterns_of(history, samples, least), [
             f"cracks of {history.wall}, {history.loading.name}, solver {history.solver}, at "
-            f"{moments_s} s", f"joints whose width reaches {least / MILLIMETRE:g} mm; docs/crack-format.md"])
+            f"{moments_s} s", f"joints whose width reaches {least / MILLIMETRE:g} mm; docs/reference/crack-format.md"])
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
             "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": total, "levels": levels,
             "max": largest(levels), "run": psi_summary(history, psi_from), "notes": offset_doubts(history)}
@@ -133,7 +133,7 @@ def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMI
     report |= {"source": "DIC field", "dic": limits, "notes": notes + report["notes"]}
     if export:
         write_cracks(export, patterns, [f"cracks of {layout.wall.name} from the DIC field {Path(path).name}; "
-                                        "docs/crack-format.md", *notes])
+                                        "docs/reference/crack-format.md", *notes])
     return report, mapped, patterns, layout
 
 

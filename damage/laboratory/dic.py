@@ -2,7 +2,7 @@
 
 A brick moves as a rigid body: its motion is fitted by least squares to the points inside it, and opening
 and shear of its joints follow from the motions of both bricks (`damage.wall.kinematics`).  So tension and shear
-are told apart, which a picture of the cracks alone does not do.  `docs/crack-format.md` gives the file.
+are told apart, which a picture of the cracks alone does not do.  `docs/reference/crack-format.md` gives the file.
 
 What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without the
 stresses; `elastic_parts` bounds it.  Slip is the offset of the two bricks along the joint, as by `displacement` in a

@@ -1,7 +1,7 @@
 """Every column of summary.csv and points.csv, once: what it is called, its unit, what it means.
 
-The tables of `docs/measures.md` are these; `damage.measure.tables.summary_row` fills them, `damage.studies.tables` sums
-them up by point.
+The tables of `docs/reference/measures.md` are these; `damage.measure.tables.summary_row` fills them,
+`damage.studies.tables` sums them up by point.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Cycles of the drift, and the index cycle by cycle; `docs/measures.md` defines them for readers of the tables."""
+"""Cycles of the drift, and the index cycle by cycle, as `docs/reference/measures.md` defines them."""
 
 import numpy as np
 import pandas as pd

@@ -7,8 +7,8 @@ fail the one that is farthest from holding.
 import math
 
 EDGE = 0.05
-"""A claim stands on the edge of its criterion where 5 % more or less of the limit would turn its verdict: by so much
-two correct solvers differ in maximum drift (README.md)."""
+"""A claim is borderline where 5 % more or less of the limit would change its verdict: by so much two correct solvers
+differ in maximum drift (docs/validation/two-solvers.md)."""
 
 
 def at_most(value, limit):

@@ -54,7 +54,7 @@ READINGS = (
     Reading("softening joints", changes={SOFTENS: lambda energy: energy > 0} | _ANY_STEP),
     Reading("T0 0.175 s", changes=_symmetric_of(0.175) | _ANY_STEP),
 )
-"""The default first; the choices of `docs/underdetermined.md` that move DI most, and what real walls have."""
+"""The default first; the choices of `docs/paper/open-points.md` that move DI most, and what real walls have."""
 
 
 def judge_readings(folder):
@@ -134,7 +134,7 @@ def conclusions(found):
             "No reading meets, by any criterion of slip: "
             f"{', '.join(claim.id for claim in judged if claim not in met) or 'nothing'}.",
             *([f"Not judged, for want of runs: {', '.join(left)}."] if left else []),
-            *(f"{words}: mends {', '.join(gained[words]) or 'nothing'}; breaks {', '.join(lost[words]) or 'nothing'}."
+            *(f"{words}: gains {', '.join(gained[words]) or 'nothing'}; loses {', '.join(lost[words]) or 'nothing'}."
               for words in gained)]
 
 
@@ -145,9 +145,10 @@ def as_markdown(found):
 
 _HEAD = """# What moves the paper's claims
 
-Written by `python3 -m damage readings RESULTS --markdown docs/readings.md` from the tables of
-`./run_all.sh readings`; do not edit by hand. Each column is the model as it is by default but for one choice, in the
-reference solver; each row a claim that `docs/paper-verdict.md` states with its criterion. A cell has the criteria of
-slip by which the claim holds: d by displacement, a accumulated, s by the shear limit; – where it differs by all, ?
-where it cannot be judged. Single runs: a claim on the edge of its criterion may turn with the next draw of the
-strengths."""
+Written by `python3 -m damage readings RESULTS --markdown docs/paper/readings.md` from the tables of
+`./run_all.sh readings`; do not edit by hand.
+
+Each column is the default model with one modelling choice changed, in the reference solver. Each row is a claim, whose
+criterion is in `docs/paper/verdict.md`. A cell lists the criteria of slip by which the claim holds: d by displacement,
+a accumulated, s by the shear limit; – it differs by all; ? it cannot be judged. The runs are single: a borderline claim
+may change with another draw of the strengths."""

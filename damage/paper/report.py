@@ -33,8 +33,8 @@ STATEMENTS = {
 SOLVER_NAMES = {"yade": "YADE", "reference": "reference solver"}
 _SLIPS = {"displacement": "slip by displacement", "accumulated": "slip accumulated",
           "shear-limit": "slip by shear limit"}
-ON_EDGE = ", on the edge"
-"""What stands behind a verdict that hardly more or less would turn."""
+ON_EDGE = ", borderline"
+"""Suffix of a verdict that a small change of its limit would change."""
 BEGIN, END = "<!-- paper verdict: begin, written by python3 -m damage paper -->", "<!-- paper verdict: end -->"
 
 
@@ -105,8 +105,8 @@ def _without_offsets(findings):
 
 def before_offsets(solver):
     """What is said of a solver whose runs, or some of them, lack the offsets that `displacement` needs."""
-    return (f"{SOLVER_NAMES[solver]}: there are runs from before histories had offsets of the joints; their slip by "
-            "displacement is judged by accumulated")
+    return (f"{SOLVER_NAMES[solver]}: some histories are older than the joint offsets; their slip by displacement is "
+            "judged by accumulated slip")
 
 
 def tallies(findings):
@@ -115,7 +115,7 @@ def tallies(findings):
     By each criterion of slip alone, and by any of them; what the model was built to meet is counted apart.
     """
     head = ["predictions that hold", *_SLIPS.values(), "by any of these", "differ by all", "cannot be judged",
-            "built to meet", "on the edge"]
+            "built to meet", "borderline"]
     lines = ["| " + " | ".join(head) + " |", "| --- " * len(head) + "|"]
     for solver, lintel in _told(findings, "solver", "lintel"):
         mine = [finding for finding in findings if (finding.solver, finding.lintel) == (solver, lintel)]
@@ -178,20 +178,23 @@ def as_markdown(findings):
     return "\n\n".join(parts) + "\n"
 
 
-_HEAD = """# The paper's statements, judged
+_HEAD = """# Verdict on the paper's statements
 
-Written by `python3 -m damage paper RESULTS_DIR --markdown docs/paper-verdict.md` from the tables of studies; do not
-edit by hand. Paper: Sarhosis, Dais, Smyrou, Bal, Drougkas (2021), *Engineering Structures* 243, 112529,
+Written by `python3 -m damage paper RESULTS_DIR --markdown docs/paper/verdict.md` from the tables of studies; do not
+edit by hand.
+
+Paper: Sarhosis, Dais, Smyrou, Bal, Drougkas (2021), *Engineering Structures* 243, 112529,
 doi:10.1016/j.engstruct.2021.112529. Each of its statements is split into claims that a number decides. The criteria
-stand in `damage/paper/criteria.py`, each with its reason, and were fixed before the studies were run. A wall that fell
-differs from the paper's, which stood. Where the results differ, `docs/underdetermined.md` says what in the model the
-paper leaves open and how much it matters. The Huizinge motion is a synthetic stand-in for the record.
+are in `damage/paper/criteria.py`, each with its reason. They were fixed before the studies were run. A wall that
+collapsed differs from the paper's, which did not. `docs/paper/open-points.md` explains where and why results differ.
+The Huizinge motion is a synthetic substitute for the record.
 
-A statement holds (differs) when all (none) of its claims that could be judged hold; otherwise it says how many do.
-Three outcomes with strokes between: slip by displacement / accumulated / by the shear limit, which `docs/choices.md`
-defines. "On the edge": {edge:.0%} more or less of its criterion's limit (of R²: of the variance that a line leaves
-unexplained) and the claim would be judged otherwise. What the model was built to meet, {built},
-is counted apart from what it predicts."""
+- A statement *holds* (*differs*) when all (none) of its judged claims hold; otherwise the table gives their number.
+- Three outcomes separated by strokes: slip by displacement / accumulated / by the shear limit, as defined in
+  `docs/model/model.md`.
+- *Borderline*: the verdict changes when the limit of the criterion changes by {edge:.0%} (of R²: the variance that a
+  line leaves unexplained).
+- Claims that the model was built to meet are counted separately from predictions: {built}."""
 
 
 def overview(findings):

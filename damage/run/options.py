@@ -162,7 +162,7 @@ def _add_model(group, solver):
 def add_accept(group):
     """Add the option that accepts implausible values to a parser, or a group of one."""
     group.add_argument(ACCEPT, action="store_true", help="take the values of the wall and the motion as given, even "
-                       "where they look like a wrong unit (docs/ranges.md)")
+                       "where they look like a wrong unit (docs/reference/ranges.md)")
 
 
 def _add_run(group, solver):

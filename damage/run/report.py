@@ -43,7 +43,7 @@ def check_pictures(path, overwrite=False):
 
 def describe(summary):
     """The summary as lines for people, without more digits than a scatter of the strengths by 0.1 % leaves certain:
-    of widths two, of drift and forces three, of indices three decimals (docs/measures.md)."""
+    of widths two, of drift and forces three, of indices three decimals (docs/reference/measures.md)."""
     lines = [f"{summary['wall']} / {summary['motion']} / {summary['solver']}: {summary['status']}"
              + (f", collapsed at {summary['collapsed_at_s']:.2f} s" if summary["collapsed_at_s"] else "")]
     lines.append(f"{'slip by ' + summary['slip']:22s}{'DI':>8s}{'drift':>8s}{'open':>8s}{'slip':>8s}")

@@ -16,7 +16,7 @@ STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
 
 SOFTENING_STEP_FACTOR = 0.35
-"""The same where joints soften (docs/softening.md)."""
+"""The same where joints soften (docs/validation/step-and-damping.md)."""
 
 JOINT_STEPS = 10
 """A sample lasts a multiple of so many steps: a solver may look at its broken joints less often than in every step."""

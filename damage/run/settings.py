@@ -36,10 +36,11 @@ f_t / k_n."""
 MOST_SCATTER = 0.2
 """Largest coefficient of variation by which members of an ensemble differ [-]: more is another wall."""
 SCATTER, MOST_MEMBERS = 0.001, 100
-"""Of members: coefficient of variation of the strengths where nothing else is asked for (docs/softening.md), and how
-many a single run may have."""
+"""Of members: coefficient of variation of the strengths where nothing else is asked for
+(docs/guides/number-of-runs.md), and how many a single run may have."""
 SOFTENING_BETA_S = 1e-6
-"""Stiffness-proportional damping that joints get which soften, where none is asked for [s] (docs/softening.md)."""
+"""Stiffness-proportional damping that joints get which soften, where none is asked for [s]
+(docs/validation/step-and-damping.md)."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Fragility by the damage that was there before: each shock of a sequence as a run of its own.
 
 A wall comes into its second shock with the cracks of the first one, and Psi counts them; so shocks are told apart by
-Psi at rest before them.  P. A. Korswagen's curves for walls with damage before (docs/published-fragility.md) are of
-that kind.
+Psi at rest before them.  P. A. Korswagen's curves for walls with damage before are of that kind
+(docs/paper/published-fragility.md).
 """
 
 import pandas as pd

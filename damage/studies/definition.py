@@ -24,7 +24,7 @@ Every run is a point of the study.  In the reference solver a point can be an en
     samples = 25       # or: draws of the joints' strengths, strength-seed 1 to 25; needs strength-cov
 
 YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a point from other solvers.
-`docs/batches.md` describes all keys.
+`docs/reference/studies.md` describes all keys.
 """
 
 import hashlib
@@ -340,13 +340,14 @@ def _word(value, name, where):
 
 def _candidates(path, folder, root):
     """Where a file of a study may be: beside it, in the repository, among what ships by its path or by its name."""
-    yield from (folder / check_path(path), root / path)
+    yield from (folder / path, root / path)
     yield from filter(None, (shipped_path(path), shipped_files("walls", ".py").get(path), shipped_records().get(path)))
 
 
 def _find(path, where, folder, root):
     """The path of a file named beside the study, in the repository or among what ships: relative within the repository,
     else absolute."""
+    check_path(path)
     for candidate in _candidates(path, folder, root):
         if is_there(candidate):
             found = candidate.resolve()

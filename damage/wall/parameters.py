@@ -2,7 +2,7 @@
 
 All values are SI (m, kg, s, Pa, Pa/m) and radians.  Defaults are those of Sarhosis et al. (2021),
 Engineering Structures 243, 112529, doi:10.1016/j.engstruct.2021.112529, Tables 1 and 2, where the
-paper gives a value; `docs/choices.md` gives the source of every other one.
+paper gives a value; `docs/model/model.md` gives the source of every other one.
 """
 
 import math

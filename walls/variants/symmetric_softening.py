@@ -1,4 +1,4 @@
-"""The symmetric façade wall with joints that soften, by the rule of docs/softening.md (docs/readings.md).
+"""The symmetric façade wall with joints that soften, by the rule of docs/model/model.md (docs/paper/readings.md).
 
     yade walls/variants/symmetric_softening.py --harmonic 0.2 0.05
 """
