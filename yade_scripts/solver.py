@@ -10,7 +10,6 @@ import builtins
 import numpy as np
 from yade import O, PyRunner, Vector3
 
-from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
@@ -253,10 +252,8 @@ class YadeSolver(Solver):
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
             clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports.copy(),
-            support_force=self.scene.support_forces(self._supports), joints=slice(None), contacts={
-                "opening_m": tracker.opening, "slip_m": tracker.slip, "offset_m": tracker.offset,
-                "state": BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed
-                + ENDED * tracker.ended},
+            support_force=self.scene.support_forces(self._supports), joints=slice(None),
+            contacts=tracker.contact_data(),
             top_force_n=np.nan if self._held is None else self._push_force(),
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
             elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy, friction_j=friction,

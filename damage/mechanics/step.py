@@ -176,7 +176,7 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped):
     frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a), pose(system, interface.b))
     if contacts.has_ended(system, p, motion):
         return
-    resultant, elastic = contacts.elastic_resultant(system.contacts, system.states, start, stop, motion, law.material)
+    resultant, elastic = contacts.elastic_resultant(system.contacts, system.states, start, stop, motion)
     changed = change_since_last(system, p, resultant)
     if elastic or stays_intact(interface, motion):
         contacts.remember(system.contacts, system.states, start, stop, motion)

@@ -47,10 +47,10 @@ BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(0, 7)
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
 # Of a contact of a failed interface: fields of its state, by name, and its compressive strength.
 COPIED = ("shear_stress", "shear0", "normal_stress", "idle", "elastic_tensile_strength", "elastic_cohesion",
-          "elastic_tension_stiffness", "closure", "kappa")
+          "elastic_friction", "elastic_tension_stiffness", "closure", "kappa")
 COLUMNS, CHANGED = tuple(STATE.names.index(name) for name in COPIED), 3
 """Columns of STATE in this order; how many of them, the first ones, a step without the law changes."""
-SHEAR_STRESS, SHEAR0, NORMAL_STRESS, IDLE, TENSILE, COHESION, KT, CLOSURE, KAPPA, COMPRESSIVE, LOOSE = \
+SHEAR_STRESS, SHEAR0, NORMAL_STRESS, IDLE, TENSILE, COHESION, FRICTION, KT, CLOSURE, KAPPA, COMPRESSIVE, LOOSE = \
     _fields(0, len(COPIED) + 2)
 
 

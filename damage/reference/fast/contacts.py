@@ -125,7 +125,7 @@ def forces_of_loose(tables, blocks, law, p, half, held, frame, motion, damped):
     it waits until the intact interfaces have pushed their bodies."""
     waiting, k, m = blocks.waiting, p * at.WAITING + half, p * at.LAST + half
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
-    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, motion, half,
+    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half,
                                        flags_of(held & ~parted_in(tables, p, motion)))
     remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half, elastic)
     if damped:
@@ -176,19 +176,18 @@ def loose_trial(contact, loose, k, motion, plain):
 
 
 @inlined
-def loose_springs(contacts, loose, law, start, stop, motion, half, elastic):
+def loose_springs(contacts, loose, plain, start, stop, motion, half, elastic):
     """`damage.mechanics.contacts.elastic_resultant` in eight walls, of which it leaves those elastic whose contacts all
     are."""
     held = elastic
     normal, shear, couple = spread(0.0), spread(0.0), spread(0.0)
     for i in range(start, stop):
         contact, k = contacts[0, i], INDEX(i) * at.LOOSE + half
-        _, sigma, tau, is_open = loose_trial(contact, loose, k, motion, law.plain)
-        idle = load(loose, k + at.IDLE)
+        _, sigma, tau, is_open = loose_trial(contact, loose, k, motion, plain)
         store(loose, k + at.SHEAR0, either(held & is_open, motion.shear, load(loose, k + at.SHEAR0)))
         within = joint_law.stays_elastic(sigma, tau, load(loose, k + at.TENSILE), load(loose, k + at.COHESION),
-                                         joint_law.friction_left(idle >= 0.0, law.material))
-        if not law.plain:
+                                         load(loose, k + at.FRICTION))
+        if not plain:
             within = within & joint_law.withstands(sigma, load(loose, k + at.COMPRESSIVE))
         elastic = elastic & (within | is_open)
         normal = normal + either(is_open, 0.0, sigma)

@@ -68,7 +68,7 @@ def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
     if at_end:
         intact = interfaces.stays_intact(springs_of(blocks.interfaces, k), limits[held + at.OPENING],
                                          limits[held + at.SLIDE], motion)
-    resultant, elastic = singly.elastic_resultant(system.contacts, system.states, start, stop, motion, law.material)
+    resultant, elastic = singly.elastic_resultant(system.contacts, system.states, start, stop, motion)
     changed = interfaces.change(resultant, last_resultant(last, m))
     if elastic or intact:
         singly.remember(system.contacts, system.states, start, stop, motion)

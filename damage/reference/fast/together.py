@@ -174,7 +174,7 @@ def end_interface(tables, blocks, law, p, ending, damped):
         read_intact(tables.contacts, blocks.readings, start, stop, motion, half)
         springs, held = intact, (ending & int(blocks.loose[p])) >> shift & ALL & ~int(bits(intact))
         if held:
-            loose, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, motion, half,
+            loose, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half,
                                            flags_of(held & ~parted_in(tables, p, motion)))
             remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half, elastic)
             read_loose(tables.contacts, blocks, law, start, stop, motion, half, elastic)
