@@ -83,7 +83,10 @@ def all_forces(tables, columns, blocks, law, clock, step, ending, all_end, dampe
     """Forces of the contacts on all bodies, into the blocks, where they are zero; ending: walls (bits) whose contacts
     are all evaluated one by one, as `singly` of `damage.mechanics.step.find_forces`; all_end: whether these are all."""
     clear(blocks.sums, at.DAMPED, at.KINETIC)
-    others = True if all_end else forces_of_intact(tables, blocks, law, 255 - ending, damped)
+    others = True
+    if not all_end:
+        others = forces_of_damped(tables, blocks, law, 255 - ending) if damped else forces_of_undamped(
+            tables, blocks, law, 255 - ending)
     if others:
         forces_of_others(tables, columns, blocks, law, clock, step, ending, all_end, damped)
     if damped:
@@ -93,6 +96,18 @@ def all_forces(tables, columns, blocks, law, clock, step, ending, all_end, dampe
 
 
 @compiled
+def forces_of_undamped(tables, blocks, law, going):
+    """`forces_of_intact` without damping: apart, as what a branch would need leaves no room in registers."""
+    return forces_of_intact(tables, blocks, law, going, False)
+
+
+@compiled
+def forces_of_damped(tables, blocks, law, going):
+    """The same with damping."""
+    return forces_of_intact(tables, blocks, law, going, True)
+
+
+@inlined
 def forces_of_intact(tables, blocks, law, going, damped):
     """Forces of the intact interfaces in the walls that do not end (bits): one of them in eight walls is a block; and
     what the failed ones do where their contacts stay springs, for `forces_of_others`.  Returns whether there are
