@@ -386,8 +386,7 @@ def test_an_interruption_says_what_it_loses(workflow, tmp_path):
     process.send_signal(signal.SIGTERM)
     _, told = process.communicate(timeout=100)
     assert process.returncode == 130
-    assert ("@@ 6 runs step together and are saved when they have ended: an interruption loses those under way\n"
-            in told)
+    assert "@@ up to 6 runs step together in a process: an interruption loses those under way\n" in told
     assert "@@ interrupted: 6 runs were under way and are lost; 0 that had ended are kept\n" in told
 
 
@@ -405,5 +404,8 @@ def test_an_interrupt_while_runs_that_have_ended_leave_their_records_loses_none(
 
     monkeypatch.setattr(run_shard, "conclude", conclude)
     with ProcessPoolExecutor(1, multiprocessing.get_context("fork"), run_shard._begin_worker) as workers:
-        done = workers.submit(run_shard.do_group, tasks).result(timeout=100)
+        for task in tasks:
+            run_shard._TASKS.put(task)
+        workers.submit(run_shard.do_runs, 8).result(timeout=100)
+    done = [run_shard._ENDED.get() for _ in tasks]
     assert [(status, record["run"]) for _, status, record in done] == [(0, task.name) for task in tasks]
