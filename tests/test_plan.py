@@ -39,7 +39,6 @@ def known(monkeypatch):
     machine = plan.Speed(*(2 * one for one in plan.MEASURED_AT))
     monkeypatch.setattr(plan, "speed", lambda: machine)
     monkeypatch.setattr(plan, "is_cached", lambda: True)
-    monkeypatch.setattr(plan, "LEAST_LANES", 6)  # whatever vectors this machine has
     return machine
 
 
@@ -55,9 +54,10 @@ def test_an_estimate_by_hand(study, known):
     assert_allclose(alone.n_bytes, 1.0 / 2e-3 * n_joints * 1.15, rtol=0.1)
 
 
-def test_runs_step_together_where_there_are_enough_for_all_processes(study, known):
-    assert set(plan.ways_of(study.runs, 3).values()) == {"together"}  # 20 runs that are alike
-    assert set(plan.ways_of(study.runs, 4).values()) == {"alone"}
+def test_runs_step_together_where_there_are_enough_for_all_processes(study):
+    most = 20 // plan.LEAST_LANES  # of 20 runs that are alike
+    assert set(plan.ways_of(study.runs, most).values()) == {"together"}
+    assert set(plan.ways_of(study.runs, most + 1).values()) == {"alone"}
 
 
 def test_the_time_is_a_range_with_what_the_batch_itself_takes(study, tmp_path, capsys, known, monkeypatch):
@@ -95,7 +95,7 @@ def test_what_is_there_sets_the_scale(study, tmp_path, capsys, known):
     (folder / "runs" / f"{run.id}.members").write_text(run.first)
     began = plan.datetime.fromisoformat(history.attributes["created_utc"]).timestamp()
     os.utime(history.path, (began, began + 100))
-    plan.tell(study, folder, 4)  # too few runs for groups in all processes
+    plan.tell(study, folder, 20 // plan.LEAST_LANES + 1)  # too few runs for groups in all processes
     told = capsys.readouterr().out
     assert "there, 1 runs" in told and "points: 2, 1 there; runs to make: up to 10" in told
     assert "and what those that are there took (1)" in told

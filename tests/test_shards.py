@@ -406,6 +406,6 @@ def test_an_interrupt_while_runs_that_have_ended_leave_their_records_loses_none(
     with ProcessPoolExecutor(1, multiprocessing.get_context("fork"), run_shard._begin_worker) as workers:
         for task in tasks:
             run_shard._TASKS.put(task)
-        workers.submit(run_shard.do_runs, 1).result(timeout=100)
-        done = [run_shard._ENDED.get() for _ in tasks]
+        workers.submit(run_shard.do_runs, 8).result(timeout=100)
+    done = [run_shard._ENDED.get() for _ in tasks]
     assert [(status, record["run"]) for _, status, record in done] == [(0, task.name) for task in tasks]

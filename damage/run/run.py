@@ -234,14 +234,13 @@ class Run:
         """What is not finite at the first sample where anything is not, and which that is: None and their number where
         all is.  rows: {name: (n,)}; arrays: {name: (n, ...)}."""
         count = len(rows["time_s"])
-        # A sum, of an array that of squares, is finite where all of it is, unless it is beyond all sense.
-        sums = [float(np.add.reduce(values)) for values in rows.values()]
-        sums += [float(np.vdot(values, values)) for values in arrays.values()]
+        # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads for its product.
+        sums = [float(np.add.reduce(values, axis=None)) for values in (rows | arrays).values()]
         if math.isfinite(sum(sums)):
             return None, count
         for k in range(count):
             for name, values in (rows | arrays).items():
-                if not math.isfinite(float(np.vdot(values[k], values[k]))):
+                if not math.isfinite(float(np.add.reduce(values[k], axis=None))):
                     return name, k
         return None, count
 

@@ -7,7 +7,7 @@ from damage.mechanics.tables import DAMPING
 from damage.reference.fast import blocks as at
 from damage.reference.fast.blocks import INDEX, NONE, ONE, VALUE, WIDTH, clear, pack, total, unpack
 from damage.reference.fast.bodies import adapt, move
-from damage.reference.fast.compiled import compiled
+from damage.reference.fast.compiled import compiled, inlined
 from damage.reference.fast.interfaces import (
     damp_eight,
     evaluate,
@@ -29,7 +29,7 @@ def run(tables, blocks, law, controls, field, clock, ends, stiffness, samples):
     sample is written.
 
     tables: of the wall, with an axis of length one before all others; controls: (1, 5) as of
-    `damage.mechanics.step.Controls`; field: (1, steps + 1, 3) acceleration of the base along x and z and gravity, of
+    `damage.mechanics.tables.Controls`; field: (1, steps + 1, 3) acceleration of the base along x and z and gravity, of
     each step and the one after them [m/s2]; clock: steps that came before; ends: steps from here to each; stiffness,
     samples: as of `damage.mechanics.samples`.  Call `find_forces` once before the first run.
     """
@@ -64,7 +64,7 @@ def all_forces(tables, blocks, law, step, at_end, damped):
     `damage.mechanics.step.find_forces`."""
     clear(blocks.sums, at.DAMPED, at.KINETIC)
     poses_to_rows(blocks)
-    if at_end or forces_of_intact(blocks, damped):
+    if at_end or (forces_of_damped(blocks) if damped else forces_of_undamped(blocks)):
         forces_of_others(tables, blocks, law, step, at_end, damped)
     forces_from_rows(blocks)
     if damped:
@@ -73,6 +73,18 @@ def all_forces(tables, blocks, law, step, at_end, damped):
 
 
 @compiled
+def forces_of_undamped(blocks):
+    """`forces_of_intact` without damping: apart, as what a branch would need leaves no room in registers."""
+    return forces_of_intact(blocks, False)
+
+
+@compiled
+def forces_of_damped(blocks):
+    """The same with damping."""
+    return forces_of_intact(blocks, True)
+
+
+@inlined
 def forces_of_intact(blocks, damped):
     """Forces of the intact interfaces: eight of them are a block.  Returns whether there are others."""
     rows, first, second, any_other = blocks.rows, blocks.first, blocks.second, 0

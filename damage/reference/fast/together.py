@@ -49,7 +49,7 @@ def run(tables, columns, blocks, law, controls, field, clock, ends, ending, stif
     """Advance from places whose forces are known to the last of these ends, where those of all walls are known again.
 
     columns: the states of the tables as numbers (walls, contacts, fields); controls: (walls, 5) as of
-    `damage.mechanics.step.Controls`; field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity,
+    `damage.mechanics.tables.Controls`; field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity,
     of each step and the one after them [m/s2]; clock: (walls,) steps that came before; ends: steps from here to each;
     ending: the walls (bits) that end there, all at the last one: a sample of each is written; stiffness, samples: as of
     `damage.mechanics.samples`; taken: (walls,) samples that each has, zero at first.
@@ -85,7 +85,10 @@ def all_forces(tables, columns, blocks, law, clock, step, ending, all_end, dampe
     """Forces of the contacts on all bodies, into the blocks, where they are zero; ending: walls (bits) whose contacts
     are all evaluated one by one, as `singly` of `damage.mechanics.step.find_forces`; all_end: whether these are all."""
     clear(blocks.sums, at.DAMPED, at.KINETIC)
-    others = True if all_end else forces_of_intact(tables, blocks, law, 255 - ending, damped)
+    others = True
+    if not all_end:
+        others = forces_of_damped(tables, blocks, law, 255 - ending) if damped else forces_of_undamped(
+            tables, blocks, law, 255 - ending)
     if others:
         forces_of_others(tables, columns, blocks, law, clock, step, ending, all_end, damped)
     if damped:
@@ -95,6 +98,18 @@ def all_forces(tables, columns, blocks, law, clock, step, ending, all_end, dampe
 
 
 @compiled
+def forces_of_undamped(tables, blocks, law, going):
+    """`forces_of_intact` without damping: apart, as what a branch would need leaves no room in registers."""
+    return forces_of_intact(tables, blocks, law, going, False)
+
+
+@compiled
+def forces_of_damped(tables, blocks, law, going):
+    """The same with damping."""
+    return forces_of_intact(tables, blocks, law, going, True)
+
+
+@inlined
 def forces_of_intact(tables, blocks, law, going, damped):
     """Forces of the intact interfaces in the walls that do not end (bits): one of them in eight walls is a block; and
     what the failed ones do where their contacts stay springs, for `forces_of_others`.  Returns whether there are
