@@ -110,7 +110,7 @@ def one_after_another(folder, asked):
 def in_lanes(folder, asked, in_memory=()):
     """As a process of `workflow/run_shard.py` runs a group; in_memory: names of those whose histories are not kept."""
     histories = {name: HistoryInMemory if name in in_memory else HistoryKept for name in asked}
-    for _ in together.run_references(asked, histories):
+    for _ in together.run_references(asked.items(), histories):
         pass
     for number, name in enumerate(asked):
         history = histories.pop(name).history()
@@ -157,11 +157,11 @@ PARTS = {
     "history: write": (HistoryWriter, ["append", "extend", "event", "snapshot", "static_stage", "flush"]),
     "history: seal": (HistoryWriter, ["finish"]),
     "history in memory": (HistoryInMemory, ["__init__", "static_stage", "store", "finish", "history"]),
-    "steps": (lanes.kernel, ["run_steps", "find_forces"]),
+    "steps": (lanes.together, ["run"]),
     "between stretches": (lanes.Lanes, ["run", "__init__"]),
     "instants, events": (ReferenceSolver, ["instants", "drain_events", "forces", "base_reaction"]),
     "samples": (Run, ["take_samples"]),
-    "stages": (session, ["take_turns"]), "stages and turns": (together, ["take_turns"]),
+    "stages": (session, ["take_turns"]), "stages and turns": (together, ["as_they_end"]),
     "summary": (session, ["report"]), "reading": (sys.modules[__name__], ["read_history"]),
     "tables": (sys.modules[__name__], ["write_run_tables", "summary_row", "record_of"]),
 }

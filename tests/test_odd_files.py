@@ -331,7 +331,7 @@ def test_compiled_code_finds_a_place_where_none_can_be_written(tmp_path):
     shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
     for path in (file, *(package / folder / "__pycache__" for folder in ("mechanics", "reference/fast"))):
         path.touch()
-    code = ("import numba, os, damage.reference.fast.step as k; print(k.__file__, numba.config.CACHE_DIR,"
+    code = ("import numba, os, damage.reference.fast.alone as k; print(k.__file__, numba.config.CACHE_DIR,"
             " os.path.isdir(numba.config.CACHE_DIR))")
     odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"), str(file))
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path,

@@ -55,8 +55,9 @@ def test_an_estimate_by_hand(study, known):
 
 
 def test_runs_step_together_where_there_are_enough_for_all_processes(study):
-    assert set(plan.ways_of(study.runs, 3).values()) == {"together"}  # 20 runs that are alike
-    assert set(plan.ways_of(study.runs, 4).values()) == {"alone"}
+    most = 20 // plan.LEAST_LANES  # of 20 runs that are alike
+    assert set(plan.ways_of(study.runs, most).values()) == {"together"}
+    assert set(plan.ways_of(study.runs, most + 1).values()) == {"alone"}
 
 
 def test_the_time_is_a_range_with_what_the_batch_itself_takes(study, tmp_path, capsys, known, monkeypatch):
@@ -94,7 +95,7 @@ def test_what_is_there_sets_the_scale(study, tmp_path, capsys, known):
     (folder / "runs" / f"{run.id}.members").write_text(run.first)
     began = plan.datetime.fromisoformat(history.attributes["created_utc"]).timestamp()
     os.utime(history.path, (began, began + 100))
-    plan.print_plan(study, folder, 4)  # too few runs for groups in all processes
+    plan.print_plan(study, folder, 20 // plan.LEAST_LANES + 1)  # too few runs for groups in all processes
     printed = capsys.readouterr().out
     assert "there, 1 runs" in printed and "points: 2, 1 there; runs to make: up to 10" in printed
     assert "and what those that are there took (1)" in printed

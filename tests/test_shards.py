@@ -212,19 +212,6 @@ class TestShards:
         (tmp_path / "runs" / "a_reference.members").write_text("a_reference_s2\n")
         assert set(summary_of(study, tmp_path)["measures_digest"]) == {measures_digest()}
 
-    def test_idle_processes_get_lanes_where_there_are_enough_runs_for_all(self, workflow):
-        from run_shard import take_group
-
-        def taken(companies, idle):
-            waiting = [SimpleNamespace(company=company, number=k) for k, company in enumerate(companies)]
-            group = take_group(waiting, idle)
-            assert len(group) + len(waiting) == len(companies)
-            return [task.number for task in group]
-
-        assert taken("a" * 20, 1) == list(range(8)) == taken("a" * 16, 2)
-        assert taken("a" * 12, 2) == list(range(6)) and taken("a" * 10, 2) == [0] and taken("a" * 5, 1) == [0]
-        assert taken("ab" * 8, 1) == list(range(0, 16, 2)) and taken("abcdefgh", 1) == [0]
-
 
 @pytest.fixture
 def study(tmp_path):
@@ -399,8 +386,7 @@ def test_an_interruption_says_what_it_loses(workflow, tmp_path):
     process.send_signal(signal.SIGTERM)
     _, printed = process.communicate(timeout=100)
     assert process.returncode == 130
-    assert ("@@ 6 runs step together and are saved when they have ended: an interruption loses those under way\n"
-            in printed)
+    assert "@@ up to 6 runs step together in a process: an interruption loses those under way\n" in printed
     assert "@@ interrupted: 6 runs were under way and are lost; 0 that had ended are kept\n" in printed
 
 
@@ -418,5 +404,8 @@ def test_an_interrupt_while_runs_that_have_ended_leave_their_records_loses_none(
 
     monkeypatch.setattr(run_shard, "conclude", conclude)
     with ProcessPoolExecutor(1, multiprocessing.get_context("fork"), run_shard._begin_worker) as workers:
-        done = workers.submit(run_shard.do_group, tasks).result(timeout=100)
+        for task in tasks:
+            run_shard._TASKS.put(task)
+        workers.submit(run_shard.do_runs, 8).result(timeout=100)
+    done = [run_shard._ENDED.get() for _ in tasks]
     assert [(status, record["run"]) for _, status, record in done] == [(0, task.name) for task in tasks]

@@ -22,7 +22,6 @@ from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import islice
 from pathlib import Path
 
 from shards import FIRST_TABLES
@@ -33,8 +32,8 @@ from damage.files import plain_file, write_text
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
-from damage.mechanics.compiled import COMPILING, is_cached
-from damage.reference.companies import LEAST_LANES
+from damage.mechanics.compiled import COMPILING
+from damage.reference.fast.compiled import is_cached
 from damage.reference.lanes import MOST_LANES
 from damage.reference.settled import SettledWalls
 from damage.reference.solver import ReferenceSolver
@@ -48,6 +47,10 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 
 _SETTLED = SettledWalls()  # of this process
+# Tasks on their way to the processes, and what their runs leave: (task, status, record).
+_TASKS, _ENDED = (multiprocessing.get_context("fork").SimpleQueue() for _ in range(2))
+_TAKING = multiprocessing.get_context("fork").Lock()
+STOCK, LOOK_S = 2 * MOST_LANES, 0.1  # tasks that are under way or next, a process; between two looks at what ended [s]
 
 
 def main():
@@ -90,7 +93,7 @@ class Task:
 
     @property
     def company(self):
-        """Properties that runs share which step together from beginning to end."""
+        """Properties that runs share which step together."""
         return company_of(self.point)
 
 
@@ -98,8 +101,8 @@ class Task:
 def company_of(point):
     """As Task.company, of all runs of a point."""
     settings = parse_run(point.command(1)[1:], prog="", solver="reference")
-    return (point.wall, replace(settings.model, strength_seed=0), settings.duration_s, settings.time_step_s,
-            settings.alpha_1_s, settings.beta_s)
+    return (point.wall, replace(settings.model, strength_seed=0), settings.time_step_s, settings.alpha_1_s,
+            settings.beta_s)
 
 
 class Point:
@@ -162,6 +165,7 @@ class Shard:
     def run(self):
         """Bring all points up to date; returns the exit status."""
         waiting = [task for point in self.points.values() for task in point.next_tasks()]
+        waiting.sort(key=lambda task: str(task.company))  # those that can step together, one after the other
         for point in self.points.values():
             point.mark(visible=False)
         if not waiting:
@@ -179,22 +183,26 @@ class Shard:
         return EXIT_INTERRUPTED if self.interrupted else self.status
 
     def _work(self, waiting, workers, rows):
-        """Hand out groups of runs until none is waiting or under way."""
-        under_way, announced = set(), False
-        while waiting or under_way:
-            while waiting and len(under_way) < self.jobs and not self.interrupted:
-                group = take_group(waiting, self.jobs - len(under_way))
-                if len(group) > 1 and not announced:
-                    announced = True
-                    announce(f"{len(group)} runs step together and are saved when they have ended: an interruption "
-                             "loses those under way")
-                under_way.add(workers.submit(do_group, group))
+        """Let processes take runs until none is waiting or under way."""
+        under_way, begun, is_announced = set(), 0, False
+        while True:
+            while waiting and begun < STOCK * self.jobs and not self.interrupted:
+                _TASKS.put(waiting.pop(0))
+                begun += 1
+            lanes = max(1, min(MOST_LANES, math.ceil(begun / self.jobs)))
+            while len(under_way) < self.jobs and not (_TASKS.empty() or self.interrupted):
+                under_way.add(workers.submit(do_runs, lanes))
             if not under_way:
                 return
-            done, under_way = wait(under_way, return_when=FIRST_COMPLETED)
+            if lanes > 1 and not is_announced:
+                is_announced = True
+                announce(f"up to {lanes} runs step together in a process: an interruption loses those under way")
+            done, under_way = wait(under_way, LOOK_S, FIRST_COMPLETED)
+            while not _ENDED.empty():  # before a process that was ended from outside is reported
+                begun -= 1
+                waiting += self._note(*_ENDED.get(), rows)
             for future in done:
-                for task, status, record in future.result():
-                    waiting += self._note(task, status, record, rows)
+                future.result()
 
     def _note(self, task, status, record, rows):
         """Take note of how a run ended; returns the tasks that follow."""
@@ -216,15 +224,6 @@ class Shard:
         self.interrupted = True
         for worker in multiprocessing.active_children():
             os.kill(worker.pid, signal.SIGTERM)
-
-
-def take_group(waiting, idle):
-    """Take the next tasks for one of so many idle processes off a list: up to eight that step together, where there
-    are enough for all of these processes, else one."""
-    alike = [*islice((k for k, task in enumerate(waiting) if task.company == waiting[0].company), MOST_LANES)]
-    share = min(len(alike), math.ceil(len(waiting) / idle))
-    chosen = alike[:share if share >= LEAST_LANES else 1]
-    return [waiting.pop(k) for k in reversed(chosen)][::-1]
 
 
 def load_compiled(task):
@@ -253,18 +252,31 @@ def leave_without_parent(*_):
         os._exit(EXIT_INTERRUPTED)
 
 
-def do_group(tasks):
-    """Simulate runs that are not there, together; returns (task, exit status, record or None) of each."""
-    lines = {task.name: [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
-             for task in tasks if not task.history.is_file()}
-    statuses = dict.fromkeys((task.name for task in tasks), EXIT_OK)
-    print("---", *lines, flush=True)
-    histories = {task.name: HistoryKept if task.kept else HistoryInMemory for task in tasks if task.name in lines}
-    for ended in run_references(lines, histories, _SETTLED):
-        statuses |= ended
-    leave_without_parent()  # whose death interrupted them
-    return [(task, *(conclude(task, histories.pop(task.name, None)) if statuses[task.name] == EXIT_OK
-                     else (statuses[task.name], None))) for task in tasks]
+def do_runs(lanes):
+    """Simulate runs that are not there, so many at a time; puts (task, exit status, record or None) of each into _ENDED
+    when it ends, and takes the next from _TASKS while there are any."""
+    tasks, histories = {}, {}
+    for name, status in run_references(_lines(tasks, histories), histories, _SETTLED, lanes):
+        leave_without_parent()  # whose death interrupted them
+        task, history = tasks.pop(name), histories.pop(name)
+        _ENDED.put((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
+
+
+def _lines(tasks, histories):
+    """(name, words) of the next runs, and what `do_runs` needs to know of them."""
+    while (task := _next_task()) is not None:
+        if task.history.is_file():
+            _ENDED.put((task, *conclude(task)))
+            continue
+        tasks[task.name], histories[task.name] = task, HistoryKept if task.kept else HistoryInMemory
+        print("---", task.name, flush=True)
+        yield task.name, [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
+
+
+def _next_task():
+    """The next of _TASKS, None where there is none now."""
+    with _TAKING:
+        return None if _TASKS.empty() else _TASKS.get()
 
 
 def conclude(task, kept=None):

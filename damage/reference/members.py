@@ -8,7 +8,7 @@ from pathlib import Path
 
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.measure.members import members_path, write_members
-from damage.reference.companies import Companies
+from damage.reference.ensembles import Ensemble
 from damage.reference.lanes import MOST_LANES
 from damage.run.options import free_name
 from damage.run.report import report
@@ -35,7 +35,7 @@ def run_members(backend, wall_file, make_wall, settings):
         with attended(f"{group[0].layout.wall.name}, {len(members)} members", quiet=settings.quiet) as keep_going:
             statuses += take_turns([with_errors_reported(f"member of seed {one.settings.seed}: ",
                                                          simulate(one, keep_going))
-                                    for one in group], Companies().move)
+                                    for one in group], Ensemble().move)
         ended |= {one.writer.path: one.writer.history() for one, status in zip(group, statuses[first:])
                   if status == EXIT_OK}
         if EXIT_INTERRUPTED in statuses:

@@ -87,11 +87,12 @@ class ContactState(NamedTuple):
 
 class ElasticRange(NamedTuple):
     """What is left of a contact's elastic range: tensile_strength, cohesion [Pa]; tension_stiffness [Pa/m] while it is
-    open."""
+    open; friction: its coefficient [-]."""
 
     tensile_strength: float
     cohesion: float
     tension_stiffness: float
+    friction: float
 
 
 @register_jitable
@@ -146,12 +147,12 @@ def tension_stiffness(tensile_strength, gap, normal_stiffness):
 
 @register_jitable
 def range_left(state, parameters):
-    """The ElasticRange that a ContactState leaves."""
+    """The ElasticRange that a ContactState leaves; parameters may be arrays of contacts that share the state."""
     strength, cohesion = strength_left(state.broken, parameters, state.kappa)
     stiffness = parameters.normal_stiffness
     if state.kappa > 0.0 and not state.broken:
         stiffness = tension_stiffness(strength, state.gap, stiffness)
-    return ElasticRange(strength, cohesion, stiffness)
+    return ElasticRange(strength, cohesion, stiffness, friction_left(state.broken, parameters.material))
 
 
 @register_jitable
@@ -296,7 +297,8 @@ def on_the_envelope(share, opening, trial, gap, parameters):
 @register_jitable
 def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffness):
     """Elastic energy of a contact per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s."""
-    return 0.5 * normal_stress**2 / normal_stiffness + 0.5 * shear_stress**2 / shear_stiffness
+    return (0.5 * normal_stress * normal_stress / normal_stiffness
+            + 0.5 * shear_stress * shear_stress / shear_stiffness)
 
 
 @register_jitable
