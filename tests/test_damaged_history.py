@@ -91,8 +91,8 @@ def put(name, value):
 def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
     head, history = read_head(finished), damage.read_history(finished)
     assert head.sealed and head.model == f"reference {history.versions['model']}"
-    head = finished.read_bytes()[:HEAD_BYTES].decode()
-    assert head.startswith(f"masonry-damage-history 5\nsoftware {damage.__version__}\nmodel reference ")
+    text = finished.read_bytes()[:HEAD_BYTES].decode()
+    assert text.startswith(f"masonry-damage-history 5\nsoftware {damage.__version__}\nmodel reference ")
     count = f"tail -c +{HEAD_BYTES + 1} {finished} | sha256sum"  # anyone can
     assert subprocess.run(count, shell=True, capture_output=True, text=True).stdout.split()[0] == head.sha256
 
