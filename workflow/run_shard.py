@@ -25,7 +25,7 @@ from functools import cache
 from pathlib import Path
 
 from shards import FIRST_TABLES
-from shared import end_with_parent, tell
+from shared import announce, end_with_parent
 
 from damage.errors import InputError
 from damage.files import plain_file, write_text
@@ -93,7 +93,7 @@ class Task:
 
     @property
     def company(self):
-        """What runs have in common that step together."""
+        """Properties that runs share which step together from beginning to end."""
         return company_of(self.point)
 
 
@@ -129,7 +129,7 @@ class Point:
         return len(self._records)
 
     def next_tasks(self):
-        """What is to be done now, by what is known, and was not asked for yet."""
+        """The tasks that the results so far ask for and that were not handed out yet."""
         numbers = set(range(1, runs_needed(self.run, self._records) + 1)) - self._records.keys() - self._asked
         self._asked |= numbers
         return [self._task(number) for number in sorted(numbers)]
@@ -139,27 +139,27 @@ class Point:
         self._records[number] = record
         self.mark()
 
-    def mark(self, told=True):
-        """Name the runs of a point that is done, and tell it."""
+    def mark(self, visible=True):
+        """Name the runs of a point that is done, and announce it."""
         count = runs_needed(self.run, self._records)
         if all(number in self._records for number in range(1, count + 1)):
             if self.run.is_ensemble:
                 write_text(self.folder / "runs" / f"{self.run.id}.members",
                            "".join(f"{self.run.name(number)}\n" for number in range(1, count + 1)))
-            if told:
-                tell(f"{self.run.id}: done")
+            if visible:
+                announce(f"{self.run.id}: done")
 
 
 class Shard:
     """The points of a shard on their way, `jobs` groups of runs at a time."""
 
     def __init__(self, path, jobs):
-        told = json.loads(path.read_text(encoding="utf-8"))
+        job = json.loads(path.read_text(encoding="utf-8"))
         folder, self.rows, self.jobs = path.parents[1], path.with_suffix(".rows"), jobs
         records = read_records(self.rows)
         runs = [StudyRun(**{name: tuple(value) if isinstance(value, list) else value for name, value in one.items()})
-                for one in told["points"]]
-        self.points = {run.id: Point(run, folder, told["keep"] == "all", records) for run in runs}
+                for one in job["points"]]
+        self.points = {run.id: Point(run, folder, job["keep"] == "all", records) for run in runs}
         self.status, self.interrupted, self.lost = EXIT_OK, False, 0
 
     def run(self):
@@ -167,7 +167,7 @@ class Shard:
         waiting = [task for point in self.points.values() for task in point.next_tasks()]
         waiting.sort(key=lambda task: str(task.company))  # those that can step together, one after the other
         for point in self.points.values():
-            point.mark(told=False)
+            point.mark(visible=False)
         if not waiting:
             return EXIT_OK
         for name in (signal.SIGINT, signal.SIGTERM):
@@ -179,12 +179,12 @@ class Shard:
             self._work(waiting, workers, rows)
         if self.interrupted:
             ended = sum(point.done for point in self.points.values())
-            tell(f"interrupted: {self.lost} runs were under way and are lost; {ended} that had ended are kept")
+            announce(f"interrupted: {self.lost} runs were under way and are lost; {ended} that had ended are kept")
         return EXIT_INTERRUPTED if self.interrupted else self.status
 
     def _work(self, waiting, workers, rows):
         """Let processes take runs until none is waiting or under way."""
-        under_way, begun, told = set(), 0, False
+        under_way, begun, announced = set(), 0, False
         while True:
             while waiting and begun < STOCK * self.jobs and not self.interrupted:
                 _TASKS.put(waiting.pop(0))
@@ -194,11 +194,11 @@ class Shard:
                 under_way.add(workers.submit(do_runs, lanes))
             if not under_way:
                 return
-            if lanes > 1 and not told:
-                told = True
-                tell(f"up to {lanes} runs step together in a process: an interruption loses those under way")
+            if lanes > 1 and not announced:
+                announced = True
+                announce(f"up to {lanes} runs step together in a process: an interruption loses those under way")
             done, under_way = wait(under_way, LOOK_S, FIRST_COMPLETED)
-            while not _ENDED.empty():  # before a process that was ended from outside is told of
+            while not _ENDED.empty():  # before the error of a process that was ended from outside
                 begun -= 1
                 waiting += self._note(*_ENDED.get(), rows)
             for future in done:
@@ -210,7 +210,7 @@ class Shard:
             self.interrupted |= status == EXIT_INTERRUPTED
             self.lost += status == EXIT_INTERRUPTED
             self.status = status
-            tell(f"{task.name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
+            announce(f"{task.name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
             return []
         add_record(rows, record)
         if not task.kept:
@@ -229,7 +229,7 @@ class Shard:
 def load_compiled(task):
     """Compile the reference solver, or load it, before there are processes: once for all of them."""
     if not is_cached():
-        tell(COMPILING)
+        announce(COMPILING)
     wall = ReferenceSolver(lay_out(load_wall(task.point.wall)), 1e-6)
     wall.run(1)
     wall.instants()

@@ -14,7 +14,7 @@ from damage.reference.lanes import MOST_LANES
 from damage.reference.session import BACKEND, PROG
 from damage.reference.settled import SettledWalls
 from damage.run.options import parse_run
-from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, telling, told
+from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, reported, simulate, with_errors_reported
 from damage.run.turns import as_they_end
 from damage.wall.file import load_wall
 
@@ -50,13 +50,13 @@ def _run(name, line, histories, settled, keep_going):
     """One run from its command line on: a generator as of `simulate`."""
     wall, *words = line
     prepared = []
-    status = told(partial(_prepare, wall, words, histories.get(name, HistoryWriter), prepared), f"{name}: ")
+    status = reported(partial(_prepare, wall, words, histories.get(name, HistoryWriter), prepared), f"{name}: ")
     if status != EXIT_OK:
         return status
     (one,) = prepared
     if name in histories:
         histories[name] = one.writer
-    return (yield from telling(f"{name}: ", simulate(one, keep_going, settled.of(one))))
+    return (yield from with_errors_reported(f"{name}: ", simulate(one, keep_going, settled.of(one))))
 
 
 def _prepare(wall, words, write, prepared):

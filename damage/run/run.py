@@ -1,4 +1,4 @@
-"""One wall under one loading, whichever solver moves it: static stage, shocks or a push, samples into a history."""
+"""One wall under one loading, with any solver: static stage, events or a push, samples into a history."""
 
 import math
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
-from damage.measure.doubts import AT_REST
 from damage.measure.energy import Balance, noise_j
+from damage.measure.warnings import AT_REST
 from damage.run import schedule
 from damage.run.settings import ADAPTIVE_DAMPING, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import LOOK_STEPS, NO_MOTION
@@ -245,7 +245,7 @@ class Run:
         return None, count
 
     def _energies(self, now, motion):
-        """Energies since time zero (n,) [J].  Damping that the solver cannot tell is what is missing in the balance
+        """Energies since time zero (n,) [J].  Damping that the solver does not compute is the remainder of the balance
         while the wall settles or is pushed; in any other stage there is none."""
         zero, mass = self._zero, self.layout.bodies.mass
         energies = {

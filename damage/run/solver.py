@@ -1,4 +1,4 @@
-"""What a run asks of a solver: a few verbs, and instants."""
+"""Interface of a solver: the methods that a run calls, and the instants that it returns."""
 
 from typing import NamedTuple, Protocol
 
@@ -23,7 +23,7 @@ class Instants(NamedTuple):
     (n, n_active)} of these, zero in all others; a solver leaves out a column that it does not know;
     top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
     that came in or were dissipated since `start`;
-    damping_j: None where the solver cannot tell it: then the run infers it from the balance.
+    damping_j: None where the solver does not compute it: the run then infers it from the balance.
     """
 
     clock: np.ndarray

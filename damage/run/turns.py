@@ -1,4 +1,4 @@
-"""Runs go on in turns: each up to the steps that its solver is to take; then the solvers take them."""
+"""Runs that step together: each yields the steps that its solver has to take; then the solvers take them."""
 
 import itertools
 import math
