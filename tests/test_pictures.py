@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import combinations
 
 import matplotlib
@@ -27,8 +28,10 @@ from damage.draw.run import (
     wall_picture,
 )
 from damage.draw.wall import line_width, round_125, wall_shape
+from damage.draw.words import motion_words, run_title
 from damage.errors import InputError
 from damage.history.moments import STATES
+from damage.motion.loading import RecordedMotion
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 from damage.wall.layout import lay_out
@@ -123,6 +126,17 @@ class TestJoints:
         assert np.all(np.diff(drawn) > 0)
         assert line_width(0.02) == line_width(0.005)
 
+    def test_a_stroke_hides_no_more_than_half_of_a_brick(self, tmp_path):
+        layout = lay_out(Wall("large", 4.05, 2.7))
+        run = make_history(tmp_path / "large.h5", layout, stages=("motion",) * 2,
+                           opening={joint: np.array([0, 0.02]) for joint in range(layout.n_joints)})
+        figure = wall_picture(run, "end", magnify=0)
+        (_, low), (_, high) = figure.axes[0].transData.transform([(0, 0), (0, LAYOUT.bodies.height[0])])
+        course_pt = (high - low) / figure.dpi * 72
+        widest = collection(figure, "opened").get_linewidths()
+        assert 0.4 * course_pt < max(widest) <= 0.5 * course_pt
+        assert figure.legends[0].get_lines()[-1].get_linewidth() == pytest.approx(max(widest))  # 5 mm and more
+
     def test_legend_bounds_the_widest_crack_and_shows_true_widths(self, cracked):
         figure = wall_picture(cracked, 9)  # 0.494 mm at most
         legend = figure.legends[0]
@@ -211,6 +225,15 @@ class TestShape:
         assert_allclose(shape.corners, body_corners(run.bodies, REST))
         assert "undeformed" in title(figure)
 
+    def test_supports_are_in_the_legend_where_there_are_several(self, cracked, tmp_path):
+        assert "supports" not in labels(wall_picture(cracked))
+        layout = lay_out(Wall("small", 0.9, 0.45), ModelOptions(supports="bricks"))
+        figure = wall_picture(make_history(tmp_path / "bricks.h5", layout))
+        drawn = collection(figure, "supports")
+        assert len(drawn.get_paths()) == len(layout.supports.x) == 4
+        shown = figure.legends[0].legend_handles[labels(figure).index("supports")]
+        assert_allclose(shown.get_facecolor(), drawn.get_facecolor()[0])
+
     def test_true_scale_and_caps_apart(self, cracked):
         figure = wall_picture(cracked)
         figure.draw_without_rendering()
@@ -253,7 +276,7 @@ class TestIndexPicture:
         largest, residual = line(below, "maximum"), line(below, "residual")
         assert_allclose([*largest.get_xdata(), *largest.get_ydata()], [0.10, damage[10]])
         assert_allclose([*residual.get_xdata(), *residual.get_ydata()], [0.20, damage[20]], atol=ROUND_OFF)
-        assert float(re.search(r"maximum (\S+) at", largest.get_label())[1]) == round(damage[10], 4)
+        assert float(re.search(r"maximum (\S+) at", largest.get_label())[1]) == round(damage[10], 3)
 
     def test_an_interrupted_run_has_no_residual(self, history):
         figure = index_picture(history(**CASES["no settling"]))
@@ -274,9 +297,40 @@ class TestIndexPicture:
         assert_allclose(line(shaken.axes[0], "base, vertical").get_ydata(), 0.1)
         assert "base, vertical" in labels(shaken)
 
+    def test_the_base_shear_of_a_wall_whose_base_stands_still_is_drawn(self, history):
+        run = history(loading="cyclic", drift=1e-3 * PULSE, row={"base_acceleration_x_m_s2": 0.0})
+        above = index_picture(run).axes[0]
+        assert above.get_ylabel() == "base shear [kN]"
+        assert_allclose(above.get_lines()[0].get_ydata(), LAYOUT.drift_height * PULSE)
+
     def test_nothing_happened_is_drawn_from_zero(self, history):
         below = index_picture(history()).axes[1]
         assert below.get_ylim()[0] == 0 < below.get_ylim()[1]
+
+
+class TestTitles:
+    @pytest.mark.parametrize(("loading", "words"), [
+        ("harmonic", "Small wall, harmonic motion of 0.2 s and 0.05 g, three cycles"),
+        ("cyclic", "Small wall, top moved to and fro by a drift of 0.2 %, three cycles, free to rotate"),
+        ("free_vibration", "Small wall, free vibration in its first mode from 1 mm/s at the top"),
+        ("record", "Small wall, record NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz")])
+    def test_wall_and_motion_are_named_in_words_and_the_file_below(self, history, loading, words):
+        run = history(loading=loading)
+        assert run_title(run) == words
+        lines = title(drift_picture(run)).split("\n")
+        first = "".join(lines[:lines.index("reference solver, small.h5")]).replace(" ", "")
+        assert first == words.replace(" ", "")  # without the ends of lines
+
+    def test_a_record_is_named_by_its_station_and_preparation(self):
+        motion = RecordedMotion("code", {"record": "BGAR_HGE"}, {"record": "BGAR_HGZ"}, scale=2.0,
+                                window_s=(17.0, 27.0), baseline_order=1, band_hz=(0.1, 40.0))
+        assert motion_words(motion) == (
+            "record Zeerijp, BGAR east, with its vertical component, times 2, 17 to 27 s of the file, baseline of "
+            "order 1 removed, band-pass 0.1 to 40 Hz")
+
+    def test_shocks_are_counted(self, cracked):
+        run = replace(cracked, parameters=cracked.parameters | {"sequence": [1.0, 0.5]})
+        assert run_title(run).endswith("three cycles, two shocks × 1, 0.5")
 
 
 class TestOtherPictures:
@@ -312,14 +366,24 @@ class TestOtherPictures:
         lost_j = np.linspace(0, 0.02, 21)
         row = {"input_energy_j": np.linspace(0, 4.0, 21), "elastic_energy_j": np.linspace(0, 4.0, 21) - lost_j}
         above, below = energy_picture(history(row=row)).axes
-        assert_allclose(line(above, "elastic").get_ydata(), row["elastic_energy_j"])
+        assert_allclose(line(above, "stored").get_ydata(), row["elastic_energy_j"])
         # Settling starts at sample 16: the largest input before is 3 J.
         assert_allclose(below.get_lines()[-1].get_ydata(), -100 * lost_j / 3, atol=1e-12)
         assert below.get_ylabel() == "imbalance [%]"
 
+    def test_energies_are_supplied_stored_dissipated_and_damped(self, history):
+        parts = {f"{name}_energy_j": factor * np.arange(21.0) for factor, name in enumerate(
+            ("kinetic", "elastic", "gravity", "friction", "fracture", "damping"), start=1)}
+        figure = energy_picture(history(row=parts | {"input_energy_j": 21 * np.arange(21.0)}))
+        drawn = {one.get_label(): one.get_ydata() for one in figure.axes[0].get_lines()}
+        assert list(drawn) == ["supplied", "stored", "dissipated in joints", "damped"]
+        for label, factor in zip(drawn, (21, 1 + 2 + 3, 4 + 5, 6)):
+            assert_allclose(drawn[label], factor * np.arange(21.0))
+        assert_allclose(figure.axes[1].get_lines()[-1].get_ydata(), 0, atol=ROUND_OFF)
+
     def test_energies_that_a_solver_does_not_record_are_left_out(self, history):
         figure = energy_picture(history(drift=1e-3 * PULSE, row={"damping_energy_j": np.nan}))
-        assert "damping" not in labels(figure)
+        assert not any(label.startswith("damp") for label in labels(figure))
         assert np.all(np.isfinite(figure.axes[1].get_lines()[-1].get_ydata()))
 
     @pytest.mark.parametrize("draw", [index_picture, drift_picture, energy_picture])

@@ -93,7 +93,7 @@ class Task:
 
     @property
     def company(self):
-        """Properties that runs share which step together."""
+        """Properties that runs share which step together from beginning to end."""
         return company_of(self.point)
 
 
@@ -184,7 +184,7 @@ class Shard:
 
     def _work(self, waiting, workers, rows):
         """Let processes take runs until none is waiting or under way."""
-        under_way, begun, is_announced = set(), 0, False
+        under_way, begun, announced = set(), 0, False
         while True:
             while waiting and begun < STOCK * self.jobs and not self.interrupted:
                 _TASKS.put(waiting.pop(0))
@@ -194,11 +194,11 @@ class Shard:
                 under_way.add(workers.submit(do_runs, lanes))
             if not under_way:
                 return
-            if lanes > 1 and not is_announced:
-                is_announced = True
+            if lanes > 1 and not announced:
+                announced = True
                 announce(f"up to {lanes} runs step together in a process: an interruption loses those under way")
             done, under_way = wait(under_way, LOOK_S, FIRST_COMPLETED)
-            while not _ENDED.empty():  # before a process that was ended from outside is reported
+            while not _ENDED.empty():  # before the error of a process that was ended from outside
                 begun -= 1
                 waiting += self._note(*_ENDED.get(), rows)
             for future in done:

@@ -6,6 +6,7 @@ them: then those around the maximum of the index are shown, or those of a window
 
 import shutil
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from damage.draw import style
 from damage.draw.run import THIN, draw_wall, joint_handles
-from damage.draw.wall import DRAWN, check_magnify, line_width, magnification, shape_at, wall_shape
+from damage.draw.wall import DRAWN, check_magnify, magnification, shape_at, wall_shape
 from damage.errors import InputError
 from damage.files import whole_or_nothing
 from damage.wall.geometry import body_corners
@@ -99,6 +100,7 @@ def _stage(history, snapshots, samples, magnify):
     figure, (wall, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
     draw_wall(wall, gravest)
     ratio = _widen(wall, history, snapshots, magnify)
+    gravest = gravest.on_page(span_m=(np.ptp(wall.get_xlim()), np.ptp(wall.get_ylim())))
     labels = 0.45  # [inch] that ticks and labels take beside and below
     figure.set_size_inches(style.COLUMN_WIDTH, min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels)
     clock = wall.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
@@ -113,8 +115,8 @@ def _stage(history, snapshots, samples, magnify):
     drawn = {one.get_label(): one for one in wall.collections}
 
     def show(shape):
-        _update(drawn, shape)
-        clock.set_text(f"{shape.time_s:.3f} s, DI {shape.index:.4f}")
+        _update(drawn, replace(shape, widest_pt=gravest.widest_pt))
+        clock.set_text(f"{shape.time_s:.3f} s, DI {shape.index:.3f}")
         mark.set_xdata([shape.time_s, shape.time_s])
 
     return figure, show
@@ -129,7 +131,7 @@ def _update(drawn, shape):
     for state in DRAWN:
         chosen = shape.select(state)
         drawn[state].set_segments(shape.segments[chosen])
-        drawn[state].set_linewidths([THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen]))
+        drawn[state].set_linewidths([THIN[state]] if state in THIN else shape.line_width(chosen))
 
 
 def _widen(ax, history, snapshots, magnify):

@@ -7,6 +7,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from damage.draw import style
+from damage.draw.run import DASHES, JOINT_COLOURS, THIN
+from damage.draw.words import run_title
 from damage.measure.compare import compare_drift, compare_joints, joints_ever
 from damage.wall.geometry import tributary_ends
 
@@ -26,15 +28,21 @@ def compare_picture(first, second):
                                         height_ratios=(1.3, style.COLUMN_WIDTH * ratio))
     lines = _draw_drift(above, first, second)
     agreement = joint_agreement(first, second)
+    elastic = first.joints["elastic"].to_numpy(bool) & (agreement == "intact")
     segments = tributary_ends(first.joints)
     for state, (_, colour, width) in JOINTS.items():
-        below.add_collection(LineCollection(segments[agreement == state], colors=colour, linewidths=width))
+        below.add_collection(LineCollection(segments[(agreement == state) & ~elastic], colors=colour, linewidths=width))
     below.autoscale_view()
     below.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
+    below.add_collection(LineCollection(segments[elastic], colors=JOINT_COLOURS["elastic"], label="elastic",
+                                        linewidths=THIN["elastic"], linestyles=DASHES["elastic"]))
     figure.suptitle(_title(first, second), x=0.02, ha="left")
-    counts = {state: int(np.sum(agreement == state)) for state in JOINTS}
+    counts = {state: int(np.sum((agreement == state) & ~elastic)) for state in JOINTS}
     handles = [Line2D([], [], color=colour, lw=max(width, 0.8), label=f"{label}: {counts[state]} points")
                for state, (label, colour, width) in JOINTS.items()]
+    if elastic.any():
+        handles.append(Line2D([], [], color=JOINT_COLOURS["elastic"], lw=0.8, ls=DASHES["elastic"],
+                              label=f"elastic, cannot fail: {elastic.sum()} points"))
     style.legend_below(figure, lines + handles, columns=2)
     return figure
 
@@ -86,4 +94,4 @@ def _title(first, second):
     joints = compare_joints(first, second)
     kappa = "nothing broke" if joints["kappa"] is None else \
         f"{joints['broke_in_both']} of {joints['broke_in_either']} joints broke in both, kappa {joints['kappa']:.2f}"
-    return f"{first.wall}, {first.loading.name}\n{kappa}"
+    return f"{fill(run_title(first), style.TITLE_CHARACTERS)}\n{kappa}"

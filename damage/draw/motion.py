@@ -7,6 +7,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from damage.draw.panels import from_zero, letter
 from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, LIGHT, TITLE_CHARACTERS, new_figure, styled
+from damage.draw.words import preparation
 from damage.motion.intensity import SPECTRUM_PERIODS_S, response_spectrum
 from damage.units import GRAVITY
 
@@ -50,10 +51,6 @@ def _over_time(ax, time_s, values, label):
 
 def _preparation(measures):
     """What prepared the motion, in words."""
-    window, band = measures["window_s"], measures["band_hz"]
-    order = measures["baseline_order"]
-    parts = ["" if measures["scale"] == 1 else f"times {measures['scale']:g}",
-             "" if window is None else "{:g} to {:g} s of the file".format(*window),
-             "" if order is None else f"baseline of order {order} removed",
-             "not filtered" if band is None else "band-pass {:g} to {:g} Hz".format(*band)]
-    return ", ".join(filter(None, parts))
+    band = measures["band_hz"]
+    parts = preparation(measures["scale"], measures["window_s"], measures["baseline_order"], band)
+    return ", ".join(parts if band else [*parts, "not filtered"])

@@ -1,6 +1,5 @@
 """What the figures of studies share: grids of panels, points with their range, names of records."""
 
-import re
 from textwrap import fill
 
 import numpy as np
@@ -8,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, GREEN, MEDIUM, ORANGE, VERMILLION, legend_below
+from damage.draw.words import EVENTS, record_label, station_of
 from damage.measure.columns import slip_criteria
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
@@ -190,29 +190,9 @@ def component_handles(slip_marker=True):
             for label, colour, marker in COMPONENTS.values()]
 
 
-EVENTS = {"MID1": ("Huizinge", "+"), "BGAR": ("Zeerijp", "x"), "BWSE": ("Zeerijp", "1"), "BZN1": ("Zeerijp", "2"),
-          "BLOP": ("Zeerijp", "3")}
-"""Earthquake and marker of the stations whose records ship, or have a named place."""
 OTHER_MARKERS = "4|_*"
 SINGLE_MARKERS = "osD^v"
 """Hollow markers of the records, in their order, for single runs where all lines share a colour."""
-_DIRECTIONS = {"N": "north", "E": "east", "Z": "vertical"}
-
-
-def record_label(name):
-    """Earthquake, station and component of a record; a synthetic one is called so.
-
-    >>> record_label("BGAR_HGE")
-    'Zeerijp, BGAR east'
-    >>> record_label("MID1_N_synthetic")
-    'Huizinge, MID1 north, synthetic'
-    """
-    station = station_of(name)
-    component = re.search(r"(?<![A-Za-z0-9])(?:HG)?([NEZ])(?![A-Za-z0-9])", name.replace("_", " "))
-    if station is None or component is None:
-        return name
-    synthetic = ", synthetic" if "synthetic" in name else ""
-    return f"{EVENTS[station][0]}, {station} {_DIRECTIONS[component.group(1)]}{synthetic}"
 
 
 def motion_label(point):
@@ -220,11 +200,6 @@ def motion_label(point):
     if isinstance(point.get("record"), str):
         return f"{record_label(point['record'])} × {point['scale']:g}"
     return f"{point['motion_period_s']:g} s, {point['amplitude_g']:g} g"
-
-
-def station_of(name):
-    """The known station that a record's name holds, or None."""
-    return next((station for station in EVENTS if station in name), None)
 
 
 def in_order(names):

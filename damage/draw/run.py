@@ -18,7 +18,7 @@ from damage.errors import InputError
 from damage.history.info import origin
 from damage.history.moments import choose_sample, moving
 from damage.index import THRESHOLD
-from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_scale, imbalance
+from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_groups, energy_scale, imbalance
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners
@@ -39,11 +39,10 @@ DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) fo
 """Drift ratios [%] from tests of Dutch masonry, label, line; `damage.measure.limits` has their sources."""
 LIMITS_UP_TO_PCT = 0.6  # in a wider picture they would merge into one, far below the drift
 
-ENERGIES = {  # column: label, colour, line
-    "input_energy_j": ("input", style.BLACK, "-"), "kinetic_energy_j": ("kinetic", style.SKY, "-"),
-    "elastic_energy_j": ("elastic", style.BLUE, "--"), "gravity_energy_j": ("gravity", style.GREEN, "-."),
-    "friction_energy_j": ("friction", style.VERMILLION, "-"), "fracture_energy_j": ("fracture", style.PURPLE, "--"),
-    "damping_energy_j": ("damping", style.ORANGE, ":"),
+ENERGIES = {  # of `energy_groups`: label, colour, line
+    "input_energy_j": ("supplied", style.BLACK, "-"), "stored_energy_j": ("stored", style.BLUE, "-"),
+    "dissipated_energy_j": ("dissipated in joints", style.VERMILLION, "--"),
+    "damping_energy_j": ("damped", style.ORANGE, ":"),
 }
 
 
@@ -113,7 +112,7 @@ def draw_wall(ax, shape):
                                          linewidths=0.2, label=name, zorder=1))
     for layer, state in enumerate(DRAWN, start=2):
         chosen = shape.select(state)
-        widths = [THIN[state]] if state in THIN else line_width(shape.crack_width_m[chosen])
+        widths = [THIN[state]] if state in THIN else shape.line_width(chosen)
         ax.add_collection(LineCollection(shape.segments[chosen], colors=JOINT_COLOURS[state], label=state,
                                          linewidths=widths, linestyles=DASHES.get(state, "-"), capstyle="butt",
                                          zorder=layer))
@@ -141,7 +140,7 @@ def _show_all(ax, *corners, ground=True):
 def _moment(shape, sample):
     """Lines of the title that say what is drawn."""
     which = {"max": "maximum DI", "end": "end, DI"}.get(sample, "DI")
-    yield f"{which} {shape.index:.4f} at {shape.time_s:.3f} s"
+    yield f"{which} {shape.index:.3f} at {shape.time_s:.3f} s"
     if shape.snapshot_time_s is None:
         yield "drawn undeformed: no snapshot near"
     else:
@@ -149,16 +148,19 @@ def _moment(shape, sample):
 
 
 def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
-    """Legend in three columns: cracks, the rest, widths of lines."""
+    """Legend in three columns: states of joints, areas that are there, widths of lines."""
     labels = {"opened": "opened", "slipped": "slipped" + SLIP_NOTES[slip],
               "both": "opened and slipped", "broken": f"broken, ≤ {threshold / MILLIMETRE:g} mm", "intact": "intact"}
     labels |= {"elastic": "elastic, cannot fail"} if shape.elastic.any() else {}
-    width = line_width(0.5 * MILLIMETRE)
+    width = line_width(0.5 * MILLIMETRE, shape.widest_pt)
+    areas = {"top mass": (shape.is_cap.any(), style.CAP_COLOUR, "none"),
+             "supports": (shape.ground_moves, style.GROUND_COLOUR, style.DARK)}
     return [
         *(Line2D([], [], color=JOINT_COLOURS[state], lw=THIN.get(state, width), ls=DASHES.get(state, "-"), label=label)
           for state, label in labels.items()),
-        Patch(facecolor=style.CAP_COLOUR, label="top mass"),
-        *(Line2D([], [], color=style.DARK, lw=line_width(mm * MILLIMETRE), label=label)
+        *(Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)
+          for label, (is_there, face, edge) in areas.items() if is_there),
+        *(Line2D([], [], color=style.DARK, lw=line_width(mm * MILLIMETRE, shape.widest_pt), label=label)
           for mm, label in legend_widths_mm(shape)),
     ]
 
@@ -167,22 +169,22 @@ def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
 
 @style.styled
 def index_picture(history):
-    """Base acceleration, and below it the damage index and its components over time.
+    """Base acceleration, or base shear where no base moves, and below it the damage index and its components over time.
 
     Thin dashed lines show the index with another slip criterion, the shear limit.
     """
     sample, largest = choose_sample(history, "max")
     time_s = history.series["time_s"].to_numpy()
     figure, (above, below) = style.new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
-    base = _draw_base_motion(above, history, time_s)
+    base = _draw_drive(above, history, time_s)
     lines = _draw_index(below, history.index(), history.index(slip="shear-limit"),
                         SLIP_NOTES[history.judged_by("displacement")])
     lines += below.plot(time_s[sample], largest, "o", color=style.BLACK, ms=3.5, clip_on=False, zorder=5,
-                        label=f"maximum {largest:.4f} at {time_s[sample]:.3f} s")
+                        label=f"maximum {largest:.3f} at {time_s[sample]:.3f} s")
     if history.complete:
         residual = history.index()["DI"].iloc[-1]
         lines += below.plot(time_s[-1], residual, "s", mfc="white", mec=style.BLACK, ms=3.5, clip_on=False,
-                            zorder=5, label=f"residual {residual:.4f}")
+                            zorder=5, label=f"residual {residual:.3f}")
     style.add_title(figure, history)
     figure.align_ylabels()
     marks = style.mark_times(history, (above, below))
@@ -190,9 +192,13 @@ def index_picture(history):
     return figure
 
 
-def _draw_base_motion(ax, history, time_s):
-    """Base acceleration [g]; returns handles where there is a vertical one to be told apart."""
+def _draw_drive(ax, history, time_s):
+    """Base acceleration [g] or, where no base moves, base shear [kN]; returns handles where there are two lines."""
     horizontal, vertical = (history.series[f"base_acceleration_{axis}_m_s2"].to_numpy() / GRAVITY for axis in "xz")
+    if not np.any(np.nan_to_num([horizontal, vertical])):
+        ax.plot(time_s, history.series["base_shear_n"] / 1e3, color=style.BLACK, lw=0.7)
+        ax.set_ylabel("base shear [kN]")
+        return []
     lines = ax.plot(time_s, horizontal, color=style.BLACK, lw=0.7, label="base, horizontal")
     ax.set_ylabel("base acceleration [g]")
     if not np.any(np.nan_to_num(vertical)):
@@ -271,25 +277,27 @@ def hysteresis_picture(history):
 
 @style.styled
 def energy_picture(history):
-    """Energies since the end of the static stage, and below what their balance lacks."""
+    """Energies supplied, stored, dissipated in the joints and damped since the end of the static stage, and below what
+    their balance lacks."""
     choose_sample(history, "end")
     series = history.series
+    groups = energy_groups(series)
     figure, (above, below) = style.new_figure(2.9, rows=2, sharex=True, height_ratios=(5, 2))
     for name, (label, colour, line) in ENERGIES.items():
-        if series[name].notna().any():
-            above.plot(series["time_s"], series[name], color=colour, ls=line, label=label,
-                       lw=1.3 if name == "input_energy_j" else 0.9)
+        if np.isfinite(groups[name]).any():
+            above.plot(series["time_s"], groups[name], color=colour, ls=line, label=label,
+                       lw=1.8 if name == "input_energy_j" else 0.9)
     above.set_ylabel("energy [J]")
     error = energy_error_of(history)
     style.add_title(figure, history, *[] if error is None or not np.isfinite(error) else [
-        f"imbalance before settling up to {100 * error:.2g} % of the energy put in"])
+        f"imbalance before settling up to {100 * error:.2g} % of the energy supplied"])
     scale, unit = _error_scale(series, error)
     below.axhline(0, color=style.MEDIUM, lw=0.5)
     below.plot(series["time_s"], imbalance(_known_energies(series)) * scale, color=style.BLACK)
     below.set_ylabel(f"imbalance [{unit}]")
     figure.align_ylabels()
     marks = style.mark_times(history, (above, below))
-    style.legend_below(figure, above.get_lines()[:len(ENERGIES)] + marks, columns=4)
+    style.legend_below(figure, above.get_lines()[:len(ENERGIES)] + marks, columns=3)
     return figure
 
 

@@ -12,6 +12,7 @@ from matplotlib import style
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
+from damage.draw.words import run_title
 from damage.files import whole_or_nothing
 from damage.provenance import commit
 from damage.version import VERSION
@@ -65,8 +66,9 @@ def legend_below(figure, handles, columns):
 
 
 def add_title(figure, history, *more):
-    """What ran, how it ended if not as planned, and further lines; the figure grows by their height."""
-    lines = [f"{history.wall}, {history.loading.name} ({history.solver})"]
+    """Wall and motion in words, solver and file, how the run ended if not as planned, and further lines; the figure
+    grows by their height."""
+    lines = [run_title(history), run_file(history)]
     if not history.complete:
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:
@@ -75,6 +77,11 @@ def add_title(figure, history, *more):
     title = figure.suptitle(text, x=0.02, ha="left")
     width, plot = figure.get_size_inches()
     figure.set_size_inches(width, plot + title.get_window_extent().height / figure.dpi)
+
+
+def run_file(history):
+    """The second line of a title: a History's solver and file."""
+    return f"{history.solver} solver, {history.path.name}"
 
 
 def mark_times(history, axes):

@@ -9,7 +9,7 @@ of a joint lies halfway between where its two bodies carry it:
         +-------+  <- first body carries it here
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,8 +24,16 @@ LARGEST_MAGNIFICATION = 1000.0  # beyond it a residual of a few micrometres woul
 DRAWN = ("elastic", *STATES)
 """Kinds of joints in the order of drawing, the gravest on top."""
 _INTACT = STATES.index("intact")
+COLUMN_PT = 205, 340
+"""Width and height that a wall fills at most in a picture of one column, without labels."""
 SUPPORT_DEPTH = 0.1  # [m], of what is drawn of the ground below a base that moves
 LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+THINNEST_PT, WIDEST_PT = 0.3, 4.5
+"""Widths of the lines of a crack of no width, and of one of the largest of LEGEND_WIDTHS_MM where bricks are large."""
+SHARE_OF_BRICK = 0.5
+"""Largest width of a line over the height of the lowest brick as drawn: half of a brick shows between two cracks."""
+LEAST_WIDEST_PT = 0.6
+"""Of the widest line, so that cracks are seen in a wall of very many courses."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +50,7 @@ class WallShape:
     segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES; elastic: (n_joints,)
         bool, which cannot fail;
     crack_width_m: (n_joints,), sqrt(opening^2 + slip^2).
+    widest_pt: width of the line of the widest cracks [pt], see `widest_line`.
     """
 
     sample: int
@@ -57,6 +66,19 @@ class WallShape:
     state: np.ndarray
     elastic: np.ndarray
     crack_width_m: np.ndarray
+    widest_pt: float = WIDEST_PT
+
+    def on_page(self, page_pt=COLUMN_PT, span_m=None):
+        """The shape with lines for a page of this width and height [pt], which holds span_m, (2,) [m], by default the
+        bodies."""
+        span_m = np.ptp(self.corners.reshape(-1, 2), axis=0) if span_m is None else span_m
+        bricks = self.corners[~self.is_cap]
+        brick_m = np.linalg.norm(bricks[:, 3] - bricks[:, 0], axis=1).min()
+        return replace(self, widest_pt=widest_line(brick_m, span_m, page_pt))
+
+    def line_width(self, chosen):
+        """Widths of the lines of the chosen joints' cracks [pt]."""
+        return line_width(self.crack_width_m[chosen], self.widest_pt)
 
     def select(self, state):
         """Indices of the joints in one of DRAWN: the elastic ones, or those in a state of STATES, the elastic ones
@@ -102,7 +124,8 @@ def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, 
         ground_moves=len(supports.left) > 1 or bool(supports.motion.any()),
         segments=joint_segments(history.joints, history.bodies, motion, magnify, supports),
         state=joint_states(history, sample, slip, threshold), elastic=history.joints["elastic"].to_numpy(bool),
-        crack_width_m=np.hypot(history.opening_m[sample], history.slip_by(slip)[sample], dtype=float))
+        crack_width_m=np.hypot(history.opening_m[sample], history.slip_by(slip)[sample], dtype=float)
+    ).on_page()
 
 
 def magnification(bodies, motion):
@@ -130,13 +153,24 @@ def round_125(value):
 
 # --- how wide a crack is drawn ------------------------------------------------------------------
 
-def line_width(crack_width_m):
-    """Width of a line [pt] for a crack of some width [m], the same scale in all pictures.
+def line_width(crack_width_m, widest_pt=WIDEST_PT):
+    """Width of a line [pt] for a crack of some width [m]; widest_pt: of the widest, `widest_line` of the wall.
 
     The square root keeps a crack of 0.1 mm visible beside one of 5 mm, where light damage ends and
     the lines stop growing.
     """
-    return 0.3 + 1.9 * np.sqrt(np.minimum(np.abs(crack_width_m) / MILLIMETRE, LEGEND_WIDTHS_MM[-1]))
+    share = np.sqrt(np.minimum(np.abs(crack_width_m) / MILLIMETRE / LEGEND_WIDTHS_MM[-1], 1.0))
+    return THINNEST_PT + (widest_pt - THINNEST_PT) * share
+
+
+def widest_line(brick_m, span_m, page_pt):
+    """Width of the line of the widest cracks [pt]: SHARE_OF_BRICK of the lowest brick as drawn, no more than WIDEST_PT.
+
+    brick_m: height of that brick; span_m: length and height of what is drawn; page_pt: width and height that it fills,
+    in true scale.
+    """
+    pt_per_m = min(page / span for page, span in zip(page_pt, span_m))
+    return float(np.clip(SHARE_OF_BRICK * brick_m * pt_per_m, LEAST_WIDEST_PT, WIDEST_PT))
 
 
 def legend_widths_mm(shape):

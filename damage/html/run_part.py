@@ -5,6 +5,7 @@ import numpy as np
 from damage.draw.run import wall_picture
 from damage.draw.style import drift_scale
 from damage.draw.wall import magnification
+from damage.draw.words import run_title
 from damage.history.info import info
 from damage.history.moments import STATES, joint_states, nearest_snapshot
 from damage.html.instants import instants, points
@@ -29,7 +30,7 @@ def run_part(history, letter):
     Raises InputError of a file without a sample.
     """
     summary, index = summarise(history), history.index()
-    part = {"letter": letter, "title": f"{history.wall} wall, {history.loading.name}", "solver": history.solver,
+    part = {"letter": letter, "title": run_title(history), "solver": history.solver,
             "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
             "row": summary_row(history), "info": info(history), "history": history,
             "key": _key_numbers(history, summary, index), "still": still(history),

@@ -12,6 +12,17 @@ NOISE = 1e-12
 push of a free vibration is a millijoule."""
 
 
+def energy_groups(series):
+    """Energies of a series [J], {name: (n_times,)}: supplied by the base and by forces, stored (kinetic, elastic and of
+    position), dissipated in the joints (friction and fracture), and damped; one that a solver does not record is NaN.
+
+    Supplied is the sum of the others, less what was stored at the start of a free vibration.
+    """
+    stored, dissipated = (series[list(names)].sum(axis=1, min_count=1) for names in (STORED, DISSIPATED[:2]))
+    return {"input_energy_j": series["input_energy_j"].to_numpy(), "stored_energy_j": stored.to_numpy(),
+            "dissipated_energy_j": dissipated.to_numpy(), "damping_energy_j": series["damping_energy_j"].to_numpy()}
+
+
 def noise_j(mass_kg, height_m):
     """Least input energy [J] of a wall of this mass and height for which the balance is judged."""
     return NOISE * mass_kg * GRAVITY * height_m

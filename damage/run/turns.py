@@ -25,12 +25,12 @@ def run_each(asked):
 
 @np.errstate(over="ignore", invalid="ignore")  # a run that blows up says so itself
 def take_turns(runs, move=run_each):
-    """Advance runs until all have ended; returns the result of each, in their order; arguments as of `as_they_end`."""
+    """Let runs go on until all have ended; returns what each of them returned; arguments as of `as_they_end`."""
     return [value for _, value in sorted(as_they_end(runs, move), key=lambda end: end[0])]
 
 
 def as_they_end(runs, move=run_each, most=math.inf):
-    """Advance runs, at most so many at once, the next where one has ended; yields (number, result) of each.
+    """Let runs go on, so many at once, the next where one has ended; yields (number, what it returned) of each.
 
     runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run goes
     on, at least the first number of steps; an error in it is raised there.  move: as `run_each`, takes steps of those

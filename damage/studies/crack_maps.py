@@ -9,6 +9,9 @@ from damage.studies.results import Missing
 MOST_ROWS = 5
 """Rows of a page; of more motions the most damaging are shown."""
 
+PANEL_PT = 205, 100
+"""Width and height that a wall fills at most in a panel, without labels."""
+
 
 @styled
 def crack_maps(results, variant):
@@ -26,7 +29,7 @@ def crack_maps(results, variant):
     shapes = []
     for first, row, (name, history) in zip(range(0, axes.size, 2), axes, histories):
         for number, (ax, sample, when) in enumerate(zip(row, ("max", "end"), ("largest index", "end")), first):
-            shapes.append(wall_shape(history, sample))
+            shapes.append(wall_shape(history, sample).on_page(PANEL_PT))
             draw_wall(ax, shapes[-1])
             ax.label_outer()
             letter(ax, number, f"{name}\n{when}: DI {shapes[-1].index:.3f}, displacements × "

@@ -1,0 +1,115 @@
+"""Walls and motions in words, as titles and labels of figures and reports name them."""
+
+import re
+
+from damage.motion.loading import FreeVibration, Harmonic, TopDisplacement
+
+EVENTS = {"MID1": ("Huizinge", "+"), "BGAR": ("Zeerijp", "x"), "BWSE": ("Zeerijp", "1"), "BZN1": ("Zeerijp", "2"),
+          "BLOP": ("Zeerijp", "3")}
+"""Earthquake and marker of the stations whose records ship, or have a named place."""
+_DIRECTIONS = {"N": "north", "E": "east", "Z": "vertical"}
+_COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_TOPS = {"cantilever": "free to rotate", "fixed": "kept from rotating"}
+
+
+def record_label(name):
+    """Earthquake, station and component of a record; a synthetic one is called so.
+
+    >>> record_label("BGAR_HGE")
+    'Zeerijp, BGAR east'
+    >>> record_label("MID1_N_synthetic")
+    'Huizinge, MID1 north, synthetic'
+    """
+    station = station_of(name)
+    component = re.search(r"(?<![A-Za-z0-9])(?:HG)?([NEZ])(?![A-Za-z0-9])", name.replace("_", " "))
+    if station is None or component is None:
+        return name
+    synthetic = ", synthetic" if "synthetic" in name else ""
+    return f"{EVENTS[station][0]}, {station} {_DIRECTIONS[component.group(1)]}{synthetic}"
+
+
+def station_of(name):
+    """The known station that a record's name holds, or None."""
+    return next((station for station in EVENTS if station in name), None)
+
+
+def run_title(history):
+    """The wall and the motion of a History in words, as "Symmetric wall, harmonic motion of 0.2 s and 0.05 g, three
+    cycles"."""
+    motion = motion_words(history.loading)
+    if len(history.sequence) > 1:
+        factors = ", ".join(f"{factor:g}" for factor in history.sequence)
+        motion += f", {counted(len(history.sequence), 'shock')} × {factors}"
+    return f"{wall_words(history.wall)}, {motion}"
+
+
+def wall_words(name):
+    """A wall's name as the start of a title.
+
+    >>> wall_words("symmetric"), wall_words("north_wall_2")
+    ('Symmetric wall', 'North wall 2')
+    """
+    words = name.replace("_", " ").strip()
+    words = words[:1].upper() + words[1:]
+    return words if "wall" in words.lower().split() else f"{words} wall"
+
+
+def motion_words(loading):
+    """What a `damage.motion.loading.Loading` does, in words.
+
+    >>> motion_words(Harmonic(0.2, 0.05))
+    'harmonic motion of 0.2 s and 0.05 g, three cycles'
+    >>> motion_words(TopDisplacement((0.1, 0.2)))
+    'top moved to and fro by drifts of 0.1, 0.2 %, two cycles each, free to rotate'
+    >>> motion_words(TopDisplacement((0.5,), cycles=0, boundary="fixed"))
+    'top pushed to a drift of 0.5 %, kept from rotating'
+    >>> motion_words(FreeVibration())
+    'free vibration in its first mode from 1 mm/s at the top'
+    """
+    if isinstance(loading, Harmonic):
+        return (f"harmonic motion of {loading.period_s:g} s and {loading.amplitude_g:g} g, "
+                f"{counted(loading.cycles, 'cycle')}")
+    if isinstance(loading, FreeVibration):
+        return f"free vibration in its first mode from {1e3 * loading.top_velocity_m_s:g} mm/s at the top"
+    if isinstance(loading, TopDisplacement):
+        return _top_words(loading)
+    return _record_words(loading)
+
+
+def _top_words(loading):
+    """A `TopDisplacement` in words."""
+    drifts, top = ", ".join(f"{drift:g}" for drift in loading.amplitudes_pct), _TOPS[loading.boundary]
+    if loading.cycles == 0:
+        return f"top pushed to a drift of {loading.amplitudes_pct[0]:g} %, {top}"
+    each = " each" if len(loading.amplitudes_pct) > 1 else ""
+    by = "drifts" if each else "a drift"
+    return f"top moved to and fro by {by} of {drifts} %, {counted(loading.cycles, 'cycle')}{each}, {top}"
+
+
+def _record_words(loading):
+    """A `RecordedMotion` in words; of an old history, which keeps nothing of its record, the name of the motion."""
+    record = loading.horizontal.get("record")
+    if record is None:
+        return f"record {loading.name}"
+    vertical = [] if loading.vertical is None else ["with its vertical component"]
+    return ", ".join([f"record {record_label(record)}", *vertical, *preparation(
+        loading.scale, loading.window_s, loading.baseline_order, loading.band_hz)])
+
+
+def preparation(scale, window_s, baseline_order, band_hz):
+    """What prepared a record, words of each step that was taken; scale: None or 1 where there is none."""
+    parts = ["" if scale in (None, 1) else f"times {scale:g}",
+             "" if window_s is None else "{:g} to {:g} s of the file".format(*window_s),
+             "" if baseline_order is None else f"baseline of order {baseline_order} removed",
+             "" if band_hz is None else "band-pass {:g} to {:g} Hz".format(*band_hz)]
+    return [part for part in parts if part]
+
+
+def counted(count, noun):
+    """A count with its noun, in words up to twelve.
+
+    >>> counted(1, "cycle"), counted(3, "cycle"), counted(20, "cycle")
+    ('one cycle', 'three cycles', '20 cycles')
+    """
+    words = _COUNTS[count] if 0 <= count < len(_COUNTS) else str(count)
+    return f"{words} {noun}{'' if count == 1 else 's'}"
