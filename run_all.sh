@@ -38,7 +38,7 @@ A wall file is Python and is executed: read a study's walls before you run what 
 
 DIR gets runs/ (histories), tables/ (summary.csv, a row a run; points.csv, a row a point; tables of single
 runs), pictures/ where the study asks for them, and logs/.  docs/reference/studies.md describes studies.
-What is done is not done again: the same command goes on where an interrupted one stopped, and
+What is done is not done again: the same command continues where an interrupted one stopped, and
 repeats only what a changed study file, wall or record touches.  To have tables or pictures made anew,
 delete their folder.
 
@@ -82,9 +82,9 @@ while [ $# -gt 0 ]; do
             esac
             case $1$2 in
                 --keepall | --keepsummary) ;;
-                --keep*) fail "--keep $2: expected all or summary; mend it" ;;
+                --keep*) fail "--keep $2: expected all or summary; correct it" ;;
                 --cores* | --shard*) [[ $2 =~ ^[1-9][0-9]{0,6}$ ]] ||
-                    fail "$1 $2: expected a whole number, 1 or more; mend it" ;;
+                    fail "$1 $2: expected a whole number, 1 or more; correct it" ;;
             esac
             shift 2
             ;;
@@ -99,10 +99,10 @@ done
 
 [ -n "$study" ] || fail "no study given: expected $(shipped | paste -sd' ') or a study file; see --help"
 [ -z "$slurm" ] || [ -n "$(type -P sbatch)" ] || fail "--slurm without sbatch on PATH: run it where SLURM is, or leave it out"
-[[ $jobs =~ ^[1-9][0-9]{0,3}$ ]] || fail "-j $jobs: expected a whole number, 1 or more; mend it"
+[[ $jobs =~ ^[1-9][0-9]{0,3}$ ]] || fail "-j $jobs: expected a whole number, 1 or more; correct it"
 case $solver in
     yade | reference | both) ;;
-    *) fail "--solver $solver: expected yade, reference or both; mend it" ;;
+    *) fail "--solver $solver: expected yade, reference or both; correct it" ;;
 esac
 program=batch.py
 case $study in
@@ -111,7 +111,7 @@ case $study in
         file=$root/studies
         ;;
     *.toml)
-        [ -f "$study" ] || fail "$study: no such study file; mend the path"
+        [ -f "$study" ] || fail "$study: no such study file; correct the path"
         file=$study
         ;;
     *)

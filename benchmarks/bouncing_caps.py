@@ -40,8 +40,8 @@ def frequency_hz(time_s, value):
     """Of the largest part of a vibration over 15 Hz, where caps bounce."""
     step_s = np.median(np.diff(time_s))
     even = np.interp(np.arange(time_s[0], time_s[-1], step_s), time_s, value - value.mean())
-    size, told = np.abs(np.fft.rfft(even * np.hanning(len(even)), 8192)), np.fft.rfftfreq(8192, step_s)
-    return told[told > 15][np.argmax(size[told > 15])]
+    size, frequency = np.abs(np.fft.rfft(even * np.hanning(len(even)), 8192)), np.fft.rfftfreq(8192, step_s)
+    return frequency[frequency > 15][np.argmax(size[frequency > 15])]
 
 
 def row_of(name, history):

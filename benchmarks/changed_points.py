@@ -3,7 +3,7 @@
     python3 benchmarks/changed_points.py OLD NEW [STUDY ...]      # a table of docs/paper/changed-points.md
 
 OLD holds an older version's STUDY_points.csv, or is a commit of this repository, whose docs/tables are taken; NEW holds
-files of that name, too.  Of what changed in DI by slip, two causes are told apart: the older tables' slip by
+files of that name, too.  Of what changed in DI by slip, two causes are distinguished: the older tables' slip by
 displacement is what is now called accumulated.
 """
 
@@ -96,11 +96,11 @@ def row_of(old, new, old_name, new_name, label, factor, digits):
     widths = [(several[f"{which}_max"] - several[f"{which}_min"]).max() * factor for which in ("old", "new")]
     ranges = f"{inside} of {len(several)} | {widths[0]:.{digits}f}, {widths[1]:.{digits}f}" if len(several) else "- | -"
 
-    def told(value):
+    def text_of(value):
         return f"{factor * value:.{digits}f}"
 
-    return (f"{label} | {len(both)} | {told(off.median())} | {told(off.max())} ({short(most[0])}) | "
-            f"{told(both.loc[most, 'old'])}, {told(both.loc[most, 'new'])} | {ranges} |")
+    return (f"{label} | {len(both)} | {text_of(off.median())} | {text_of(off.max())} ({short(most[0])}) | "
+            f"{text_of(both.loc[most, 'old'])}, {text_of(both.loc[most, 'new'])} | {ranges} |")
 
 
 if __name__ == "__main__":

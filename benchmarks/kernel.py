@@ -140,8 +140,8 @@ def against_size():
                 run(steps)
                 pieces.append((time.process_time() - start) / steps / number / contacts * 1e9)
             cost[name] = min(pieces)
-        told = ", ".join(f"{name} {value:.2f}" for name, value in cost.items())
-        print(f"{size[0]} by {size[1]} bricks, {contacts} contacts: {told} ns a contact and step", flush=True)
+        text = ", ".join(f"{name} {value:.2f}" for name, value in cost.items())
+        print(f"{size[0]} by {size[1]} bricks, {contacts} contacts: {text} ns a contact and step", flush=True)
 
 
 if __name__ == "__main__":

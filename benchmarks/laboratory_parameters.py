@@ -1,4 +1,4 @@
-"""What the laboratory walls' results depend on: speed and damping of the loading, and the material.
+"""Sensitivity of the laboratory walls' results to speed and damping of the loading and to the material.
 
     python3 benchmarks/laboratory_parameters.py [--out DIR] [TABLE ...]
 
@@ -54,7 +54,7 @@ TABLES = {
         ("masonry modulus 3256 MPa", lambda wall: stiffer(wall, 3256e6), []),
         ("joint stiffness / 4", lambda wall: joint(wall, normal_stiffness=3e11, shear_stiffness=1e11), []),
         ("strengths scatter by 30 %", None, ["--strength-cov", 0.3]),
-        ("top held against rotation", None, ["--boundary", "fixed"]),
+        ("top fixed against rotation", None, ["--boundary", "fixed"]),
     ]),
     "squat_tested": ("squat_tested", ["--pushover", 0.15, *SLOW], [
         ("tested material", None, []),
@@ -62,7 +62,7 @@ TABLES = {
         ("cohesion 0.24 MPa", lambda wall: joint(wall, cohesion=0.24e6), []),
         ("tensile strength 0.30 MPa", lambda wall: joint(wall, tensile_strength=0.30e6), []),
         ("masonry modulus 4940 MPa", lambda wall: stiffer(wall, 4940e6), []),
-        ("top held against rotation", None, ["--boundary", "fixed"]),
+        ("top fixed against rotation", None, ["--boundary", "fixed"]),
     ]),
     "comp2_1": ("comp2_1", ["--pushover", 0.2, "--boundary", "fixed", *SLOW], [
         ("tested material", None, []),

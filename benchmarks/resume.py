@@ -3,9 +3,9 @@
     python3 benchmarks/resume.py harmonic --solver reference -j 2 --out DIR [--share 0.3]
 
 runs ./run_all.sh into DIR/killed, kills every one of its processes once a share of the points is simulated and while
-a history is being written, runs it again, runs it once without a break into DIR/whole, and tells what it found:
+a history is being written, runs it again, runs it once without a break into DIR/whole, and prints what it found:
 seconds of each, whether every file that was finished kept its checksum and its time, whether the tables are equal.
-A folder that is there already is gone on with.  Exit status: 0 all as it should be, 1 not.
+An existing folder is continued.  Exit status: 0 all as it should be, 1 not.
 """
 
 import argparse

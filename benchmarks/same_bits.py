@@ -5,7 +5,7 @@
     python3 benchmarks/same_bits.py compare OLD NEW     # exit status 1 where a dataset differs
     python3 benchmarks/same_bits.py compare A.h5 B.h5 --tolerance 1e-12
 
-What the second lacks is a difference; what it has more is told and is none (the schema only adds).
+What the second lacks is a difference; what it has more is listed and is none (the schema only adds).
 --tolerance: share of a dataset's largest value up to which floating-point values may differ; events still have to
 come in the same order.
 """
@@ -48,20 +48,20 @@ def datasets(path):
 
 
 def differences(old, new, tolerance=0.0):
-    """What differs between two histories, a line a dataset: a list of str."""
+    """Differences of two histories, a line a dataset: a list of str."""
     old, new = datasets(old), datasets(new)
-    told = [f"{name}: gone" for name in sorted(old.keys() - new.keys())]
+    found = [f"{name}: gone" for name in sorted(old.keys() - new.keys())]
     for name in sorted(old.keys() & new.keys()):
         a, b = np.asarray(old[name]), np.asarray(new[name])
         if a.shape != b.shape or a.dtype != b.dtype:
-            told.append(f"{name}: {a.dtype}{a.shape} became {b.dtype}{b.shape}")
+            found.append(f"{name}: {a.dtype}{a.shape} became {b.dtype}{b.shape}")
         elif not np.array_equal(a, b, equal_nan=a.dtype.kind == "f"):
             size = float(np.nanmax(np.abs(a))) if a.dtype.kind == "f" else 0.0
             gap = float(np.nanmax(np.abs(a.astype(float) - b.astype(float))))
             same_gaps = a.dtype.kind != "f" or np.array_equal(np.isnan(a), np.isnan(b))
             if not (same_gaps and gap <= tolerance * size):
-                told.append(f"{name}: differs by up to {gap:.3g}, largest value {size:.3g}")
-    return told
+                found.append(f"{name}: differs by up to {gap:.3g}, largest value {size:.3g}")
+    return found
 
 
 def compare(old, new, tolerance):
@@ -75,11 +75,11 @@ def compare(old, new, tolerance):
             print(f"{second.name}: missing beside {first}")
             different = True
             continue
-        told = differences(first, second, tolerance)
+        found = differences(first, second, tolerance)
         more = sorted(datasets(second).keys() - datasets(first).keys())
-        print(f"{second.name}: " + ("equal" if not told else f"{len(told)} datasets differ")
-              + (f"; new: {', '.join(more)}" if more else ""), *told, sep="\n  ")
-        different |= bool(told)
+        print(f"{second.name}: " + ("equal" if not found else f"{len(found)} datasets differ")
+              + (f"; new: {', '.join(more)}" if more else ""), *found, sep="\n  ")
+        different |= bool(found)
     return int(different)
 
 

@@ -1,4 +1,4 @@
-"""What a history's checksum costs: the seal as it is, and HDF5's Fletcher filter, which was not taken, beside it.
+"""Cost of a history's checksum: the seal in use, and HDF5's Fletcher filter as the alternative.
 
     python3 benchmarks/seal_cost.py [WALL.py] [OPTIONS OF A RUN]
 

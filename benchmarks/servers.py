@@ -4,7 +4,7 @@
     python3 benchmarks/servers.py --plain         # by YADE's own command
     sudo unshare --net sh -c 'ip link set lo up; exec python3 benchmarks/servers.py'    # where other YADEs run, too
 
-Every 20 ms /proc tells on which addresses the process listens.  The attack, through 127.0.0.1 alone, lasts as long as
+Every 20 ms /proc shows on which addresses the process listens.  The attack, through 127.0.0.1 alone, lasts as long as
 the run: it connects to YADE's first ports again and again and stays idle on most connections; on one it gives the
 cookie that it reads in what YADE prints, and then sends code.  A port on which another program listens is left alone.
 Exit status 1 where a run listened beyond loopback, executed code, did not end well, or was delayed by more than 2 s:

@@ -84,15 +84,15 @@ class Bench:
             sizes = {size: getattr(wall.brick, size) for size in ("length", "height", "thickness")}
             wall = replace(wall, brick=brick_of_masonry(modulus, wall.joint, **sizes))
         words = [*words, *_step(wall, step)]
-        told = "_".join([name, case, f"{modulus or 0:g}", *(str(word).strip("-") for word in words)])
-        out = self.folder / f"{told.replace('/', '-')}.h5"
+        label = "_".join([name, case, f"{modulus or 0:g}", *(str(word).strip("-") for word in words)])
+        out = self.folder / f"{label.replace('/', '-')}.h5"
         if not (out.exists() and read_history(out).complete):
             quiet = io.StringIO()
             with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
                 status = run_session(BACKEND, _file(name), lambda: wall, [
                     *map(str, words), "--out", str(out), "--overwrite", "--no-pictures"], prog="softening")
             if status != 0:
-                sys.exit(f"{told} failed\n{quiet.getvalue()[-2000:]}")
+                sys.exit(f"{label} failed\n{quiet.getvalue()[-2000:]}")
         return read_history(out)
 
     def run_in_yade(self, name, case, words, step=None):
@@ -101,15 +101,15 @@ class Bench:
         masonry = softened(load_wall(path), case)
         joint, words = masonry.joint, [*words, *_step(masonry, step)]
         energies = {name: getattr(joint, name) for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
-        told = "_".join(["yade", name, case, *(str(word).strip("-") for word in words)]).replace("/", "-")
-        out, wall = self.folder / f"{told}.h5", self.folder / f"{told}.py"
+        label = "_".join(["yade", name, case, *(str(word).strip("-") for word in words)]).replace("/", "-")
+        out, wall = self.folder / f"{label}.h5", self.folder / f"{label}.py"
         if not (out.exists() and read_history(out).complete):
             wall.write_text(IN_YADE.format(name=name, path=str(path), energies=energies))
             done = subprocess.run([*COMMAND, wall, *map(str, words), "--out", out, "--overwrite",
                                    "--no-pictures"], capture_output=True, text=True,
                                   env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
             if done.returncode != 0:
-                sys.exit(f"{told} failed\n{done.stderr[-2000:]}")
+                sys.exit(f"{label} failed\n{done.stderr[-2000:]}")
         return read_history(out)
 
 

@@ -81,14 +81,14 @@ def of_case(name, case, share):
 
 def run(folder, name, case, share, words, solver):
     """The History of a case."""
-    told = "_".join([solver, name, *case.replace(",", "").split(), f"{share:g}",
+    label = "_".join([solver, name, *case.replace(",", "").split(), f"{share:g}",
                      *(str(word).strip("-") for word in words)])
-    out = folder / f"{told}.h5"
+    out = folder / f"{label}.h5"
     if out.exists() and read_history(out).complete:
         return read_history(out)
     words = [*map(str, words), "--out", str(out), "--overwrite", "--no-pictures"]
     if solver == "yade":
-        script = folder / f"{told}.py"
+        script = folder / f"{label}.py"
         script.write_text(IN_YADE.format(name=name, repository=str(REPOSITORY), case=case, share=share))
         done = subprocess.run([*COMMAND, script, *words], capture_output=True, text=True,
                               env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
@@ -100,7 +100,7 @@ def run(folder, name, case, share, words, solver):
                                  words, prog="split_and_crush")
         said = quiet.getvalue()
     if status != 0:
-        sys.exit(f"{told} failed\n{said[-2000:]}")
+        sys.exit(f"{label} failed\n{said[-2000:]}")
     return read_history(out)
 
 

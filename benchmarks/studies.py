@@ -71,16 +71,16 @@ def measure(folder, members, rounds):
               f"{max(ratios):.2f})")
     count = members * len(SCALES)
     for name, way in ways.items():
-        tell_account(name, way, folder, members)
+        print_account(name, way, folder, members)
     alone, both = (wall_time(folder, members, processes) for processes in (1, 2))
     print(f"in lanes, at {SCALES[0]}: {3600 * members / alone:.0f} runs an hour of one process, "
           f"{3600 * 2 * members / both:.0f} of two at once")
     histories = [path.stat().st_size for path in folder.rglob("*.h5")]
     records = [len(json.dumps(record_of(read_history(path), path.stem, "p"))) for path in folder.rglob("*.h5")]
-    tell_extrapolation(statistics.median(seconds["in lanes"]) / count, alone / both, histories, records)
+    print_extrapolation(statistics.median(seconds["in lanes"]) / count, alone / both, histories, records)
 
 
-def tell_extrapolation(a_run_s, scaling, histories, records):
+def print_extrapolation(a_run_s, scaling, histories, records):
     """Print what a large study would take: by the processor's seconds a run, by the share of it that is left of a core
     where its neighbour works, too, and by the mean sizes [bytes]."""
     history, record = statistics.mean(histories), statistics.mean(records)
@@ -110,7 +110,7 @@ def one_after_another(folder, asked):
 def in_lanes(folder, asked, in_memory=()):
     """As a process of `workflow/run_shard.py` runs a group; in_memory: names of those whose histories are not kept."""
     histories = {name: HistoryInMemory if name in in_memory else HistoryKept for name in asked}
-    for _ in together.run_references(asked, histories):
+    for _ in together.run_references(asked.items(), histories):
         pass
     for number, name in enumerate(asked):
         history = histories.pop(name).history()
@@ -157,17 +157,17 @@ PARTS = {
     "history: write": (HistoryWriter, ["append", "extend", "event", "snapshot", "static_stage", "flush"]),
     "history: seal": (HistoryWriter, ["finish"]),
     "history in memory": (HistoryInMemory, ["__init__", "static_stage", "store", "finish", "history"]),
-    "steps": (lanes.kernel, ["run_steps", "find_forces"]),
+    "steps": (lanes.together, ["run"]),
     "between stretches": (lanes.Lanes, ["run", "__init__"]),
     "instants, events": (ReferenceSolver, ["instants", "drain_events", "forces", "base_reaction"]),
     "samples": (Run, ["take_samples"]),
-    "stages": (session, ["take_turns"]), "stages and turns": (together, ["take_turns"]),
+    "stages": (session, ["take_turns"]), "stages and turns": (together, ["as_they_end"]),
     "summary": (session, ["report"]), "reading": (sys.modules[__name__], ["read_history"]),
     "tables": (sys.modules[__name__], ["write_run_tables", "summary_row", "record_of"]),
 }
 
 
-def tell_account(name, way, folder, members):
+def print_account(name, way, folder, members):
     """Print the processor's seconds a run by parts, each without those within it."""
     spent, within, undo = Counter(), [], []
     for part, (owner, names) in PARTS.items():

@@ -67,17 +67,17 @@ def nonlinear_rows(folder, motion, words):
         yield (f"| {motion if key == 'max_drift_ratio' else ''} | {label} | {factor * row['first']:.{digits}f} | "
                f"{factor * row['median']:.{digits}f}{spread} | {allowed} | {'holds' if row['agrees'] else 'DIFFERS'} |")
     drift, joints = result["drift"], result["joints"]
-    parted = "never" if drift["diverged_at_s"] is None else f"{drift['diverged_at_s']:.3f} s"
+    diverged = "never" if drift["diverged_at_s"] is None else f"{drift['diverged_at_s']:.3f} s"
     yield (f"| | drift to the first failure at {drift['first_failure_s']:.4f} s, RMS | | "
            f"{100 * drift['rms_before_failure']:.3f} % | 0.5 % | {'holds' if drift['agrees'] else 'DIFFERS'} |")
-    yield f"| | parted by 1 % of the peak; kappa of the contact points | | {parted}; {joints['kappa']:.2f} | | |"
+    yield f"| | diverged by 1 % of the peak; kappa of the contact points | | {diverged}; {joints['kappa']:.2f} | | |"
     for what, words in (("broken", "broken joints"), ("visible", "joints over 0.1 mm")):
         yield pattern_row(words, result["patterns"][what])
 
 
 def pattern_row(words, scores):
     """Line of the table for one of `damage.measure.patterns.compare_patterns`."""
-    lacking = "" if scores["tells_sides"] else ", does not tell sides"
+    lacking = "" if scores["tells_sides"] else ", does not distinguish sides"
     holds = scores["fss"] >= LEAST_FSS and scores["fss"] > scores["shuffled"]
     return (f"| | FSS of {words} (shuffled, mirrored) | | {scores['fss']:.2f} ({scores['shuffled']:.2f}, "
             f"{scores['mirrored']:.2f}{lacking}) | {LEAST_FSS} | {'holds' if holds else 'DIFFERS'} |")

@@ -41,13 +41,13 @@ vary = {{ motion = {} }}
 def chosen(table, period_s, amplitude_g, choice):
     """The points of a motion that differ from the usual ones by a choice alone."""
     for column, value in ({"motion_period_s": period_s, "amplitude_g": amplitude_g} | USUAL | choice).items():
-        told = table[column]
-        table = table[told == value if isinstance(value, str) else np.isclose(told, value, rtol=1e-3, atol=1e-10)]
+        values = table[column]
+        table = table[values == value if isinstance(value, str) else np.isclose(values, value, rtol=1e-3, atol=1e-10)]
     return table
 
 
 def span(low, high):
-    """A number, or two where three decimals tell them apart."""
+    """A number, or two where three decimals distinguish them."""
     return f"{low:.3f}" if f"{low:.3f}" == f"{high:.3f}" else f"{low:.3f}-{high:.3f}"
 
 
@@ -55,23 +55,23 @@ def cell(found, members, columns):
     """Medians, of several points from least to most; in brackets the range over members, if there are some."""
     if found.empty or found["collapsed"].any():
         return "not run" if found.empty else f"fell at {found['collapsed_at_s'].min():.2f} s"
-    told = " / ".join(span(found[column].min(), found[column].max()) for column in columns)
+    text = " / ".join(span(found[column].min(), found[column].max()) for column in columns)
     ranges = " / ".join(span(members[f"{column}_min"].min(), members[f"{column}_max"].max()) for column in columns)
-    return f"{told} ({ranges})" if members["members"].max() > 1 else told
+    return f"{text} ({ranges})" if members["members"].max() > 1 else text
 
 
 def rows(single, many):
-    """The page's first table; then amplitudes at 0.33 s, at 1 s with the mass spread, and what is told of 0.2 s."""
-    def told(motion, choice, columns):
+    """The page's first table; then amplitudes at 0.33 s, at 1 s with the mass spread, and the amplitudes at 0.2 s."""
+    def cells(motion, choice, columns):
         return cell(*(chosen(table, *motion, choice) for table in (single, many)), columns)
     for choice in CHOICES:
         t0_s = chosen(single, *MOTIONS[0], choice)["eigen_period_s"].iloc[0]
-        yield [choice, f"{t0_s:.3f}", *(told(motion, choice, BOTH) for motion in MOTIONS)]
+        yield [choice, f"{t0_s:.3f}", *(cells(motion, choice, BOTH) for motion in MOTIONS)]
     for g in (0.01, 0.025, 0.05, 0.075, 0.08, 0.085, 0.09, 0.095, 0.1):
-        yield [f"0.33 s, {g} g", told((0.33, g), {}, BOTH), f"1 s, {SPREAD}", told((1.0, g), SPREAD, BOTH)]
+        yield [f"0.33 s, {g} g", cells((0.33, g), {}, BOTH), f"1 s, {SPREAD}", cells((1.0, g), SPREAD, BOTH)]
     for choice in ({}, {"cycles": 2}, CORNERS, CORNERS | {"cycles": 2}):
         for parts in PARTS:
-            yield ["0.2 s", choice, parts, *(told((0.2, g), choice, parts) for g in (0.01, 0.025, 0.05, 0.075, 0.1))]
+            yield ["0.2 s", choice, parts, *(cells((0.2, g), choice, parts) for g in (0.01, 0.025, 0.05, 0.075, 0.1))]
 
 
 def by_cycle(study):

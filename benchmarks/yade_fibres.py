@@ -71,9 +71,9 @@ def main():
     rounds = parser.parse_args(sys.argv[1:]).rounds
     for broken in (False, True):
         best = np.min([[measure(fibres, broken) for fibres in NUMBERS] for _ in range(rounds)], axis=0)
-        told = ", ".join(f"{fibres} fibres {value:.2f} ms ({value / best[0]:.2f})"
+        softening = ", ".join(f"{fibres} fibres {value:.2f} ms ({value / best[0]:.2f})"
                          for fibres, value in zip(NUMBERS[1:], best[1:]))
-        print(f"{f'{SHARE:.0%} broken' if broken else 'intact':12s} brittle {best[0]:.2f} ms, {told}", flush=True)
+        print(f"{f'{SHARE:.0%} broken' if broken else 'intact':12s} brittle {best[0]:.2f} ms, {softening}", flush=True)
 
 
 run_and_leave(main)

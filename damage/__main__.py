@@ -43,7 +43,7 @@ DELEGATED = {"reference": "run a wall in the reference solver (see reference --h
 
 
 class _Silence(io.StringIO):
-    """Where output goes that nobody wants to see."""
+    """A stream that discards its output."""
 
 
 def main(arguments=None):
@@ -84,28 +84,28 @@ def _run(arguments, quiet):
 
 
 def _complete():
-    """Tell a shell how the command line before its cursor may go on, and end; needs argcomplete."""
+    """Complete the command line for a shell, then exit; needs argcomplete."""
     import argcomplete
 
     argcomplete.autocomplete(_parser(whole=True))
 
 
 def _failed(error):
-    """Say in one line what is no fault of this software; the exit status."""
+    """Print an error that is no fault of this software in one line; returns the exit status."""
     if isinstance(error, ImportError) and missing_library(error):
-        status, told = 3, f"error: {missing_library(error)}"
+        status, message = 3, f"error: {missing_library(error)}"
     elif isinstance(error, InputError):
-        status, told = 2, f"error: {error}"
+        status, message = 2, f"error: {error}"
     elif isinstance(error, OSError) and is_of_output(error):
         return 1
     elif isinstance(error, OSError):
-        status, told = 2, f"error: {one_line(error)}: expected what this user may read and write; mend that"
+        status, message = 2, f"error: {one_line(error)}: expected what this user may read and write; correct that"
     elif isinstance(error, MemoryError):
-        status, told = 1, (f"error: out of memory ({one_line(error) or 'no more to be had'}): expected room for it; "
+        status, message = 1, (f"error: out of memory ({one_line(error) or 'no more to be had'}): expected room for it; "
                            "give it more, as by ulimit -v, or a smaller file")
     else:
         raise error
-    print(told, file=sys.stderr)
+    print(message, file=sys.stderr)
     return status
 
 
@@ -162,13 +162,13 @@ _PSI_FROM = _arg("--psi-from-mm", type=number_from(1e-6, 1000), default=0.02,
                  help="width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)")
 
 
-def _tell(asked, found, describe):
+def _print_found(asked, found, describe):
     print(json_text(found, indent=2) if asked.json else "\n".join(map(one_line, describe(found).split("\n"))))
 
 
 def _save(figures, folder, made=""):
-    """Write figures, pairs (name, Figure), with what made what they show; tell their paths on stderr: stdout may be
-    JSON."""
+    """Write figures, pairs (name, Figure), with the command that made them; print their paths to stderr, because stdout
+    may be JSON."""
     from damage.draw.style import save_figures
 
     for path in save_figures(figures, folder, made):
@@ -223,7 +223,7 @@ def _index(asked):
     summary = with_members(summarise(history, asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
                                      asked.slip, asked.psi_from_mm * MILLIMETRE), history)
     warn(*summary["warnings"])
-    _tell(asked, summary, describe)
+    _print_found(asked, summary, describe)
 
 
 @_command("what histories are worth: whole, ended early, open, damaged; exit status 2 where one is damaged, 1 where "
@@ -232,7 +232,7 @@ def _check(asked):
     from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check
 
     checked = [check(path) for path in asked.histories]
-    _tell(asked, checked, describe_check)
+    _print_found(asked, checked, describe_check)
     found = {one["worth"] for one in checked}
     return 2 if DAMAGED in found else int(not found <= {WHOLE, UNSEALED})
 
@@ -241,14 +241,14 @@ def _check(asked):
 def _info(asked):
     from damage.history.info import describe, info
 
-    _tell(asked, info(read_history(asked.history)), describe)
+    _print_found(asked, info(read_history(asked.history)), describe)
 
 
 @_command("cycles, envelope and failure mode of a pushed wall", _HISTORY, _JSON)
 def _cycles(asked):
     from damage.laboratory.pushed import describe, pushed_report
 
-    _tell(asked, pushed_report(read_history(asked.history)), describe)
+    _print_found(asked, pushed_report(read_history(asked.history)), describe)
 
 
 @_command("pushed laboratory walls beside their tests", _HISTORIES, _out("folder for the pictures"))
@@ -304,7 +304,7 @@ def _record(asked):
         warn(implausible)
     if asked.plot:
         _plot_motion(loading, found, asked.plot)
-    _tell(asked, found, describe)
+    _print_found(asked, found, describe)
 
 
 def _plot_motion(loading, found, path):
@@ -376,7 +376,7 @@ def _compare(asked):
 
         _save([("compare", compare_picture(first, others[0]))], asked.out,
               "\n".join(map(origin, (first, others[0]))))
-    _tell(asked, result, describe)
+    _print_found(asked, result, describe)
 
 
 @_command("tables of histories as CSV: of one run over time, or a row a run", _arg("what", choices=("run", "summary")),
@@ -476,7 +476,7 @@ def _cracks(asked):
 
         _save(crack_pictures(*drawn, asked.threshold_mm * MILLIMETRE), asked.out,
               f"cracks of {shown_path(asked.source or asked.dic)}")
-    _tell(asked, report, describe)
+    _print_found(asked, report, describe)
 
 
 @_command("probabilities of exceeding levels of damage, from a study with scattered strengths",

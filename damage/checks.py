@@ -1,4 +1,4 @@
-"""Checks of input, each in one place: what came, what was expected, how to mend it; and records made from tables."""
+"""Checks of input: messages name what was given, what was expected and how to correct it; records from tables."""
 
 import math
 import os
@@ -14,7 +14,7 @@ from damage.errors import InputError
 def check_number(what, value, wanted="a finite number", fits=lambda value: True):
     """Raise InputError unless `value` is a finite number that `fits`; what: its name; wanted: what fits, in words."""
     if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value) or not fits(value):
-        raise InputError(f"{what} = {value!r}: expected {wanted}; mend it")
+        raise InputError(f"{what} = {value!r}: expected {wanted}; correct it")
 
 
 def check_positive(what, value):
@@ -36,7 +36,7 @@ def check_whole(what, value, least=0, most=math.inf):
     """Raise InputError unless `value` is a whole number within bounds."""
     if not isinstance(value, Integral) or isinstance(value, bool) or not least <= value <= most:
         upper = "or more" if most == math.inf else f"to {most}"
-        raise InputError(f"{what} = {value!r}: expected a whole number, {least} {upper}; mend it")
+        raise InputError(f"{what} = {value!r}: expected a whole number, {least} {upper}; correct it")
 
 
 def check_fields(record, **ranges):
@@ -98,8 +98,8 @@ def check_file(path, wanted, most_mb=math.inf):
 def record_from(kind, table, derived=()):
     """The frozen record `kind` of a table {field: value} from a file; fields that an older file lacks take defaults.
 
-    derived: keys that tell what follows from the others, and are no fields.  Raises InputError for any other that is
-    no field: a choice of a later version, of which this one cannot tell what it means.
+    derived: keys that follow from the others and are no fields.  Raises InputError for any other that is
+    no field: a choice of a later version, unknown to this one.
     """
     names = [field.name for field in fields(kind)]
     unknown = sorted(set(table) - {*names, *derived})

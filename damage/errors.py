@@ -1,4 +1,4 @@
-"""The exceptions that a user is told in one line, and warnings."""
+"""Exceptions that are printed in one line, and warnings."""
 
 import sys
 from contextlib import suppress
@@ -40,14 +40,14 @@ def warn(*texts):
 
 
 class InputError(ValueError):
-    """Bad input: its one-line message says what came, what was expected, how to mend it."""
+    """Bad input: its one-line message says what was given, what was expected and how to correct it."""
 
     def __init__(self, message=""):
         super().__init__(one_line(message))
 
 
 class RunError(RuntimeError):
-    """A run that cannot go on, or came to nothing that can be believed: its message is one line."""
+    """A run that cannot continue or whose result is not credible: its message is one line."""
 
     def __init__(self, message=""):
         super().__init__(one_line(message))

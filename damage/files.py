@@ -114,18 +114,18 @@ def write_text(path, text):
     return Path(path)
 
 
-def json_text(told, **more):
+def json_text(content, **more):
     """Tables, lists, numbers and words as JSON, which knows no number that is not finite: null stands there.
 
     >>> json_text({"period_s": [0.2, float("nan")]})
     '{"period_s": [0.2, null]}'
     """
-    return json.dumps(_finite(told), allow_nan=False, **more)
+    return json.dumps(_finite(content), allow_nan=False, **more)
 
 
-def _finite(told):
-    if isinstance(told, dict):
-        return {name: _finite(value) for name, value in told.items()}
-    if isinstance(told, (list, tuple)):
-        return [_finite(value) for value in told]
-    return None if isinstance(told, float) and not math.isfinite(told) else told
+def _finite(content):
+    if isinstance(content, dict):
+        return {name: _finite(value) for name, value in content.items()}
+    if isinstance(content, (list, tuple)):
+        return [_finite(value) for value in content]
+    return None if isinstance(content, float) and not math.isfinite(content) else content

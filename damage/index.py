@@ -56,7 +56,7 @@ def damage_index(time_s, drift_ratio, opening, slip, at_limit, length, *,
     length: (n_joints,) [m]; threshold [m]; drift_limit [-].
     slip_criterion: "displacement" or "accumulated", |slip| over the threshold now, where slip is what the criterion
     counts (`damage.history.reader.History.slip_by`); or "shear-limit", ever at it.
-    total_length: of all joints [m], where those that are told of nothing are left out.
+    total_length: of all joints [m], given where inactive contact points are left out of the other arrays.
     Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit, which is
     DI_drift before it was clipped to [0, 1].
     """

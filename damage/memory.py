@@ -1,7 +1,7 @@
 """The least memory that a command begins with.  Nothing is imported here that takes time.
 
 With less, libraries cannot be loaded, and OpenBLAS, whose every thread asks for 128 MiB as soon as it starts, asks
-again for ever instead of giving up: neither could be told from within.
+again for ever instead of giving up: neither could be detected from within.
 """
 
 import os
@@ -9,7 +9,7 @@ import os
 LEAST, A_THREAD = 600_000_000, 150_000_000
 """Of address space [bytes]: measured are 547 MB with one thread of OpenBLAS, and 136 MB for each more."""
 YADE = 650_000_000
-"""What YADE takes beside [bytes]: measured are 490 MB; with less than 250 MB more it goes on, but crawls."""
+"""What YADE takes beside [bytes]: measured are 490 MB; with less than 250 MB more it continues, but very slowly."""
 
 
 def hold_buffers():
@@ -31,7 +31,7 @@ def least_bytes(beside=0):
 
 
 def shortage(beside=0):
-    """What to say where this process may have too little memory, None where it may have enough; as `least_bytes`."""
+    """Message where this process's memory limit is too low, None where it suffices; arguments as of `least_bytes`."""
     limit = _limit()
     if limit is None or limit >= least_bytes(beside):
         return None

@@ -1,4 +1,4 @@
-"""What made a result: this software's version and commit, and digests of the code that decides its values."""
+"""Provenance of a result: version and commit of this software, and digests of the code that decides its values."""
 
 import ast
 import hashlib

@@ -30,7 +30,7 @@ def begin(beside=0):
     beside: address space that the program around this takes [bytes].
     """
     signal.signal(signal.SIGINT, _interrupted)
-    sys.excepthook = _tell
+    sys.excepthook = _print_exception
     for number in range(3):  # of a closed stream: the next file, as a history, would get it, and what is printed
         try:
             os.fstat(number)
@@ -46,7 +46,7 @@ def begin(beside=0):
 
 
 def is_of_output(error):
-    """Whether an OSError is one of standard output, files of the package aside: it is told, and no more is printed."""
+    """Whether an OSError is one of standard output and not of a file: it is reported, and no more is printed."""
     if error.filename is not None or error.errno not in _OF_OUTPUT:
         return False
     if error.errno != errno.EPIPE:  # where the reader of a pipe went away, as `| head` does, nobody asks
@@ -73,7 +73,7 @@ def leave(status):
 
 
 def missing_library(error):
-    """What to say of an ImportError of a library, None where it is a fault of this software."""
+    """Message for a missing library (ImportError), None where the error is a fault of this software."""
     while isinstance(error.__context__, ImportError) and error.__context__.name:  # the one that others fell over
         error = error.__context__
     library = (error.name or "").partition(".")[0]
@@ -93,8 +93,8 @@ def _interrupted(number, frame):
     raise KeyboardInterrupt
 
 
-def _tell(kind, error, trace):
-    """As Python tells an exception that nobody caught, but for an interrupt and a missing library."""
+def _print_exception(kind, error, trace):
+    """Print an uncaught exception as Python does, except an interrupt and a missing library."""
     if issubclass(kind, KeyboardInterrupt):
         os._exit(EXIT_INTERRUPTED)
     if issubclass(kind, ImportError) and missing_library(error):

@@ -26,7 +26,7 @@ RENEW = "renew it: python3 scripts/documents.py --renew"
 
 
 def verdict_follows_from_the_tables(root):
-    """The verdict's document is what today's code and criteria make of docs/tables."""
+    """Compare the verdict's document with the verdict of the code on docs/tables."""
     yield from _differences(VERDICT, _text(root / VERDICT), report.as_markdown(judge_tables(root / "docs/tables")))
 
 

@@ -139,7 +139,7 @@ for name in sys.argv[1:]:
 
 # Adds $2, of the versions $3, to the environment $1 on top of the packages of $PYTHON, or says why not (status 1).
 _env_add_to_venv() {
-    local venv=$1 name=$2 versions=$3 constraints told
+    local venv=$1 name=$2 versions=$3 constraints output
     if [ -n "${MASONRY_NO_INSTALL:-}" ]; then
         _env_say "$name is missing and MASONRY_NO_INSTALL is set"
         return 1
@@ -154,15 +154,15 @@ _env_add_to_venv() {
     _env_say "installing $name into .venv"
     constraints=$(mktemp) || return 1
     if _env_constraints >"$constraints" &&
-        told=$("$PYTHON" -m venv --system-site-packages "$venv" 2>&1) &&
-        told=$("$venv/bin/python" -m pip install --quiet --only-binary :all: --retries 1 --timeout 20 \
+        output=$("$PYTHON" -m venv --system-site-packages "$venv" 2>&1) &&
+        output=$("$venv/bin/python" -m pip install --quiet --only-binary :all: --retries 1 --timeout 20 \
             --constraint "$constraints" "$versions" 2>&1) &&
         [ -z "$(compgen -G "$venv/lib/python3*/site-packages/numpy")" ]; then
         rm -f "$constraints"
         return 0
     fi
     rm -f "$constraints"
-    _env_say "$name could not be installed: $(tail -n 1 <<<"${told:-unknown reason}")"
+    _env_say "$name could not be installed: $(tail -n 1 <<<"${output:-unknown reason}")"
     return 1
 }
 
@@ -237,7 +237,7 @@ _env_main() {
             _env_programs=(shellcheck)
             ;;
         *)
-            _env_say "error: environment.sh $1: expected run, test, coverage, browser, site or gates; mend the call"
+            _env_say "error: environment.sh $1: expected run, test, coverage, browser, site or gates; correct the call"
             return 2
             ;;
     esac

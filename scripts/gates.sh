@@ -8,13 +8,14 @@
 #     shell       shellcheck
 #     imports     folder order is import order; the lengths of functions
 #     doctests    the examples in docstrings
+#     terms       no replaced term in code and documents; the glossary lists all of them
 #     documents   generated parts of documents are what the tables and the code make of them
 #
 # The exit status is 1 when a gate is shut, and 3 when something that they need is missing.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-gates=(lint shell imports doctests documents)
+gates=(lint shell imports doctests terms documents)
 
 lint() { "$RUFF" check --no-cache --quiet --output-format concise "$@"; }
 
@@ -30,15 +31,17 @@ imports() { quiet_pytest "${@:-tests/test_architecture.py}"; }
 
 doctests() { quiet_pytest --doctest-modules "${@:-damage}"; }
 
+terms() { "$PYTHON" scripts/terms.py "$@"; }
+
 documents() { "$PYTHON" scripts/documents.py "$@"; }
 
-# Runs one gate and tells how it went.
+# Runs one gate and prints its result.
 pass() {
-    local start=$SECONDS told
-    if told=$("$@" 2>&1); then
+    local start=$SECONDS output
+    if output=$("$@" 2>&1); then
         printf '%-10s open, %d s\n' "$1" $((SECONDS - start))
     else
-        printf '%s\n%-10s SHUT\n' "$told" "$1"
+        printf '%s\n%-10s SHUT\n' "$output" "$1"
         return 1
     fi
 }

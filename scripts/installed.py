@@ -39,7 +39,7 @@ print(" ".join(f"{name} {installed.version(name)}" for name in sys.argv[1].split
 
 
 class Failed(Exception):
-    """A command failed; the message is what it said last."""
+    """A command failed; the message is its last line."""
 
 
 def main():
@@ -57,17 +57,17 @@ def main():
 
 
 def works(wheel, version, kind):
-    """Try the wheel on a Python with the oldest or the newest packages and tell how it went; False where it failed."""
+    """Try the wheel on a Python with the oldest or the newest packages and print the result; False where it failed."""
     python, began = find_python(version), time.monotonic()
     if python is None:
         print(f"Python {version}, {kind}: skipped, there is no Python {version} on this machine", flush=True)
         return True
     try:
-        told = try_wheel(wheel, python, OLDEST[version] if kind == "oldest" else NEEDS.split())
+        result = try_wheel(wheel, python, OLDEST[version] if kind == "oldest" else NEEDS.split())
     except Failed as error:
-        told = f"FAILED: {error}"
-    print(f"Python {version}, {kind}: {told}, {time.monotonic() - began:.0f} s", flush=True)
-    return not told.startswith("FAILED")
+        result = f"FAILED: {error}"
+    print(f"Python {version}, {kind}: {result}, {time.monotonic() - began:.0f} s", flush=True)
+    return not result.startswith("FAILED")
 
 
 def find_python(version):
@@ -132,7 +132,7 @@ def use(command, folder):
 
 
 def run(*words, cwd):
-    """What a command prints, without this checkout on Python's path."""
+    """The output of a command, without this checkout on Python's path."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     done = subprocess.run([str(word) for word in words], cwd=cwd, capture_output=True, text=True,
                           env=environment | {"MPLBACKEND": "Agg", "PIP_DISABLE_PIP_VERSION_CHECK": "1"})

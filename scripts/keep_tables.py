@@ -67,10 +67,10 @@ def cycles_of(results):
     runs, found = comparable(load_runs(results)), []
     for (point, solver), rows in runs[runs["motion_period_s"].notna()].groupby(KEY, sort=False):
         try:
-            told = {name: Point(rows, point).cycles(name).round(9) for name in CYCLES}
+            columns = {name: Point(rows, point).cycles(name).round(9) for name in CYCLES}
         except (Fell, NotThere):  # judged without cycles
             continue
-        found.append(pd.DataFrame({"point": point, "solver": solver, "kind": "driven", **told}))
+        found.append(pd.DataFrame({"point": point, "solver": solver, "kind": "driven", **columns}))
     return pd.concat(found, ignore_index=True) if found else pd.DataFrame(columns=[*KEY, "kind", *CYCLES])
 
 

@@ -26,7 +26,7 @@ from damage.units import GRAVITY
 
 @dataclass(frozen=True)
 class Target:
-    """What a synthetic record is to match.
+    """Targets of a synthetic record.
 
     name: of the record, with the word synthetic in it; source: where the numbers come from.
     periods_s, sa_g: (n_periods,) spectrum at 5 % damping [s], [g]; pga_m_s2, pgv_m_s: peaks.

@@ -70,18 +70,18 @@ def _imports(path, known, bare):
 
 def faults(modules):
     """What breaks the order of ROOMS, or goes in a circle: a list of str."""
-    told = [f"{name} stands in no room: give its folder a place in ROOMS" for name in modules if not room_of(name)]
+    found = [f"{name} is in no room: give its folder a place in ROOMS" for name in modules if not room_of(name)]
     for name, imported in sorted(modules.items()):
         here = room_of(name)
         for other in sorted(imported):
             there = room_of(other)
             if here != there and RANK[there] >= RANK[here] and not (here in GROUND and there in GROUND):
-                told.append(f"{name} imports {other}, which comes after it")
+                found.append(f"{name} imports {other}, which comes after it")
     try:
         TopologicalSorter(modules).prepare()
     except CycleError as error:
-        told.append("a circle: " + " -> ".join(error.args[1]))
-    return told
+        found.append("a circle: " + " -> ".join(error.args[1]))
+    return found
 
 
 MODULES = read_modules()
@@ -96,8 +96,8 @@ def test_an_upward_import_is_found_in_every_room(room):
     """In one module of each room an import from the room after it is seeded."""
     module = next(name for name in sorted(MODULES) if room_of(name) == room)
     above = next(name for name in sorted(MODULES) if room_of(name) == ROOMS[RANK[room] + 1][0])
-    told = faults({**MODULES, module: MODULES[module] | {above}})
-    assert any(line.startswith(f"{module} imports {above}") for line in told)
+    found = faults({**MODULES, module: MODULES[module] | {above}})
+    assert any(line.startswith(f"{module} imports {above}") for line in found)
 
 
 def test_a_circle_within_a_room_is_found():

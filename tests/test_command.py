@@ -1,4 +1,4 @@
-"""What every command has: its version, quiet, completion of a shell; and what a wall file's mistakes are told as."""
+"""What every command has: its version, quiet, completion of a shell; and messages of a wall file's mistakes."""
 
 import os
 import shutil
@@ -25,9 +25,9 @@ def test_the_version_has_the_package_s_name(capsys):
 def test_quiet_leaves_files_and_no_word(tmp_path, capsys):
     wall = tmp_path / "wall.py"
     wall.write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
-    assert main(["modes", str(wall), "--out", str(tmp_path / "told")]) == 0
-    told = capsys.readouterr()
-    assert "mode 1" in told.out and "picture: " in told.err
+    assert main(["modes", str(wall), "--out", str(tmp_path / "pictures")]) == 0
+    printed = capsys.readouterr()
+    assert "mode 1" in printed.out and "picture: " in printed.err
     assert main(["--quiet", "modes", str(wall), "--out", str(tmp_path / "quiet")]) == 0
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "quiet/modes.png").is_file()
@@ -47,8 +47,8 @@ def test_a_quiet_run_writes_its_history_and_no_word(tmp_path, capsys, before, af
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "a.h5").is_file()
     assert main([word for word in words if word != "--quiet"] + ["--overwrite"]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("wall w: 0.450 x 0.150 m") and "joints: tensile strength 0.21 MPa" in told
+    printed = capsys.readouterr().out
+    assert printed.startswith("wall w: 0.450 x 0.150 m") and "joints: tensile strength 0.21 MPa" in printed
 
 
 @pytest.mark.parametrize("line, expected", [
@@ -56,12 +56,12 @@ def test_a_quiet_run_writes_its_history_and_no_word(tmp_path, capsys, before, af
     ("masonry-damage index --slip ", {"displacement", "accumulated", "shear-limit"})])
 def test_a_shell_completes_commands_options_and_choices(tmp_path, line, expected):
     pytest.importorskip("argcomplete")
-    told = tmp_path / "told"
+    answer = tmp_path / "answer"
     asked = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "COMP_LINE": line, "COMP_POINT": str(len(line)),
-             "_ARGCOMPLETE_STDOUT_FILENAME": str(told)}
+             "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)}
     done = subprocess.run([sys.executable, "-m", "damage"], cwd=REPOSITORY, env=os.environ | asked, timeout=60)
     assert done.returncode == 0
-    assert {word.strip() for word in told.read_text().split("\n")} >= expected
+    assert {word.strip() for word in answer.read_text().split("\n")} >= expected
 
 
 @pytest.mark.parametrize("call, nearest", [
@@ -106,9 +106,9 @@ def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
                  f"--out={out}"]) == 0
     assert main(["tables", "run", str(out), "--out", str(tmp_path / "t")]) == 0
     assert main(["report", str(out)]) == 0
-    told = [path for path in tmp_path.rglob("*") if path.is_file() and path not in (record, tmp_path / "w.py")]
-    assert {path.suffix for path in told} == {".h5", ".csv", ".json", ".html", ".png", ".pdf"}
-    assert not [path for path in told if str(tmp_path).encode() in path.read_bytes()]
+    written = [path for path in tmp_path.rglob("*") if path.is_file() and path not in (record, tmp_path / "w.py")]
+    assert {path.suffix for path in written} == {".h5", ".csv", ".json", ".html", ".png", ".pdf"}
+    assert not [path for path in written if str(tmp_path).encode() in path.read_bytes()]
     assert read_history(out).command.endswith(f"w.py --record {record.name} --rest 0 --out=a.h5 --quiet")
 
 

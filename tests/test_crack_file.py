@@ -280,7 +280,7 @@ def test_the_command_says_where_the_mode_is_open(tmp_path, capsys):
     (tmp_path / "optical.csv").write_text(f"crack,point,x_m,z_m,width_mm\n1,1,0.1,{BED},0.3\n1,2,0.4,{BED},\n")
     assert main(["cracks", str(tmp_path / "optical.csv"), "--wall", str(tmp_path / "small.py")]) == 0
     out = capsys.readouterr().out
-    assert "tension and shear cannot be told apart" in out and ".." in out and "drift unknown" in out
+    assert "tension and shear cannot be distinguished" in out and ".." in out and "drift unknown" in out
 
 
 @pytest.mark.parametrize("words, complaint", [

@@ -135,9 +135,9 @@ def test_the_command_writes_them_where_it_is_asked_to(tmp_path, capsys):
     words = ["fragility", tmp_path / "study", "--out", tmp_path / "out", "--replicates", "0", "--export",
              tmp_path / "curves"]
     assert main(list(map(str, words))) == 0
-    told = capsys.readouterr().out.split("\n")
+    printed = capsys.readouterr().out.split("\n")
     for path in (tmp_path / "curves").iterdir():
-        assert str(path) in told
+        assert str(path) in printed
 
 
 # --- OpenQuake's own reading ------------------------------------------------------------------------

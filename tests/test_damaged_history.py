@@ -91,8 +91,8 @@ def put(name, value):
 def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
     head, history = read_head(finished), damage.read_history(finished)
     assert head.sealed and head.model == f"reference {history.versions['model']}"
-    told = finished.read_bytes()[:HEAD_BYTES].decode()
-    assert told.startswith(f"masonry-damage-history 5\nsoftware {damage.__version__}\nmodel reference ")
+    head = finished.read_bytes()[:HEAD_BYTES].decode()
+    assert head.startswith(f"masonry-damage-history 5\nsoftware {damage.__version__}\nmodel reference ")
     count = f"tail -c +{HEAD_BYTES + 1} {finished} | sha256sum"  # anyone can
     assert subprocess.run(count, shell=True, capture_output=True, text=True).stdout.split()[0] == head.sha256
 
@@ -155,7 +155,7 @@ def test_every_flip_behind_the_head_of_a_sealed_file_is_refused(finished):
 
 @pytest.mark.parametrize("header", [0, 4, 11])
 def test_a_file_that_grew_and_is_damaged_is_an_error_after_a_while(header, files, tmp_path, monkeypatch):
-    """In the checksummed headers of groups and datasets HDF5 waits for the writer to mend them."""
+    """In the checksummed headers of groups and datasets HDF5 waits for the writer to correct them."""
     monkeypatch.setattr(in_a_child, "SECONDS", 1)
     path = tmp_path / "a.h5"
     data = bytearray(files[KILLED].read_bytes())
@@ -262,7 +262,7 @@ def test_a_dataset_that_no_schema_names_yet_is_left_alone(finished):
     assert history.series.equals(whole.series)
 
 
-def test_changes_that_crash_hdf5_itself_are_told(finished, monkeypatch):
+def test_changes_that_crash_hdf5_itself_are_reported(finished, monkeypatch):
     """The mutator works in a child, too: of some of its changes HDF5 dies, and the next file is made."""
     for name in ("dataset", "values", "link", "attribute", "parameter"):
         monkeypatch.setattr(histories, f"_change_{name}", lambda file, random: os.kill(os.getpid(), 9))

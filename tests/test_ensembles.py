@@ -58,7 +58,7 @@ class TestGrid:
             (f"walls/{wall}.py", "18" if scale == "2" else "18.5", end, "--scale", scale)
             for end, scale in (("19", "2"), ("20", "0.5")) for wall in ("solid", "symmetric")]
 
-    @pytest.mark.parametrize(("table", "vary", "told"), [
+    @pytest.mark.parametrize(("table", "vary", "message"), [
         (None, "", "no file list.csv"),
         ("", "", "has no rows"),
         ("a\n", "", "has no rows"),
@@ -72,15 +72,15 @@ class TestGrid:
         ("a\nnan\n", "", "rest"),
         (b"a\n\xff\n", "", "no table of text"),
     ], ids=str)
-    def test_bad_rows_are_refused_in_one_line(self, tmp_path, table, vary, told):
+    def test_bad_rows_are_refused_in_one_line(self, tmp_path, table, vary, message):
         if table is not None:
             (tmp_path / "list.csv").write_bytes(table if isinstance(table, bytes) else table.encode())
         grid = f'[[grid]]\n{WALL}rows = "list.csv"\n{vary}options = {{ harmonic = [0.2, 0.05], rest = "{{a}}" }}\n'
         with pytest.raises(InputError) as caught:
             load_study(write_study(tmp_path, grid), "reference")
-        assert told in str(caught.value) and "\n" not in str(caught.value)
+        assert message in str(caught.value) and "\n" not in str(caught.value)
 
-    @pytest.mark.parametrize(("text", "told"), [
+    @pytest.mark.parametrize(("text", "message"), [
         (f'[[grid]]\n{WALL}{SINE}', "grid 1: vary = None"),
         (f'[[grid]]\n{WALL}{SINE}rows = 3', "rows = 3"),
         (f'[[grid]]\n{WALL}{SINE}vary = {{ a = [] }}', "vary holds a = []"),
@@ -101,10 +101,10 @@ class TestGrid:
         (f'[[runs]]\n{WALL}options = {{ record = ["no.csv", "nor.csv"] }}', "none of the files"),
         (f'pictures = "some"\n[[runs]]\n{WALL}{SINE}', "TOML"),
     ], ids=str)
-    def test_a_bad_grid_or_ensemble_is_refused_in_one_line(self, tmp_path, text, told):
+    def test_a_bad_grid_or_ensemble_is_refused_in_one_line(self, tmp_path, text, message):
         with pytest.raises(InputError) as caught:
             load_study(write_study(tmp_path, text), "reference")
-        assert told in str(caught.value) and "\n" not in str(caught.value)
+        assert message in str(caught.value) and "\n" not in str(caught.value)
 
     def test_the_first_file_that_is_there_counts(self, tmp_path):
         path = write_study(tmp_path, f'[[runs]]\n{WALL}options = {{ record = ["own.csv", "{BGAR}"] }}\n')
@@ -212,7 +212,7 @@ def test_what_was_made_of_other_inputs_is_removed_and_nothing_else(tmp_path, mon
              "ab_reference_s1.h5", "a.b_yade.h5"]
     others = {"ab_reference_s1.h5", "a.b_yade.h5"}
     runs = tmp_path / "runs"
-    for words, text, left, told in (((), TINY, others, "no note"), ((), f"{TINY}# words", set(names), None),
+    for words, text, left, message in (((), TINY, others, "no note"), ((), f"{TINY}# words", set(names), None),
                                     (("--rest", "1"), TINY, others, "settings.rest_s 2.0 -> 1.0"),
                                     (("--rest", "1"), TINY.replace("0.6", "0.45"), others, "wall.height 0.6 -> 0.45")):
         wall.write_text(text)
@@ -225,9 +225,9 @@ def test_what_was_made_of_other_inputs_is_removed_and_nothing_else(tmp_path, mon
         stale = find_stale(SimpleNamespace(runs=[run]), tmp_path)
         warnings = drop(stale, tmp_path)
         assert {path.name for path in runs.iterdir() if path.is_file()} == left
-        assert stale.points == ({run.id} if told else set()) == {one.id for one in stale.changed}
-        assert [told in warning for warning in warnings] == [True] * bool(told)
-        assert (tmp_path / "tables" / "summary.csv").exists() == (told is None)
+        assert stale.points == ({run.id} if message else set()) == {one.id for one in stale.changed}
+        assert [message in warning for warning in warnings] == [True] * bool(message)
+        assert (tmp_path / "tables" / "summary.csv").exists() == (message is None)
         assert find_stale(SimpleNamespace(runs=[run]), tmp_path).points == stale.points  # until it is noted
         note(stale, tmp_path)
         assert not find_stale(SimpleNamespace(runs=[run]), tmp_path).changed

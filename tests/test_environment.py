@@ -124,7 +124,7 @@ class TestMissing:
         assert missing == f"error: missing on this machine: {' '.join(packages)}"
         assert command.endswith(f"apt-get install --no-install-recommends {' '.join(packages)}")
 
-    def test_programs_of_other_names_are_told_by_their_packages(self, machine):
+    def test_programs_of_other_names_are_reported_by_their_packages(self, machine):
         done = machine.source("browser")
         assert done.returncode == 3
         assert done.stderr.splitlines()[0].startswith(
@@ -152,7 +152,7 @@ class TestMissing:
         done = machine.source("everything")
         assert done.returncode == 2
         assert done.stderr == ("error: environment.sh everything: expected run, test, coverage, browser, site or "
-                               "gates; mend the call\n")
+                               "gates; correct the call\n")
 
 
 OS_RELEASE = Path("/etc/os-release")
@@ -207,7 +207,7 @@ class TestInstalling:
 
 
 class TestObspy:
-    def test_without_it_the_tests_go_on_and_the_reason_is_told(self, machine):
+    def test_without_it_the_tests_go_on_and_the_reason_is_reported(self, machine):
         pytest.importorskip("hypothesis")
         machine.stub("python3", machine.python_without("obspy"), machine.system_python.parent)
         done = machine.source("test")
@@ -271,7 +271,7 @@ def run_all(*words, **variables):
 
 
 class TestRunAll:
-    @pytest.mark.parametrize(("words", "told"), [
+    @pytest.mark.parametrize(("words", "printed"), [
         ((), "no study given: expected"),
         (("harmonik",), "no study harmonik is shipped: expected"),
         (("../studies/quick",), "is shipped: expected"),
@@ -286,11 +286,11 @@ class TestRunAll:
         (("quick", "--solver", "udec"), "expected yade, reference or both"),
         (("quick", "--solver=udec"), "--solver udec: expected yade"),
     ], ids=str)
-    def test_bad_command_lines_get_one_line_and_status_2(self, words, told):
+    def test_bad_command_lines_get_one_line_and_status_2(self, words, printed):
         done = run_all(*words)
         assert (done.returncode, done.stdout) == (2, "")
         assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
-        assert told in done.stderr
+        assert printed in done.stderr
 
     def test_help_names_the_studies(self):
         done = run_all("--help")

@@ -137,7 +137,7 @@ class TestCsv:
             ("# start 2018-13-45T99:00\n0,1\n0.01,2\n", "start time '2018-13-45T99:00'"),
         ],
     )
-    def test_bad_content_is_told_with_its_line(self, tmp_path, text, says):
+    def test_bad_content_is_reported_with_its_line(self, tmp_path, text, says):
         path = write(tmp_path, text)
         message = one_line_error(read_record, path)
         assert says in message

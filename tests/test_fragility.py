@@ -326,8 +326,8 @@ class TestOwnStates:
         for bad, complaint in ((["--state", "max_DI > x"], "level 'x'"), (["--intensity", "pga"], "perhaps pga_g")):
             capsys.readouterr()
             assert main([*words, *bad]) == 2
-            told = capsys.readouterr().err
-            assert told.startswith("error: ") and told.count("\n") == 1 and complaint in told
+            printed = capsys.readouterr().err
+            assert printed.startswith("error: ") and printed.count("\n") == 1 and complaint in printed
 
     def test_a_study_file_with_others_is_refused(self, tmp_path):
         for text, complaint in (('states = "max_DI > 1"', "a list of texts"), ("states = [1]", "a list of texts"),

@@ -122,8 +122,8 @@ class TestNames:
         (["record", "BGRA_HGE"], "BGAR_HGE")])
     def test_a_wrong_name_is_met_with_the_nearest(self, capsys, words, meant):
         assert main(words) == 2
-        told = capsys.readouterr().err
-        assert f"; did you mean {meant}?" in told and told.count("\n") == 1
+        printed = capsys.readouterr().err
+        assert f"; did you mean {meant}?" in printed and printed.count("\n") == 1
 
     def test_what_is_far_from_every_name_has_no_nearest(self, capsys):
         assert main(["xyzzy"]) == 2
@@ -138,8 +138,8 @@ class TestNames:
         picture = tmp_path / "a.png"
         words = ["record", "BGAR_HGE", "--window", "18", "20", "--band", "0.5", "25", "--json", "--plot"]
         assert main([*words, str(picture)]) == 0
-        told = capsys.readouterr()
-        assert json.loads(told.out)["band_hz"] == [0.5, 25.0] and "picture: " in told.err
+        printed = capsys.readouterr()
+        assert json.loads(printed.out)["band_hz"] == [0.5, 25.0] and "picture: " in printed.err
         assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 20_000
         assert main([*words, str(tmp_path / "a.pdf")]) == 2
         assert "expected a name that ends in .png" in capsys.readouterr().err

@@ -39,8 +39,8 @@ def test_reference_solver_ends_and_keeps_what_was_flushed(share, whole, tmp_path
     done = run_limited(int(share * size / 1000), sys.executable, "-m", "damage", "reference", SMALL, *SHAKEN,
                        "--out", out)
     assert done.returncode == 1, done.stdout + done.stderr
-    told = without_progress(done.stderr)
-    assert told.startswith(f"error: cannot write {out}") and told.count("\n") == 1
+    printed = without_progress(done.stderr)
+    assert printed.startswith(f"error: cannot write {out}") and printed.count("\n") == 1
     history = damage.read_history(out)
     assert history.status == "unfinished" and not history.complete
     n = len(history.series)
@@ -70,7 +70,7 @@ def test_yade_ends_and_keeps_what_was_flushed(kilobytes, yade_command, tmp_path)
     assert history.status == "unfinished" and len(history.series) % 120 == 0 < len(history.series)
 
 
-def test_too_little_room_is_told_before_the_run(monkeypatch, tmp_path):
+def test_too_little_room_is_reported_before_the_run(monkeypatch, tmp_path):
     monkeypatch.setattr("shutil.disk_usage", lambda folder: SimpleNamespace(free=5e5))
     with pytest.raises(InputError, match=r"0\.5 MB free"):
         check_output(tmp_path / "run.h5")

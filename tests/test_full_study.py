@@ -141,10 +141,10 @@ def test_a_study_on_a_full_disk_ends_in_a_line_and_goes_on_with_room(kilobytes, 
         words = command(study, folder / "out", least=100_000)
         done = run_until_full(words, folder, when, leave)
         assert done.returncode in (1, 2), done.stdout
-        told = done.stderr.splitlines()
+        lines = done.stderr.splitlines()
         assert "Traceback" not in done.stderr + done.stdout
         assert any(line.startswith(("error: ", "failed: ")) and ("MB free" in line or "No space left" in line
-                                                                 or "no room left" in line) for line in told), told
+                                                                 or "no room left" in line) for line in lines), lines
         (folder / "filler").unlink(missing_ok=True)
         remount(folder, "size=64m")
         again = run(*words)
@@ -171,12 +171,12 @@ def test_a_study_ends_politely_when_the_room_runs_short(study, tmp_path):
         done = run_until_full(words, folder, "runs/*.part.h5", 15_000)
         assert done.returncode == 1, done.stderr
         assert done.stderr.count("\n") == 1 and "MB free: expected 20 MB" in done.stderr
-        assert "the same command goes on from here" in done.stderr
+        assert "the same command continues from here" in done.stderr
         assert not (folder / "out" / "tables" / "summary.csv").exists() and not running(folder)
 
 
 @ROOT
-def test_a_folder_that_can_only_be_read_is_told_in_one_line(study, tmp_path):
+def test_a_folder_that_can_only_be_read_is_reported_in_one_line(study, tmp_path):
     with disk(tmp_path / "disk", 40_000) as folder:
         remount(folder, "ro")
         done = run(*command(study, folder / "out"))
@@ -191,10 +191,10 @@ def test_a_study_whose_runs_will_not_fit_is_warned_of(study, tmp_path, workflow,
     assert room.forecast(loaded, tmp_path) is None  # nothing is there to judge by
     (tmp_path / "runs" / "one_reference.h5").write_bytes(b"x" * 3_000_000)
     (tmp_path / "runs" / "two_reference_s1.part.h5").write_bytes(b"x" * 9_000_000)
-    for free, told in ((26e6, None), (25.9e6, "up to 2 runs are left, about 6 MB if they are as large as the 1 there")):
+    for free, said in ((26e6, None), (25.9e6, "up to 2 runs are left, about 6 MB if they are as large as the 1 there")):
         monkeypatch.setattr("shutil.disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
         warning = room.forecast(loaded, tmp_path)
-        assert warning is None if told is None else told in warning
+        assert warning is None if said is None else said in warning
         assert room.forecast(loaded, tmp_path, keep="summary") is None  # the first of two
 
 
@@ -225,7 +225,7 @@ def test_all_studies_take_with_them_what_they_run(study, tmp_path):
     wait_until(lambda: not running(tmp_path))
 
 
-def test_a_study_with_too_little_memory_is_told_in_one_line(study, tmp_path):
+def test_a_study_with_too_little_memory_is_reported_in_one_line(study, tmp_path):
     words = " ".join(map(str, command(study, tmp_path / "out")))
     done = run("bash", "-c", f"ulimit -v 300000; {words}")
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "out of memory: ulimit -v is 307 MB" in done.stderr

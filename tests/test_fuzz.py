@@ -70,9 +70,9 @@ def test_a_reader_that_fails_is_found_and_the_next_file_is_read(tmp_path, monkey
     monkeypatch.setattr(harness, "PROGRAM", (str(tmp_path / "failing.py"),))
     monkeypatch.setattr(harness, "SECONDS", 6)
     with Worker(seed=1, keep=tmp_path / "kept") as one:
-        for code, (word, told) in FAILING.items():
+        for code, (word, message) in FAILING.items():
             came = one(code, 0)
-            assert came.word == word and told in came.told, came
+            assert came.word == word and message in came.message, came
     assert len(list((tmp_path / "kept").iterdir())) == len(FAILING) - 2
 
 
@@ -121,12 +121,12 @@ def test_a_table_with_a_row_longer_than_its_header_is_refused(tmp_path):
     assert "more cells than the header" in one_line_error(columns.read_table, path)
 
 
-def test_a_cell_over_two_lines_does_not_shift_the_line_that_is_told(tmp_path):
+def test_a_cell_over_two_lines_does_not_shift_the_line_that_is_reported(tmp_path):
     path = written(tmp_path / "f.csv", 'x_m,z_m,ux_m,uz_m\n"0\n",0,0,0\n1,1,1,1\n1,1,1,up\n')
     assert "line 5: uz_m = 'up'" in one_line_error(dic.read_field, path)
 
 
-def test_a_row_of_another_length_is_told_with_its_line(tmp_path):
+def test_a_row_of_another_length_is_reported_with_its_line(tmp_path):
     path = written(tmp_path / "t.csv", 'a,b\n"0\n",1\n1,2,3\n')
     assert "line 4: 3 cells, the header has 2" in one_line_error(CsvTable, path, ("a", "b"))
 
@@ -143,7 +143,7 @@ def test_paths_in_a_study_longer_than_any_file_has(tmp_path):
 
 @pytest.mark.parametrize("text", ["[[grid]]\nvary = {}\n", "name = {}\n", "[[runs]]\noptions = {}\n"])
 def test_a_study_whose_tables_are_too_deep_in_each_other(text, tmp_path):
-    """Python's own recursion ended it while it was told."""
+    """Python's own recursion ended it while it was reported."""
     for opening, closing in ("[]", ("{a=", "}")):
         path = written(tmp_path / "s.toml", text.format(opening * 200 + "1" + closing * 200))
         assert "more than 20 deep" in one_line_error(load_study, path, "reference", REPOSITORY)

@@ -33,10 +33,10 @@ def seeded(path, folder, old, new):
     return copy
 
 
-def assert_shut(done, *told):
+def assert_shut(done, *faults):
     assert done.returncode == 1, done.stdout + done.stderr
     assert done.stdout.endswith("SHUT\n")
-    for fault in told:
+    for fault in faults:
         assert fault in done.stdout
 
 
@@ -95,3 +95,23 @@ def test_an_unknown_gate_is_refused():
     done = pass_gate("speed")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: no gate speed: expected one of lint")
+
+
+@pytest.mark.parametrize(("path", "text", "fault"), [
+    ("damage/index.py", "n_told = 3", "damage/index.py:2: 'told': expected active contacts"),
+    ("docs/model/model.md", "Mend the file.", "docs/model/model.md:2: 'mend': expected correct, fix"),
+    ("README.md", "It has doubts.", "README.md:2: 'doubts': expected warnings"),
+    ("walls/a.py", "# held against the paper", "walls/a.py:2: 'held against': expected validation, comparison"),
+    ("workflow/a.py", "# a verdict on the edge", "workflow/a.py:2: 'on the edge': expected borderline"),
+    ("docs/reference/glossary.md", "| replaced | by |\n| --- | --- |\n| told | x |",
+     "its replaced terms are not those of"),
+])
+def test_terms(tmp_path, path, text, fault):
+    glossary = tmp_path / "docs" / "reference" / "glossary.md"
+    glossary.parent.mkdir(parents=True)
+    shutil.copy(REPOSITORY / "docs" / "reference" / "glossary.md", glossary)
+    (tmp_path / "CHANGELOG.md").write_text("What was told.\n")
+    assert pass_gate("terms", tmp_path).returncode == 0
+    (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / path).write_text(f"amended, untold, redoubt\n{text}\n")
+    assert_shut(pass_gate("terms", tmp_path), fault)

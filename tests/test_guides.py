@@ -37,27 +37,27 @@ def clone(tmp_path_factory):
 
 def follow(name, clone):
     """Save and type what a guide says; returns what its commands printed."""
-    told = ""
+    output = ""
     for language, text in BLOCK.findall((GUIDES / f"{name}.md").read_text(encoding="utf-8")):
         if language == "sh":
             done = subprocess.run(["bash", "-euc", text], cwd=clone, capture_output=True, text=True, timeout=300, env={
                 **os.environ, "PATH": f"{clone.parent / 'bin'}:{os.environ['PATH']}", "PYTHONPATH": "",
                 "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
             assert done.returncode == 0, f"{name}: {text}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
-            told += done.stdout
+            output += done.stdout
         else:
             first, = re.findall(r"\A# (\S+)$", text, re.MULTILINE)[:1]
             (clone / first).write_text(text, encoding="utf-8")
-    return told
+    return output
 
 
 def test_the_first_wall_and_what_it_left(clone):
     assert "maximum, shear limit" in follow("first-wall", clone)
     assert damage.read_history(clone / "first.h5").complete
     assert (clone / "first" / "wall_max.png").stat().st_size > 10_000
-    told = follow("reading-results", clone)
+    output = follow("reading-results", clone)
     worst = damage.read_history(clone / "first.h5").index()["DI"].max()
-    assert f"maximum DI {worst:.4f}" in told
+    assert f"maximum DI {worst:.4f}" in output
     assert (clone / "first_tables_index.csv").is_file()
 
 
@@ -65,10 +65,10 @@ def test_a_wall_and_a_study_of_ones_own(clone):
     assert "two-windows" in follow("own-wall", clone)
     history = damage.read_history(clone / "two_windows.h5")
     assert len(history.masonry_wall.openings) == 2 and history.broken.any()
-    told = follow("own-study", clone)
+    output = follow("own-study", clone)
     points = pd.read_csv(clone / "results" / "my-study" / "tables" / "points.csv")
     assert len(points) == 6 and set(points["wall"]) == {"two-windows"}
-    assert f"{points['max_DI'].max():.3f}" in told
+    assert f"{points['max_DI'].max():.3f}" in output
     assert (clone / "my_study.html").stat().st_size > 1_000_000
 
 

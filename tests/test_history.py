@@ -93,11 +93,11 @@ def test_info_lists_the_caps_with_the_stress_under_them(tmp_path):
     wall = Wall("w", 1.8, 0.9, openings=(Opening(0.45, 0.9, 0.45),))
     HistoryWriter(tmp_path / "a.h5", lay_out(wall), solver="reference", versions={}, parameters={
         "wall": wall.as_dict(), **RunSettings(LOADINGS[0], ModelOptions()).as_dict()}).finish("complete")
-    told = info(damage.read_history(tmp_path / "a.h5"))
-    assert [(cap["left_m"], cap["right_m"]) for cap in told["caps"]] == [pytest.approx((0.0, 0.45)),
+    found = info(damage.read_history(tmp_path / "a.h5"))
+    assert [(cap["left_m"], cap["right_m"]) for cap in found["caps"]] == [pytest.approx((0.0, 0.45)),
                                                                         pytest.approx((1.35, 1.8))]
-    assert [cap["stress_pa"] for cap in told["caps"]] == pytest.approx([0.6e6, 0.6e6])
-    assert "cap from x = 1.35 to 1.8 m (0.45 m): 2.82 t, 0.6 MPa under it" in describe_info(told)
+    assert [cap["stress_pa"] for cap in found["caps"]] == pytest.approx([0.6e6, 0.6e6])
+    assert "cap from x = 1.35 to 1.8 m (0.45 m): 2.82 t, 0.6 MPa under it" in describe_info(found)
 
 
 def test_info_separates_results_from_parameters(tmp_path):
@@ -107,25 +107,25 @@ def test_info_separates_results_from_parameters(tmp_path):
     HistoryWriter(tmp_path / "a.h5", lay_out(wall), solver="reference", versions={},
                   parameters=given | follows).finish("complete")
     history = damage.read_history(tmp_path / "a.h5")
-    told = info(history)
-    assert told["results"] == follows and told["parameters"] == history.parameters
-    results, parameters = describe_info(told).split("results:\n")[1].split("parameters:\n")
+    found = info(history)
+    assert found["results"] == follows and found["parameters"] == history.parameters
+    results, parameters = describe_info(found).split("results:\n")[1].split("parameters:\n")
     assert [line.split() for line in results.splitlines()] == [
         ["eigen_period_s", "0.123"], ["pier_stress_pa", "300000.0"], ["pgv_m_s", "0.5"]]
     assert "rest_s" in parameters and not any(name in parameters for name in follows)
-    assert set(history.parameters) - set(told["results"]) == given.keys() - {"command"}  # the file has it elsewhere
+    assert set(history.parameters) - set(found["results"]) == given.keys() - {"command"}  # the file has it elsewhere
 
 
 def test_a_recorded_motion_comes_back_without_its_samples():
-    told = loading_from_dict(json.loads(json.dumps(RECORDED.as_dict())))
+    found = loading_from_dict(json.loads(json.dumps(RECORDED.as_dict())))
     for name in ("name", "duration_s", "window_s", "scale"):
-        assert getattr(told, name) == getattr(RECORDED, name)
+        assert getattr(found, name) == getattr(RECORDED, name)
     with pytest.raises(InputError, match="expected the record's file"):
-        told.drive.base(np.zeros(1))
-    assert told.as_dict() == json.loads(json.dumps(RECORDED.as_dict())) | {"window_s": (17.0, 25.0)}
-    assert (told.pga_g, told.sa_02_s_g) == pytest.approx((pga_g(RECORDED.motion[0]), told.as_dict()["sa_0.2_s_g"]))
-    assert told.horizontal["record"] == RECORDED.record.name and told.vertical is None
-    assert_allclose(2 * told.unscaled(RECORDED.record).acceleration_m_s2, RECORDED.motion[0].acceleration_m_s2)
+        found.drive.base(np.zeros(1))
+    assert found.as_dict() == json.loads(json.dumps(RECORDED.as_dict())) | {"window_s": (17.0, 25.0)}
+    assert (found.pga_g, found.sa_02_s_g) == pytest.approx((pga_g(RECORDED.motion[0]), found.as_dict()["sa_0.2_s_g"]))
+    assert found.horizontal["record"] == RECORDED.record.name and found.vertical is None
+    assert_allclose(2 * found.unscaled(RECORDED.record).acceleration_m_s2, RECORDED.motion[0].acceleration_m_s2)
     assert loading_from_dict({"kind": "record", "name": "old"}).pga_g is None
 
 

@@ -266,7 +266,7 @@ class TestSaidFirst:
         assert words in text
         assert text.index(words) < text.index("<main")
 
-    def test_a_residual_that_is_none_is_not_told_as_a_number(self, tmp_path):
+    def test_a_residual_that_is_none_is_not_shown_as_a_number(self, tmp_path):
         text = page([damaged(tmp_path / "cut.h5", status="interrupted").path], [])
         assert "no end, no residual" in text
 

@@ -106,7 +106,7 @@ def test_the_slider_moves_wall_cursor_and_ring_by_keys(opened):
 
 
 @of("one")
-def test_what_is_told_is_what_the_history_holds(opened, reports):
+def test_what_is_reported_is_what_the_history_holds(opened, reports):
     from damage.history.reader import read_history
 
     history = read_history(reports["one"].parent / "study" / "runs" / "one.h5")

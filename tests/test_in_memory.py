@@ -16,7 +16,7 @@ from damage.index import damage_index
 from damage.measure.tables import joints_table
 from damage.studies.records import record_of
 
-TOLD = {  # several chunks of samples, with joints that are told of in one alone; minus zero is a number of its own
+CRACKED = {  # several chunks of samples, with contact points active in one alone; minus zero is a number of its own
     "stages": ("motion",) * 200 + ("rest",) * 60 + ("settling",) * 20,
     "opening": {3: np.where(np.arange(280) < 50, 0.0, 2e-4)}, "slip": {5: np.linspace(0.0, 3e-4, 280), 7: -0.0},
     "broken": [9], "drift": np.linspace(0.0, 1e-3, 280), "collapsed_at_s": 2.0,
@@ -41,27 +41,27 @@ def differences(one, other):
 
 
 def test_it_is_what_would_be_read_and_leaves_no_file(tmp_path):
-    written = make_history(tmp_path / "a.h5", **TOLD)
-    kept = make_history(tmp_path / "b.h5", **TOLD, write=HistoryInMemory)
+    written = make_history(tmp_path / "a.h5", **CRACKED)
+    kept = make_history(tmp_path / "b.h5", **CRACKED, write=HistoryInMemory)
     assert written.broken.any() and np.signbit(written.slip_m[:, 7]).all() and len(written.snapshot_time_s) == 56
     assert differences(written, kept) == [] and not (tmp_path / "b.h5").exists()
     assert record_of(kept, "run", "point") == record_of(written, "run", "point")
-    assert differences(written, make_history(tmp_path / "c.h5", **TOLD | {"drift": 0.0}, write=HistoryInMemory)) == [
+    assert differences(written, make_history(tmp_path / "c.h5", **CRACKED | {"drift": 0.0}, write=HistoryInMemory)) == [
         "series"]
 
 
 @pytest.mark.parametrize("most_bytes", [0, 6000])
 def test_one_that_grows_too_large_goes_on_in_its_file(most_bytes, tmp_path, monkeypatch):
-    written = make_history(tmp_path / "a.h5", **TOLD)
+    written = make_history(tmp_path / "a.h5", **CRACKED)
     monkeypatch.setattr(in_memory, "MOST_BYTES", most_bytes)
-    kept = make_history(tmp_path / "b.h5", **TOLD, write=HistoryInMemory)
+    kept = make_history(tmp_path / "b.h5", **CRACKED, write=HistoryInMemory)
     assert (tmp_path / "b.h5").exists() and differences(written, kept) == []
 
 
 @pytest.mark.parametrize("most_bytes", [0, 6000, in_memory.MOST_BYTES])
 def test_one_that_is_kept_is_its_file_which_is_whole(most_bytes, tmp_path, monkeypatch):
     monkeypatch.setattr(in_memory, "MOST_BYTES", most_bytes)
-    kept = make_history(tmp_path / "a.h5", **TOLD, write=HistoryKept)
+    kept = make_history(tmp_path / "a.h5", **CRACKED, write=HistoryKept)
     read = read_history(tmp_path / "a.h5")
     assert differences(read, kept) == [] and dict(kept.attributes) == read.attributes
     assert check(tmp_path / "a.h5")["worth"] == "whole"
@@ -69,44 +69,45 @@ def test_one_that_is_kept_is_its_file_which_is_whole(most_bytes, tmp_path, monke
 
 
 @pytest.mark.parametrize("write", [HistoryWriter, HistoryInMemory, HistoryKept])
-def test_told_are_the_joints_of_which_anything_is_told(write, tmp_path):
-    history = make_history(tmp_path / "a.h5", **TOLD, write=write)
-    told = history.told
-    others = np.setdiff1d(np.arange(len(history.joints)), told.joints)
-    assert set(told.joints) == {3, 5, 7} and len(others) > 0  # of the one that is broken alone no number asks
+def test_active_contacts_are_those_with_any_value(write, tmp_path):
+    history = make_history(tmp_path / "a.h5", **CRACKED, write=write)
+    active = history.active
+    assert history.told is active  # its earlier name
+    others = np.setdiff1d(np.arange(len(history.joints)), active.joints)
+    assert set(active.joints) == {3, 5, 7} and len(others) > 0  # of the one that is broken alone no number asks
     for name in ("opening_m", "slip_m", "offset_m", "at_limit"):
         frames = getattr(history, name)
-        assert np.array_equal(getattr(told, name), frames[:, told.joints]) and not frames[:, others].any()
+        assert np.array_equal(getattr(active, name), frames[:, active.joints]) and not frames[:, others].any()
     dense = damage_index(history.series["time_s"], history.series["drift_ratio"], history.opening_m, history.offset_m,
                          history.at_limit, history.joint_length_m)
     assert np.allclose(history.index().to_numpy(), dense.to_numpy(), rtol=1e-12, atol=0)
 
 
 def test_whole_frames_are_made_when_they_are_asked_for_first(tmp_path):
-    written = make_history(tmp_path / "a.h5", **TOLD)
-    kept = make_history(tmp_path / "b.h5", **TOLD, write=HistoryInMemory)
+    written = make_history(tmp_path / "a.h5", **CRACKED)
+    kept = make_history(tmp_path / "b.h5", **CRACKED, write=HistoryInMemory)
     record = record_of(kept, "run", "point")
     joints_table(kept)
     assert all(callable(vars(kept)[name]) for name in FRAMES) and not record["intact"]
     assert kept.broken is kept.broken and differences(written, kept) == []
     half = replace(kept, series=kept.series.iloc[:100], **{name: getattr(kept, name)[:100] for name in FRAMES})
-    assert half.told.opening_m.shape == (100, 3) and len(half.index()) == 100
+    assert half.active.opening_m.shape == (100, 3) and len(half.index()) == 100
 
 
 @pytest.mark.parametrize("write", [HistoryWriter, HistoryInMemory, HistoryKept])
 def test_states_are_those_of_the_joints_that_ever_have_one(write, tmp_path):
-    history = make_history(tmp_path / "a.h5", **TOLD, at_limit=[11], write=write)
+    history = make_history(tmp_path / "a.h5", **CRACKED, at_limit=[11], write=write)
     states = history.states
     assert set(states.joints) == {3, 5, 9, 11} and not history.is_intact
     for name in ("broken", "at_limit", "crushed"):
         assert np.array_equal(getattr(states, name), getattr(history, name)[:, states.joints])
         assert getattr(history, name).sum() == getattr(states, name).sum()
-    assert make_history(tmp_path / "b.h5", stages=TOLD["stages"], write=write).is_intact
+    assert make_history(tmp_path / "b.h5", stages=CRACKED["stages"], write=write).is_intact
 
 
 @pytest.mark.parametrize("write", [HistoryWriter, HistoryInMemory])
 def test_the_table_of_joints_is_that_of_whole_frames(write, tmp_path):
-    history = make_history(tmp_path / "a.h5", **TOLD, write=write)
+    history = make_history(tmp_path / "a.h5", **CRACKED, write=write)
     table = joints_table(history)
     for column, frame in (("opening_m", history.opening_m), ("slip_m", history.slip_m), ("offset_m", history.offset_m)):
         assert np.array_equal(table[f"final_{column}"], frame[-1])
@@ -120,8 +121,8 @@ def test_the_table_of_joints_is_that_of_whole_frames(write, tmp_path):
 
 @pytest.mark.parametrize("status", ["failed", "interrupted"])
 def test_a_run_without_an_end_leaves_its_file(status, tmp_path):
-    written = make_history(tmp_path / "a.h5", **TOLD | {"status": status})
-    make_history(tmp_path / "b.h5", **TOLD | {"status": status}, write=HistoryInMemory)
+    written = make_history(tmp_path / "a.h5", **CRACKED | {"status": status})
+    make_history(tmp_path / "b.h5", **CRACKED | {"status": status}, write=HistoryInMemory)
     assert differences(written, read_history(tmp_path / "b.h5")) == []
 
 

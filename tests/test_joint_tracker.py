@@ -60,7 +60,7 @@ def test_slip_is_frozen_while_open():
     assert events == [(0, "opened")]
 
 
-def test_first_passing_is_told_once():
+def test_first_passing_is_reported_once():
     _, _, _, events = follow_both(shaken(), 1)
     assert sorted(events) == [(0, "opened"), (0, "slipped")]
 
@@ -120,8 +120,8 @@ def test_fibres_that_slide_out_and_back_and_open_are_one_dry_joint():
     states, shares, tracker, area = frayed(path)
     assert 0.5 < tracker.dry[0] < 1 and not tracker.broken[0]  # some of them hold
     assert_allclose(tracker.slip[0], shares @ [state.slip for state in states], rtol=1e-3)
-    for told, work in ((tracker.fracture_energy, "fracture_work"), (tracker.friction_energy, "friction_work")):
-        assert_allclose(told, shares @ [getattr(state, work) for state in states] * area, rtol=2e-3)
+    for energy, work in ((tracker.fracture_energy, "fracture_work"), (tracker.friction_energy, "friction_work")):
+        assert_allclose(energy, shares @ [getattr(state, work) for state in states] * area, rtol=2e-3)
     assert not tracker.at_limit[0] and not states[-1].at_limit
     path += [(x, -1.2 * out) for x in np.linspace(-pressure, 4e-4, 2000)]
     states, _, tracker, _ = frayed(path)

@@ -152,7 +152,7 @@ def test_pushed_walls_and_softening_ones_step_together():
 
 
 @pytest.mark.parametrize(("table", "field"), [("contacts", "offset"), ("contacts", "kn"), ("contacts", "area")])
-def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_told(table, field):
+def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_reported(table, field):
     """What lanes take from the first wall alone is equal in all."""
     one, other = make(), make()
     getattr(other.system, table)[field][0] *= 1.5
@@ -160,7 +160,7 @@ def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_told(table, field)
         run_together([one, other], 1)
 
 
-def test_walls_of_other_bricks_or_friction_are_told():
+def test_walls_of_other_bricks_or_friction_are_reported():
     for other in (make(cells=3), make(wall=Wall(WALL.name, WALL.length, WALL.height, WALL.openings,
                                                 joint=Joint(tensile_strength=3e4, cohesion=8e4, friction_angle=0.5)))):
         with pytest.raises(ValueError, match="other bricks, stiffnesses or friction"):

@@ -82,7 +82,7 @@ def test_the_load_on_piers_is_the_precompression_in_them(symmetric_wall, top):
     assert_allclose((on_length.total_mass - bricks) * 9.81, 0.6e6 * area, rtol=1e-12)
 
 
-def test_caps_and_stresses_are_told(symmetric_wall):
+def test_caps_and_stresses_are_reported(symmetric_wall):
     top, left, right = describe_top(lay_out(symmetric_wall))
     assert "0.3 MPa over its length" in top and "0.6 MPa in what carries it" in top
     assert left == "cap from x = 0 to 1.0125 m (1.0125 m): 6.35 t, 0.6 MPa under it"

@@ -68,8 +68,8 @@ def run(tmp_path_factory):
 
 def test_every_summary_tells_the_share(run):
     share, summary, row = share_of(DOOR), summarise(run), summary_row(run)
-    for told in (summary, row):
-        assert (told["elastic_joint_share"], told["elastic_joint_share_above_openings"]) == pytest.approx(share)
+    for table in (summary, row):
+        assert (table["elastic_joint_share"], table["elastic_joint_share_above_openings"]) == pytest.approx(share)
     assert summary["warnings"] == warn_of_share(share) != []
     assert "(74 % above the openings) is elastic and cannot fail" in describe(summary)
     solid = summarise(make_history(run.path, write=HistoryInMemory))
@@ -80,12 +80,12 @@ def test_every_summary_tells_the_share(run):
 def test_a_run_tells_strengths_masses_period_and_share_at_its_start():
     layout, loading = lay_out(DOOR), parse_run([], "test", "reference").loading
     modes, brickwork_t = natural_modes(layout), 1.9 * 0.1025 * (1.8 * 0.6 - 0.9 * 0.45)
-    told = "\n".join(opening_lines(layout, loading, modes, 1e-5))
+    lines = "\n".join(opening_lines(layout, loading, modes, 1e-5))
     for words in (
             f"{layout.n_bricks} bricks ({brickwork_t:.3g} t together)", "top: 5.64 t", "tensile strength 0.21 MPa",
             "cohesion 0.24 MPa", "friction angle 32 deg, brittle", "modulus 5200 MPa",
             f"first period by eigenvalue {modes.period_s[0]:.4f} s", "(74 % above the openings) is elastic"):
-        assert words in told
+        assert words in lines
 
 
 def collection(figure, label):

@@ -167,7 +167,7 @@ class TestRecorded:
             {"baseline_order": -1},
         ],
     )
-    def test_bad_parameters_are_told_at_construction(self, bgar, bad):
+    def test_bad_parameters_are_reported_at_construction(self, bgar, bad):
         with pytest.raises(InputError, match="expected"):
             Recorded(bgar, **bad)
 

@@ -136,19 +136,20 @@ def test_summary_row_holds_every_measure(harmonic):
         assert name in row
 
 
-TOLD = {"pgv_m_s": 0.02, "avg_sa_g": 0.3, "sa_eigen_period_g": 0.4, "arias_m_s": 0.1, "d5_75_s": 2.0, "d5_95_s": None}
+WRITTEN = {"pgv_m_s": 0.02, "avg_sa_g": 0.3, "sa_eigen_period_g": 0.4, "arias_m_s": 0.1, "d5_75_s": 2.0,
+           "d5_95_s": None}
 
 
 class TestMotion:
     def test_what_the_run_wrote_grows_with_its_strongest_shock(self, tmp_path):
         history = make_history(tmp_path / "a.h5", loading="record")
-        history.parameters.update(TOLD, sequence=[0.5, -2.0])
+        history.parameters.update(WRITTEN, sequence=[0.5, -2.0])
         # velocity and acceleration with the factor, squares with its square, durations not at all
         assert motion_measures(history) == pytest.approx(
             {"pgv_m_s": 0.04, "avg_sa_g": 0.6, "sa_eigen_period_g": 0.8, "arias_m_s": 0.4, "d5_75_s": 2.0,
              "d5_95_s": None})
         row = summary_row(history)
-        assert {name: row[name] for name in TOLD} == motion_measures(history)
+        assert {name: row[name] for name in WRITTEN} == motion_measures(history)
 
     def test_of_an_older_file_a_harmonic_motion_is_known_and_a_record_is_not(self, tmp_path):
         harmonic = motion_measures(make_history(tmp_path / "a.h5"))  # 0.2 s, 0.05 g

@@ -35,7 +35,7 @@ def tiny(tmp_path):
 def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_path, capsys):
     out = tmp_path / "run.h5"
     assert run_reference([tiny, *SHAKEN, "--scatter", "0.05", "--members", "3", "--out", str(out)]) == 0
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     table = pd.read_csv(tmp_path / "run_members.csv")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.h5", "run_members.csv", "tiny.py"]
     assert table["run"].to_list() == ["run_s1", "run_s2", "run_s3"] and (table["scatter"] == 0.05).all()
@@ -45,11 +45,11 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
         row = summary_row(read_history(alone))
         assert all(table[name][seed - 1] == pytest.approx(row[name], rel=1e-8) for name in members.SHOWN)
     assert contents(out) == contents(tmp_path / "1.h5")
-    assert f"members: {tmp_path / 'run_members.csv'}" in told and "3 members: median (min to max)" in told
+    assert f"members: {tmp_path / 'run_members.csv'}" in printed and "3 members: median (min to max)" in printed
     drift = table["max_drift_ratio"]
     assert drift.nunique() == 3
     words = " to ".join(rounded(100 * one, 3) for one in (drift.min(), drift.max()))
-    assert f"drift ratio   {rounded(100 * drift.median(), 3)} ({words}) %" in told
+    assert f"drift ratio   {rounded(100 * drift.median(), 3)} ({words}) %" in printed
 
     capsys.readouterr()
     assert main(["index", str(out), "--json"]) == 0
@@ -88,19 +88,19 @@ def test_settings_of_members():
 @pytest.mark.parametrize("count", ["0", "101", "2.5"])
 def test_a_wrong_number_of_members_is_refused_in_one_line(count, tiny, capsys):
     assert run_reference([tiny, "--members", count]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("error: ") and "--members" in told and told.count("\n") == 1
+    printed = capsys.readouterr().err
+    assert printed.startswith("error: ") and "--members" in printed and printed.count("\n") == 1
 
 
 def test_a_solver_that_runs_one_wall_refuses_members_and_names_the_other(tmp_path, capsys):
     yade = Backend("yade", {}, make=None, code=tmp_path)
     assert run_session(yade, tmp_path / "w.py", make_wall=None, arguments=["--members", "3"], prog="yade w.py") == 2
-    told = capsys.readouterr().err
-    assert "expected the reference solver, python3 -m damage reference WALL.py --members N" in told
-    assert told.count("\n") == 1
+    printed = capsys.readouterr().err
+    assert "expected the reference solver, python3 -m damage reference WALL.py --members N" in printed
+    assert printed.count("\n") == 1
 
 
-def test_a_member_that_fails_is_named_and_the_others_are_told(tiny, tmp_path, capsys, monkeypatch):
+def test_a_member_that_fails_is_named_and_the_others_are_reported(tiny, tmp_path, capsys, monkeypatch):
     from damage.reference import members as of_reference
 
     def simulate(prepared, *more):
@@ -111,9 +111,9 @@ def test_a_member_that_fails_is_named_and_the_others_are_told(tiny, tmp_path, ca
     simulate_as_before = of_reference.simulate
     monkeypatch.setattr(of_reference, "simulate", simulate)
     assert run_reference([tiny, *SHAKEN, "--members", "3", "--out", str(tmp_path / "run.h5")]) == 1
-    told = capsys.readouterr()
-    assert without_progress(told.err).startswith("error: member of seed 2: out of memory")
-    assert "2 of 3 members ended: median and range are of these" in told.out
+    printed = capsys.readouterr()
+    assert without_progress(printed.err).startswith("error: member of seed 2: out of memory")
+    assert "2 of 3 members ended: median and range are of these" in printed.out
     assert pd.read_csv(tmp_path / "run_members.csv")["run"].to_list() == ["run_s1", "run_s3"]
 
 

@@ -64,8 +64,8 @@ def test_an_old_history_has_the_defaults_of_younger_options(tmp_path):
 
 def test_joints_are_by_face_alone():
     assert parse_run(["--joints", "face"], "test", "yade").model == ModelOptions()
-    told = one_line_error(parse_run, ["--joints", "centres"], "test", "yade")
-    assert "--joints: centres: expected face" in told and "removed in version 0.2" in told
+    message = one_line_error(parse_run, ["--joints", "centres"], "test", "yade")
+    assert "--joints: centres: expected face" in message and "removed in version 0.2" in message
 
 
 @pytest.mark.parametrize(("versions", "model", "normals"), [

@@ -68,9 +68,9 @@ def test_a_half_brick_pier_with_its_cap_vibrates(options):
 
 def test_the_command_tells_periods_and_stress_as_json(capsys):
     assert main(["modes", str(REPOSITORY / "walls/symmetric.py"), "--json", "--load", "piers"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["pier_stress_pa"] == pytest.approx(0.3e6)
-    assert told["period_s"][0] == pytest.approx(0.1436, abs=5e-5)  # about 1 / sqrt(2) of 0.2003 s: half of the mass
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["pier_stress_pa"] == pytest.approx(0.3e6)
+    assert printed["period_s"][0] == pytest.approx(0.1436, abs=5e-5)  # about 1 / sqrt(2) of 0.2003 s: half of the mass
 
 
 def test_half_bricks_on_one_point_each_can_turn_and_are_refused():

@@ -56,7 +56,7 @@ WALLS = {
 
 
 @pytest.mark.parametrize("text", WALLS)
-def test_a_wall_file_that_fails_is_told_with_its_line(text, tmp_path, capsys):
+def test_a_wall_file_that_fails_is_reported_with_its_line(text, tmp_path, capsys):
     path = tmp_path / "wall.py"
     path.write_text(text)
     for run in (lambda: commands.main(["modes", str(path)]),
@@ -205,12 +205,12 @@ def test_files_of_a_field_are_looked_at_before_they_are_read(tmp_path):
     assert "line 2: uz_m is beyond 1000" in one_line_error(read_field, tmp_path / "far.csv")
 
 
-def test_a_crack_whose_name_grows_when_it_is_escaped_is_told_in_one_line_of_bounded_length(tmp_path):
+def test_a_crack_whose_name_grows_when_it_is_escaped_is_reported_in_one_line_of_bounded_length(tmp_path):
     """4000 zero bytes behind its name: each is four characters where they are shown."""
     zeros = "\0" * 4000
     (tmp_path / "zeros.csv").write_text(f"{HEAD}a{zeros},4,0,0,1\n")
-    told = one_line_error(read_cracks, tmp_path / "zeros.csv")
-    assert "\\x00" in told and told.endswith("expected 1 where a polyline begins") and len(told) < 1600
+    message = one_line_error(read_cracks, tmp_path / "zeros.csv")
+    assert "\\x00" in message and message.endswith("expected 1 where a polyline begins") and len(message) < 1600
 
 
 def test_a_long_crack_is_mapped_as_one_piece_would_be(tmp_path, monkeypatch):
@@ -307,7 +307,7 @@ def test_a_missing_library_is_named(library, words, tmp_path):
     assert f"cannot import {library}: expected Debian's package python3-{library}, or pip install" in done.stderr
 
 
-def test_a_program_that_imports_names_is_told_the_same(tmp_path):
+def test_a_program_that_imports_names_is_reported_the_same(tmp_path):
     path = stand_in(tmp_path, "h5py", "raise ModuleNotFoundError('none here', name='h5py')")
     code = "from damage import Wall\nfrom damage import read_history"
     done = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True,
@@ -331,7 +331,7 @@ def test_compiled_code_finds_a_place_where_none_can_be_written(tmp_path):
     shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
     for path in (file, *(package / folder / "__pycache__" for folder in ("mechanics", "reference/fast"))):
         path.touch()
-    code = ("import numba, os, damage.reference.fast.step as k; print(k.__file__, numba.config.CACHE_DIR,"
+    code = ("import numba, os, damage.reference.fast.alone as k; print(k.__file__, numba.config.CACHE_DIR,"
             " os.path.isdir(numba.config.CACHE_DIR))")
     odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"), str(file))
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path,

@@ -48,7 +48,7 @@ PATH = [  # opening, shear displacement; slip accumulated, offset [m]
 
 
 class Pair:
-    """Two bricks of the reference solver, the upper one put where it is told."""
+    """Two bricks of the reference solver, the upper one at a prescribed position."""
 
     def __init__(self, joint=None, model=None):
         self.layout = lay_out(PAIR if joint is None else Wall("pair", 0.1125, 0.15, precompression=0.0, joint=joint),
@@ -201,8 +201,8 @@ def test_a_history_without_offsets_is_judged_by_accumulated_and_says_so(rattled,
         labels = [text.get_text() for text in picture(old).legends[0].get_texts()]
         assert any("accumulated" in label for label in labels)
     assert main(["index", str(old.path)]) == 0
-    told = capsys.readouterr()
-    assert "slip by accumulated" in told.out and "no offsets" in told.err
+    printed = capsys.readouterr()
+    assert "slip by accumulated" in printed.out and "no offsets" in printed.err
     assert main(["cracks", str(old.path)]) == 0
     assert "no offsets" in capsys.readouterr().out
 

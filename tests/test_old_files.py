@@ -47,9 +47,9 @@ def test_a_history_says_what_it_said_then(run, old):
         assert now[name] == (pytest.approx(value, rel=1e-12) if isinstance(value, float) else value), name
     assert {now[name] for name in names(MADE_BY) if name != "measures_digest"} == {UNKNOWN}
     index = pd.read_csv(old / f"out/tables/{run}_index.csv")
-    told = index_table(history).reset_index(drop=True)
-    pd.testing.assert_frame_equal(told[list(index)], index, rtol=1e-8, check_dtype=False)
-    assert set(told["slip"]) == {"accumulated"} and told["accumulated_DI"].equals(told["DI"])
+    found = index_table(history).reset_index(drop=True)
+    pd.testing.assert_frame_equal(found[list(index)], index, rtol=1e-8, check_dtype=False)
+    assert set(found["slip"]) == {"accumulated"} and found["accumulated_DI"].equals(found["DI"])
     assert summarise(history)["max"]["DI"] > 0.1
 
 

@@ -66,10 +66,10 @@ def test_runs_of_another_version_are_named_and_kept_or_made_again(repository):
     changed = repository / "damage" / "run" / "schedule.py"  # nothing that has to be compiled again
     changed.write_text(changed.read_text() + "\n\nSIGN = 1.0\n")
     done = batch(repository)
-    _, told = done.communicate(timeout=300)
-    assert done.returncode == 0, told
-    assert f"warning: {len(old)} runs were made by another version of the model (reference " in told
-    assert "are kept; --remake makes them again" in told and all(name in told for name in old)
+    _, printed = done.communicate(timeout=300)
+    assert done.returncode == 0, printed
+    assert f"warning: {len(old)} runs were made by another version of the model (reference " in printed
+    assert "are kept; --remake makes them again" in printed and all(name in printed for name in old)
     kept = there()
     assert len(kept) == 5 and all(kept[name] == content for name, content in old.items())
     summary = pd.read_csv(repository / "out" / "tables" / "summary.csv").set_index("run")
@@ -77,8 +77,8 @@ def test_runs_of_another_version_are_named_and_kept_or_made_again(repository):
     assert set(summary.loc[list(old), "model_digest"]) == {read_head(runs / f"{next(iter(old))}.h5").model.split()[1]}
 
     done = batch(repository, "--remake")
-    _, told = done.communicate(timeout=300)
-    assert done.returncode == 0 and "are made again" in told, told
+    _, printed = done.communicate(timeout=300)
+    assert done.returncode == 0 and "are made again" in printed, printed
     new = there()
     assert all((new[name] != content) == (name in old) for name, content in kept.items())
     summary = pd.read_csv(repository / "out" / "tables" / "summary.csv")
@@ -149,7 +149,7 @@ def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
         "checks": "refuses", "errors": "words", "files": "reads, writes", "version": "words", "provenance": "digests",
         "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/schema": "names",
         "history/shown": "words", "history/structure": "refuses", "history/values": "refuses",
-        "measure/columns": "words", "measure/doubts": "words", **dict.fromkeys(
+        "measure/columns": "words", "measure/warnings": "words", **dict.fromkeys(
             ("motion/drive", "motion/loading", "motion/record", *(f"wall/{name}" for name in (
                 "caps", "compliance", "fibres", "kinds", "kinematics", "layout", "lintel", "parameters",
                 "split", "supports"))), "of the model's digest")}

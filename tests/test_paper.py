@@ -107,13 +107,13 @@ def where(table, wall="symmetric", period=None, amplitude=None, cycles=3, scale=
 class TestReadings:
     def test_each_reading_is_judged_by_its_own_runs(self, papers_world, tmp_path):
         """The default contradicts P4 by displacement, other loads and periods do not."""
-        mended = papers_world.assign(run="b-" + papers_world["run"], load="piers")
+        renamed = papers_world.assign(run="b-" + papers_world["run"], load="piers")
         stiff = papers_world[papers_world["wall"] == "symmetric"].assign(eigen_period_s=0.1742, time_step_s=1.5e-5)
         papers_world.loc[where(papers_world, period=0.33, amplitude=0.025), "max_DI"] = 0.05
         folder = tmp_path / "readings" / "tables"
         folder.mkdir(parents=True)
         stiff = stiff.assign(run="c-" + stiff["run"], load="length")
-        pd.concat([papers_world.assign(load="length"), mended, stiff]).to_csv(folder / "summary.csv", index=False)
+        pd.concat([papers_world.assign(load="length"), renamed, stiff]).to_csv(folder / "summary.csv", index=False)
         found = {reading.words: findings for reading, findings in judge_readings(tmp_path).items()}
         assert list(found) == ["by default", "0.3 MPa in the piers", "2 cycles", "T0 0.175 s"]
 
@@ -241,8 +241,8 @@ def test_kept_tables_say_what_the_runs_said(papers_world, judged, tmp_path):
     for finding in kept:
         of_run = of_runs[finding.claim.id, finding.lintel, finding.slip]
         assert (finding.value, finding.verdict) == (of_run.value, of_run.verdict)
-    told = {finding.value for finding in kept}
-    assert any("fell" in value for value in told) and any("243 runs" in value for value in told)
+    values = {finding.value for finding in kept}
+    assert any("fell" in value for value in values) and any("243 runs" in value for value in values)
 
 
 @pytest.mark.parametrize(("claim", "run", "values"), [
@@ -328,8 +328,8 @@ def test_offsets_and_what_accumulated_are_judged_side_by_side(papers_world, judg
     findings = judged(both)
     assert [findings["P4", "elastic", slip].verdict for slip in CRITERIA] == [HOLDS, DIFFERS, HOLDS]
     assert main(["paper", str(tmp_path)]) == 0
-    told = capsys.readouterr().out
-    assert "offsets" not in told and "by any of these" in told
+    printed = capsys.readouterr().out
+    assert "offsets" not in printed and "by any of these" in printed
 
 
 def test_a_statement_sums_up_its_claims(papers_world, judged):

@@ -55,25 +55,26 @@ def test_an_estimate_by_hand(study, known):
 
 
 def test_runs_step_together_where_there_are_enough_for_all_processes(study):
-    assert set(plan.ways_of(study.runs, 3).values()) == {"together"}  # 20 runs that are alike
-    assert set(plan.ways_of(study.runs, 4).values()) == {"alone"}
+    most = 20 // plan.LEAST_LANES  # of 20 runs that are alike
+    assert set(plan.ways_of(study.runs, most).values()) == {"together"}
+    assert set(plan.ways_of(study.runs, most + 1).values()) == {"alone"}
 
 
 def test_the_time_is_a_range_with_what_the_batch_itself_takes(study, tmp_path, capsys, known, monkeypatch):
     """Of ten or twenty runs, pictures of two of them, and one batch."""
     one_s = plan.estimate(study.runs[0], "together", known).seconds
     around_s = 2 * (2 * plan.PICTURES_S + plan.BATCH_S)
-    plan.tell(study, tmp_path / "out", 1)
-    told = capsys.readouterr().out
+    plan.print_plan(study, tmp_path / "out", 1)
+    printed = capsys.readouterr().out
     assert (f"expected: {plan.duration(0.6 * (10 * one_s + around_s))} to {plan.duration(2 * (20 * one_s + around_s))} "
-            "with 1 at a time") in told
-    assert "by this machine's speed, measured once: 5.2 ns" in told and "compiling" not in told
+            "with 1 at a time") in printed
+    assert "by this machine's speed, measured once: 5.2 ns" in printed and "compiling" not in printed
     monkeypatch.setattr(plan, "is_cached", lambda: False)
     monkeypatch.setattr(plan, "speed", lambda: None)
     monkeypatch.setattr(plan, "python_seconds", lambda: 3 * plan.PYTHON_S)
-    plan.tell(study, tmp_path / "out", 1)
-    told = capsys.readouterr().out
-    assert "with compiling the solver once, about 0:01:15" in told and "not compiled yet" in told
+    plan.print_plan(study, tmp_path / "out", 1)
+    printed = capsys.readouterr().out
+    assert "with compiling the solver once, about 0:01:15" in printed and "not compiled yet" in printed
 
 
 def test_the_dry_run_tells_all_and_makes_nothing(study, tmp_path):
@@ -94,12 +95,12 @@ def test_what_is_there_sets_the_scale(study, tmp_path, capsys, known):
     (folder / "runs" / f"{run.id}.members").write_text(run.first)
     began = plan.datetime.fromisoformat(history.attributes["created_utc"]).timestamp()
     os.utime(history.path, (began, began + 100))
-    plan.tell(study, folder, 4)  # too few runs for groups in all processes
-    told = capsys.readouterr().out
-    assert "there, 1 runs" in told and "points: 2, 1 there; runs to make: up to 10" in told
-    assert "and what those that are there took (1)" in told
-    assert "5 to 10 runs of about 0:01:40" in told  # the other motion has as many steps
-    plan.tell(study, folder, 1)  # those of a group took the group's time
+    plan.print_plan(study, folder, 20 // plan.LEAST_LANES + 1)  # too few runs for groups in all processes
+    printed = capsys.readouterr().out
+    assert "there, 1 runs" in printed and "points: 2, 1 there; runs to make: up to 10" in printed
+    assert "and what those that are there took (1)" in printed
+    assert "5 to 10 runs of about 0:01:40" in printed  # the other motion has as many steps
+    plan.print_plan(study, folder, 1)  # those of a group took the group's time
     assert "5 to 10 runs of about 0:00:01" in capsys.readouterr().out
 
 

@@ -40,8 +40,8 @@ def test_each_field_is_held_to_its_range(name):
     for value in (least, np.sqrt(least * most), most):
         assert implausible(with_value(name, value)) == []
     for value in (least / 1.01, most * 1.01):
-        (told,) = implausible(with_value(name, value))
-        assert told.startswith(f"{name} = ") and f" {unit}, expected " in told
+        (message,) = implausible(with_value(name, value))
+        assert message.startswith(f"{name} = ") and f" {unit}, expected " in message
     assert implausible(with_value(name, 0.0)) == []  # no wrong unit makes it; where it cannot be, it is refused before
 
 
@@ -59,11 +59,11 @@ def test_every_number_of_a_wall_but_places_has_a_range():
     ("Brick.density", 1.9, "1.9 t/m3 is 1.9e3 kg/m3"), ("Brick.density", 18.6, "18.6 kN/m3 is 1896 kg/m3"),
     ("Brick.length", 21.0, "21 cm is 21e-2 m"), ("Wall.length", 600.0, "600 mm is 600e-3 m, 600 cm is 600e-2 m")])
 def test_the_unit_that_was_meant_is_named(name, value, meant):
-    (told,) = implausible(with_value(name, value))
-    assert meant in told
+    (message,) = implausible(with_value(name, value))
+    assert meant in message
 
 
-def test_a_fault_is_told_in_one_line_of_all_fields_and_once():
+def test_a_fault_is_reported_in_one_line_of_all_fields_and_once():
     said = one_line_error(check_plausible, IN_MPA)
     assert "tensile_strength = 0.1 Pa, expected 1000 to 1e7 Pa, or 0: 0.1 MPa is 0.1e6 Pa" in said
     assert "cohesion = 0.15 Pa" in said and "--accept-implausible" in said
@@ -104,8 +104,8 @@ def test_modes_refuses_a_wall_unless_it_is_accepted(tmp_path, capsys):
     path.write_text("from damage import Joint, Wall\n\n\ndef wall():\n"
                     "    return Wall('w', 0.45, 0.15, joint=Joint(tensile_strength=0.1, cohesion=0.15))\n")
     assert main(["modes", str(path)]) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.startswith("error: ") and "0.15 MPa is 0.15e6" in told.err
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.startswith("error: ") and "0.15 MPa is 0.15e6" in printed.err
     assert main(["modes", str(path), "--accept-implausible"]) == 0
     assert "mode 1" in capsys.readouterr().out
 

@@ -70,14 +70,14 @@ def prepare(words, solver="reference"):
 
 def that_go(function, template, files):
     """Those of ODD with which `function(words)` does not complain; of the others one line is held to what it says."""
-    told = {}
+    complaint_by_word = {}
     for value in ODD:
         words = [files.get(word, word).replace("?", value) for word in template.split()]
-        told[value] = complaint_of(function, words)
-    complaints = [complaint for complaint in told.values() if complaint is not None]
+        complaint_by_word[value] = complaint_of(function, words)
+    complaints = [complaint for complaint in complaint_by_word.values() if complaint is not None]
     for complaint in complaints:
         assert "\n" not in complaint and any(word in complaint for word in ("expected", "invalid", "choose", "stable"))
-    return " ".join(value for value, complaint in told.items() if complaint is None)
+    return " ".join(value for value, complaint in complaint_by_word.items() if complaint is None)
 
 
 def complaint_of(function, *arguments):
@@ -155,9 +155,9 @@ FIELDS = {
 @pytest.mark.parametrize("field", FIELDS)
 def test_numbers_of_a_wall_and_a_record(field):
     make, goes = FIELDS[field]
-    told = {word: complaint_of(make, float(word)) for word in ODD if word not in ("", "abc", "9" * 5000)}
-    assert " ".join(word for word, complaint in told.items() if complaint is None) == goes
-    assert all("expected" in complaint for complaint in told.values() if complaint is not None)
+    complaint_by_word = {word: complaint_of(make, float(word)) for word in ODD if word not in ("", "abc", "9" * 5000)}
+    assert " ".join(word for word, complaint in complaint_by_word.items() if complaint is None) == goes
+    assert all("expected" in complaint for complaint in complaint_by_word.values() if complaint is not None)
 
 
 def test_a_wall_of_more_bricks_or_contact_points_than_can_be():

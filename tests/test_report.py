@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from damage.measure.doubts import energy_doubts, static_doubts
+from damage.measure.warnings import energy_warnings, static_warnings
 
 
 @pytest.mark.parametrize(("broken", "unbalanced", "words"), [
@@ -12,13 +12,13 @@ from damage.measure.doubts import energy_doubts, static_doubts
     (0, float("nan"), []),  # interrupted before the static stage ended
     (1, 1.0, ["1 contact points broke", "at rest"]),
 ])
-def test_an_odd_static_stage_is_told(broken, unbalanced, words):
+def test_an_odd_static_stage_is_reported(broken, unbalanced, words):
     history = SimpleNamespace(static={"broken_joints": broken, "unbalanced_force": unbalanced})
-    warnings = static_doubts(history)
+    warnings = static_warnings(history)
     assert len(warnings) == len(words)
     assert all(word in warning for word, warning in zip(words, warnings))
 
 
-@pytest.mark.parametrize(("error", "told"), [(None, 0), (0.02, 0), (0.05, 1), (1e15, 1), (float("nan"), 1)])
-def test_an_energy_error_that_spoils_a_run_is_told(error, told):
-    assert len(energy_doubts(error)) == told
+@pytest.mark.parametrize(("error", "count"), [(None, 0), (0.02, 0), (0.05, 1), (1e15, 1), (float("nan"), 1)])
+def test_an_energy_error_that_spoils_a_run_is_reported(error, count):
+    assert len(energy_warnings(error)) == count

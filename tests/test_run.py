@@ -1,4 +1,4 @@
-"""The story of a run, told to a solver that only keeps its clock: stages, samples, ends, what is written of them."""
+"""The stages, samples and ends of a run with a solver that only keeps its clock, and what is written of them."""
 
 from pathlib import Path
 
@@ -26,6 +26,8 @@ SHAKEN = ["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3"]
 class Clockwork:
     """A solver whose bodies stand still but for the drop of brick 0, and whose energies are what a test says; it tells
     of so many samples at once."""
+
+    stretch_samples = 0
 
     def __init__(self, layout, at_once=1, unbalanced=0.0, falls_at_step=None, kinetic_j=lambda step: 0.0, damping_j=0.0,
                  input_j=lambda step: 0.0, slip_m=lambda step: 0.0, offset_m=lambda step: 0.0,
@@ -59,7 +61,7 @@ class Clockwork:
     def move_supports(self, velocities):
         self.log.append(("move", velocities))
 
-    def advance(self, n_steps, sample_steps=None, on_samples=None):
+    def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
         end, seen = self.clock + n_steps, [self.instants()] if on_samples and self.clock == 0 else []
         goes_on = not seen or on_samples(*seen)
         seen.clear()
@@ -120,8 +122,8 @@ def at_once(request):
 
 
 @pytest.fixture
-def tell(tmp_path, at_once):
-    """tell(words, keep_going, **of the Clockwork): runs it; returns (finished, Run, Clockwork, History)."""
+def run_through(tmp_path, at_once):
+    """run_through(words, keep_going, **of the Clockwork): runs it; returns (finished, Run, Clockwork, History)."""
     def run(words=SHAKEN, keep_going=lambda run, time_s: True, solver="yade", **clockwork):
         layout = small_layout()
         settings = parse_run(list(words), "test", solver)
@@ -130,19 +132,19 @@ def tell(tmp_path, at_once):
         writer = HistoryWriter(path, layout, solver="yade", parameters={
             "loading": settings.loading.as_dict(), "wall": layout.wall.as_dict(), "model": {}},
             versions={}, overwrite=True)
-        told = Run(layout, settings, fake, writer, keep_going)
-        (finished,) = take_turns([told.settle_under_gravity()])
+        run = Run(layout, settings, fake, writer, keep_going)
+        (finished,) = take_turns([run.settle_under_gravity()])
         if finished:
-            told.start(np.ones((len(layout.bodies), 3)))
-            (finished,) = take_turns([told.run_all()])
-        writer.finish("complete" if finished else "interrupted", told.collapsed_at_s)
-        return finished, told, fake, read_history(path)
+            run.start(np.ones((len(layout.bodies), 3)))
+            (finished,) = take_turns([run.run_all()])
+        writer.finish("complete" if finished else "interrupted", run.collapsed_at_s)
+        return finished, run, fake, read_history(path)
 
     return run
 
 
-def test_stages_bear_their_names_up_to_their_last_sample(tell):
-    finished, run, _, history = tell()
+def test_stages_bear_their_names_up_to_their_last_sample(run_through):
+    finished, run, _, history = run_through()
     assert finished
     ends = history.series.groupby("stage", observed=True)["time_s"].max()
     assert_allclose(ends[["motion", "rest", "settling"]], [0.2, 0.5, 1.0])
@@ -150,34 +152,34 @@ def test_stages_bear_their_names_up_to_their_last_sample(tell):
     assert_allclose(run.duration_s, 1.0)
 
 
-def test_static_stage_ramps_gravity_up_and_ends_at_a_look_with_the_wall_at_rest(tell):
-    _, _, fake, history = tell()
+def test_static_stage_ramps_gravity_up_and_ends_at_a_look_with_the_wall_at_rest(run_through):
+    _, _, fake, history = run_through()
     assert history.static["duration_s"] == LOOK_STEPS * DT
     assert fake.log[:2] == [{"local": LOCAL_DAMPING}, "start"]
 
 
-def test_static_stage_that_finds_no_rest_gives_up_and_says_so(tell):
-    _, _, _, history = tell(unbalanced=1.0)
+def test_static_stage_that_finds_no_rest_gives_up_and_says_so(run_through):
+    _, _, _, history = run_through(unbalanced=1.0)
     assert_allclose(history.static["duration_s"], RAMP_S + HOLD_AT_MOST_S, atol=LOOK_STEPS * DT)
     assert history.static["duration_s"] > RAMP_S + HOLD_AT_MOST_S
     assert_allclose(history.static["unbalanced_force"], 1.0)
 
 
-def test_gravity_comes_in_whole_steps_and_stays(tell):
+def test_gravity_comes_in_whole_steps_and_stays(run_through):
     ramps = []
-    tell(keep_going=lambda run, time_s: ramps.append(run.solver.gravity) or True)
+    run_through(keep_going=lambda run, time_s: ramps.append(run.solver.gravity) or True)
     assert_allclose(ramps[0], GRAVITY * np.arange(201) / 200)
     assert_allclose(ramps[-1], [GRAVITY])
 
 
-def test_settling_is_damped_and_the_motion_is_not(tell):
-    _, _, fake, _ = tell(["--rest", "0.1", "--beta", "1e-6"], solver="reference")
+def test_settling_is_damped_and_the_motion_is_not(run_through):
+    _, _, fake, _ = run_through(["--rest", "0.1", "--beta", "1e-6"], solver="reference")
     assert [how for how in fake.log if isinstance(how, dict)] == [
         {"adaptive": 1.0}, *2 * [{"alpha": 0.0, "beta": 1e-6}], {"local": LOCAL_DAMPING}]
 
 
-def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(tell):
-    _, run, fake, history = tell(["--pushover", "0.02", "--speed", "0.01", "--boundary", "fixed"])
+def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(run_through):
+    _, run, fake, history = run_through(["--pushover", "0.02", "--speed", "0.01", "--boundary", "fixed"])
     assert ("hold", True) in fake.log
     velocities = [what[1] for what in fake.log if isinstance(what, tuple) and what[0] == "push"]
     loading, height = run.settings.loading, run.layout.pushed_height
@@ -187,8 +189,8 @@ def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(tell):
     assert_allclose(np.sum(velocities[:-1]) * 10 * DT, 0.02 / 100 * height)
 
 
-def test_collapse_is_an_end_and_the_last_sample(tell):
-    finished, run, _, history = tell(falls_at_step=195, breaks_at_steps=(7, 198, 200, 201, 207))
+def test_collapse_is_an_end_and_the_last_sample(run_through):
+    finished, run, _, history = run_through(falls_at_step=195, breaks_at_steps=(7, 198, 200, 201, 207))
     assert_allclose(history.events["time_s"], [0.007, 0.198, 0.2])
     assert finished and history.collapsed_at_s == run.collapsed_at_s == pytest.approx(0.2)
     assert history.series["time_s"].iloc[-1] == history.collapsed_at_s
@@ -197,37 +199,38 @@ def test_collapse_is_an_end_and_the_last_sample(tell):
 
 
 @pytest.mark.parametrize("until_s, samples", [(-1.0, 0), (0.3, 51)])
-def test_interrupt_ends_at_the_next_look_and_keeps_what_was_seen(tell, until_s, samples):
+def test_interrupt_ends_at_the_next_look_and_keeps_what_was_seen(run_through, until_s, samples):
     """Before time zero no sample exists; later the steps up to the look are kept."""
-    finished, _, _, history = tell(
+    finished, _, _, history = run_through(
         keep_going=lambda run, time_s: (run.stage == "static" and until_s > 0) or time_s < until_s)
     assert not finished and history.status == "interrupted"
     assert len(history.series) == samples
 
 
-def test_damping_that_a_solver_cannot_tell_is_what_the_balance_lacks_in_settling(tell):
+def test_damping_that_a_solver_cannot_tell_is_what_the_balance_lacks_in_settling(run_through):
     """10 J that swing away before settling are an error, which stays one; 3 J that go in settling were damped."""
-    _, _, _, history = tell(kinetic_j=lambda step: 10.0 if step <= 250 else 6.0 if step <= 700 else 3.0, damping_j=None)
+    _, _, _, history = run_through(
+        kinetic_j=lambda step: 10.0 if step <= 250 else 6.0 if step <= 700 else 3.0, damping_j=None)
     damped = history.series.set_index(history.series["time_s"].round(3))["damping_energy_j"]
     assert damped[0.5] == 0.0
     assert_allclose([damped[0.6], damped[1.0]], [0.0, 3.0])
 
 
-def test_events_count_from_time_zero(tell):
+def test_events_count_from_time_zero(run_through):
     def break_one(run, time_s):
         if run.solver.clock in (0, LOOK_STEPS):
             run.solver.events.append((run.solver.clock, 0, "tension", 1.0, 2.0, 0.0, 0.0))
         return True
 
-    _, _, _, history = tell(keep_going=break_one)
+    _, _, _, history = run_through(keep_going=break_one)
     # One at the start of the static stage, which lasted one look; one at time zero; one a look later.
     assert_allclose(history.events["time_s"], [-LOOK_STEPS * DT, 0.0, LOOK_STEPS * DT])
 
 
-def test_offsets_are_drawn_with_the_seed(tell):
+def test_offsets_are_drawn_with_the_seed(run_through):
     offsets = []
     for seed in (1, 1, 2):
-        _, _, fake, _ = tell([*SHAKEN, "--perturb", "1e-9", "--seed", str(seed)])
+        _, _, fake, _ = run_through([*SHAKEN, "--perturb", "1e-9", "--seed", str(seed)])
         offsets.append(fake.log[0])
     assert np.array_equal(offsets[0], offsets[1]) and not np.array_equal(offsets[0], offsets[2])
     assert_allclose(np.std(offsets[0]), 1e-9, rtol=0.3)
@@ -270,7 +273,7 @@ def test_all_steps_of_a_turn_are_taken_at_once():
         return [None] * len(asked)
 
     take_turns([Counter().turns(1, 2, 3), Counter().turns(4)], move)
-    assert moved == [[1, 4], [2], [3], []]
+    assert moved == [[1, 4], [2], [3]]
 
 
 # --- runs that are not to be believed ---------------------------------------------------------------
@@ -295,10 +298,10 @@ def session(tmp_path, capsys, monkeypatch, at_once):
 @pytest.mark.parametrize("error, failed, warned", [(0.02, False, 0), (0.9, False, 1), (1.1, True, 0), (1e15, True, 0)])
 def test_a_run_whose_energies_do_not_balance_has_failed(session, error, failed, warned):
     """100 J came in at once, and all but what the test says to be wrong went into motion."""
-    status, told, history = session(input_j=lambda step: 100.0 * (step > 0),
+    status, printed, history = session(input_j=lambda step: 100.0 * (step > 0),
                                     kinetic_j=lambda step: 100.0 * (1 + error) * (step > 0))
     assert (status, history.status) == ((1, "failed") if failed else (0, "complete"))
-    assert [line.partition(":")[0] for line in told] == ["error"] * failed + ["warning"] * warned
+    assert [line.partition(":")[0] for line in printed] == ["error"] * failed + ["warning"] * warned
     summary = summarise(history)
     assert_allclose(summary["energy_error_fraction"], error)
     assert len(summary["warnings"]) == (error > 0.03)
@@ -313,9 +316,9 @@ def test_an_error_while_the_wall_settles_is_none(session):
 @pytest.mark.parametrize("odd", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("what", ["kinetic_j", "input_j", "slip_m", "offset_m"])
 def test_a_run_that_blows_up_ends_at_once_and_keeps_what_was_finite(session, what, odd):
-    status, told, history = session(**{what: lambda step: odd if step >= 1000 else 0.0})
+    status, printed, history = session(**{what: lambda step: odd if step >= 1000 else 0.0})
     assert (status, history.status) == (1, "failed")
-    assert len(told) == 1 and "the run blew up" in told[0] and "no longer finite" in told[0]
+    assert len(printed) == 1 and "the run blew up" in printed[0] and "no longer finite" in printed[0]
     steps = sample_steps(history.time_step_s)
     assert_allclose(history.series["time_s"], np.arange(999 // steps + 1) * steps * history.time_step_s)
     finite = history.series.drop(columns=["stage", "top_force_n"])
@@ -323,9 +326,9 @@ def test_a_run_that_blows_up_ends_at_once_and_keeps_what_was_finite(session, wha
 
 
 def test_a_solver_that_raises_ends_the_run_in_one_line(session):
-    status, told, history = session(raises_at_step=1000)
+    status, printed, history = session(raises_at_step=1000)
     assert (status, history.status) == (1, "failed")
-    assert len(told) == 1 and "forces are no longer finite" in told[0] and " s)" in told[0]
+    assert len(printed) == 1 and "forces are no longer finite" in printed[0] and " s)" in printed[0]
 
 
 @pytest.mark.parametrize("input_j, known", [(0.0, False), (1e-9, False), (1e-3, True)])

@@ -104,14 +104,14 @@ class TestRecords:
         assert new in lines[1]
         path.write_text("".join(lines))
         found, faults = look_at(path)
-        assert (list(found), [(number, told) for number, _, told in faults]) == (["a_reference_s1"], [(2, what)])
+        assert (list(found), [(number, fault) for number, _, fault in faults]) == (["a_reference_s1"], [(2, what)])
         (tmp_path / "shards" / "0000.done").touch()
         warnings = write_shards(SimpleNamespace(runs=[point("a")]), tmp_path, "all", 10)
         name = "c" if new.endswith('"c"') else "b"
         assert warnings == [f"{path} line 2: the record of {name} was changed since it was written ({what}): it counts "
                             "as not made"]
         assert list(read_records(path)) == ["a_reference_s1"] and not (tmp_path / "shards" / "0000.done").exists()
-        assert write([point("a")])[1] == []  # told once
+        assert write([point("a")])[1] == []  # reported once
 
     @pytest.mark.parametrize(("name", "value", "good"), [
         ("max_DI", 1.0, True), ("max_DI", 7.95, False), ("residual_accumulated_DI_slip", -0.1, False),
@@ -194,14 +194,14 @@ class TestShards:
         (tmp_path / "shards" / "0000.rows").write_text("".join(map(line_of, (old, before))))
         history = tmp_path / "runs" / "a_reference_s2.h5"
         (tmp_path / "runs" / "a_reference.members").write_text("a_reference_s1\na_reference_s2\n")
-        told = "the index or measures of 1 runs are .*: a_reference_s1; expected one definition .* give --remake"
-        both = told.replace("1 runs", "2 runs").replace("s1;", "s1, a_reference_s2;")
+        message = "the index or measures of 1 runs are .*: a_reference_s1; expected one definition .* give --remake"
+        both = message.replace("1 runs", "2 runs").replace("s1;", "s1, a_reference_s2;")
         for refused in (lambda: versions.of_other_measures(study, tmp_path, remake=False),
                         lambda: summary_of(study, tmp_path)):
             with pytest.raises(InputError, match=both):
                 refused()
             make_history(history, overwrite=True)
-            with pytest.raises(InputError, match=told):
+            with pytest.raises(InputError, match=message):
                 refused()
             history.unlink()
         make_history(history)
@@ -211,19 +211,6 @@ class TestShards:
         assert not (tmp_path / "runs" / "a_reference.members").exists()  # one is to be run again
         (tmp_path / "runs" / "a_reference.members").write_text("a_reference_s2\n")
         assert set(summary_of(study, tmp_path)["measures_digest"]) == {measures_digest()}
-
-    def test_idle_processes_get_lanes_where_there_are_enough_runs_for_all(self, workflow):
-        from run_shard import take_group
-
-        def taken(companies, idle):
-            waiting = [SimpleNamespace(company=company, number=k) for k, company in enumerate(companies)]
-            group = take_group(waiting, idle)
-            assert len(group) + len(waiting) == len(companies)
-            return [task.number for task in group]
-
-        assert taken("a" * 20, 1) == list(range(8)) == taken("a" * 16, 2)
-        assert taken("a" * 12, 2) == list(range(6)) and taken("a" * 10, 2) == [0] and taken("a" * 5, 1) == [0]
-        assert taken("ab" * 8, 1) == list(range(0, 16, 2)) and taken("abcdefgh", 1) == [0]
 
 
 @pytest.fixture
@@ -328,7 +315,7 @@ class TestOneRunAgain:
                     tmp_path / "tables" / "summary.csv")
         return SimpleNamespace(make=lambda: again.make_again(self.NAME, study(), tmp_path), simulate=simulate)
 
-    def test_equal_values_are_told_and_the_history_stays(self, again, tmp_path, capsys):
+    def test_equal_values_are_reported_and_the_history_stays(self, again, tmp_path, capsys):
         assert again.make() == 0
         assert "the values are those of" in capsys.readouterr().out
         assert (tmp_path / "runs" / f"{self.NAME}.h5").is_file()
@@ -338,9 +325,9 @@ class TestOneRunAgain:
     def test_other_values_are_named_and_the_history_gets_another_name(self, again, tmp_path, capsys):
         again.simulate.drift = 2e-4
         assert again.make() == 1
-        told = capsys.readouterr().err.splitlines()[-1]
-        assert told.startswith(f"error: --run {self.NAME}: ") and "columns are not those of" in told
-        assert "max_DI 0.005 -> 0.01" in told and "differs.h5" in told
+        printed = capsys.readouterr().err.splitlines()[-1]
+        assert printed.startswith(f"error: --run {self.NAME}: ") and "columns are not those of" in printed
+        assert "max_DI 0.005 -> 0.01" in printed and "differs.h5" in printed
         assert [path.name for path in (tmp_path / "runs").glob("*.h5")] == [f"{self.NAME}.differs.h5"]
 
     def test_other_inputs_are_refused_before_anything_runs(self, again, tmp_path):
@@ -349,7 +336,7 @@ class TestOneRunAgain:
             again.make()
         assert not list((tmp_path / "runs").glob("*.h5"))
 
-    def test_rows_of_other_versions_and_runs_without_a_row_are_told(self, again, tmp_path, capsys):
+    def test_rows_of_other_versions_and_runs_without_a_row_are_reported(self, again, tmp_path, capsys):
         path = tmp_path / "tables" / "summary.csv"
         table = pd.read_csv(path)
         table.assign(model_digest="0123456789ab").to_csv(path, index=False)
@@ -397,11 +384,10 @@ def test_an_interruption_says_what_it_loses(workflow, tmp_path):
     while len([*(tmp_path / "runs").glob("*.part.h5")]) < 6 and process.poll() is None and time.monotonic() < until:
         time.sleep(0.02)
     process.send_signal(signal.SIGTERM)
-    _, told = process.communicate(timeout=100)
+    _, printed = process.communicate(timeout=100)
     assert process.returncode == 130
-    assert ("@@ 6 runs step together and are saved when they have ended: an interruption loses those under way\n"
-            in told)
-    assert "@@ interrupted: 6 runs were under way and are lost; 0 that had ended are kept\n" in told
+    assert "@@ up to 6 runs step together in a process: an interruption loses those under way\n" in printed
+    assert "@@ interrupted: 6 runs were under way and are lost; 0 that had ended are kept\n" in printed
 
 
 def test_an_interrupt_while_runs_that_have_ended_leave_their_records_loses_none(workflow, tmp_path, monkeypatch):
@@ -418,5 +404,8 @@ def test_an_interrupt_while_runs_that_have_ended_leave_their_records_loses_none(
 
     monkeypatch.setattr(run_shard, "conclude", conclude)
     with ProcessPoolExecutor(1, multiprocessing.get_context("fork"), run_shard._begin_worker) as workers:
-        done = workers.submit(run_shard.do_group, tasks).result(timeout=100)
+        for task in tasks:
+            run_shard._TASKS.put(task)
+        workers.submit(run_shard.do_runs, 8).result(timeout=100)
+    done = [run_shard._ENDED.get() for _ in tasks]
     assert [(status, record["run"]) for _, status, record in done] == [(0, task.name) for task in tasks]

@@ -25,16 +25,16 @@ options = { rest = 0, dt = 0.1 }
 '''
 
 
-@pytest.mark.parametrize(("told", "status"), [
+@pytest.mark.parametrize(("printed", "status"), [
     ("JobId=7 JobState=PENDING Reason=None", "running"), ("JobId=7 JobState=RUNNING Reason=None", "running"),
     ("JobId=7 JobState=COMPLETED Reason=None", "success"), ("JobId=7 JobState=TIMEOUT Reason=None", "failed"),
     ("JobId=7 JobState=FAILED Reason=NonZeroExitCode", "failed"), ("JobId=7 JobState=CANCELLED Reason=x", "failed"),
     ("slurm_load_jobs error: Invalid job id specified", "failed"),
     ("slurm_load_jobs error: Unable to contact slurm controller", "running"),
 ])
-def test_states_of_jobs(tmp_path, told, status):
+def test_states_of_jobs(tmp_path, printed, status):
     scontrol = tmp_path / "scontrol"
-    scontrol.write_text(f'#!/bin/sh\necho "{told}"\n')
+    scontrol.write_text(f'#!/bin/sh\necho "{printed}"\n')
     scontrol.chmod(0o755)
     done = subprocess.run([STATUS, "7"], capture_output=True, text=True,
                           env={"PATH": f"{tmp_path}{os.pathsep}/usr/bin{os.pathsep}/bin"})

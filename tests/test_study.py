@@ -84,7 +84,7 @@ class TestLoading:
         one, other = run_name("walls/a.py", words), run_name("walls/a.py", [*words, "--seed", "41"])
         assert one != other and max(len(one), len(other)) <= 108
 
-    @pytest.mark.parametrize(("text", "told"), [
+    @pytest.mark.parametrize(("text", "message"), [
         ("", "name = None"),
         ('name = "a/b"', "since it names a folder"),
         ('name = "s"', "no runs"),
@@ -109,10 +109,10 @@ class TestLoading:
         (f'name = "s"\n[[runs]]\nid = "a b"\n{WALL}{HARMONIC}', "run 1: run id 'a b_yade'"),
         (f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}', "runs 1 and 2 are both"),
     ], ids=str)
-    def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, told):
+    def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, message):
         with pytest.raises(InputError) as caught:
             load_study(write_study(tmp_path, text))
-        assert told in str(caught.value) and "\n" not in str(caught.value)
+        assert message in str(caught.value) and "\n" not in str(caught.value)
 
     def test_a_missing_study_is_refused(self, tmp_path):
         with pytest.raises(InputError, match="No such file"):
@@ -147,7 +147,7 @@ class TestInputs:
         return now
 
     @pytest.mark.parametrize("solver", ["yade", "reference"])
-    @pytest.mark.parametrize(("change", "told"), [
+    @pytest.mark.parametrize(("change", "message"), [
         ({"comment": "words"}, None),
         ({"options": ", scale = 1.0, rest = 2"}, None),  # the defaults
         ({"height": 0.525}, "wall.height 0.6 -> 0.525"),
@@ -155,10 +155,10 @@ class TestInputs:
         ({"options": ", rest = 1"}, "settings.rest_s 2.0 -> 1.0"),
         ({"options": ', lintel = "none"'}, "settings.model.lintel elastic -> none"),
     ], ids=str)
-    def test_they_follow_the_wall_as_built_every_option_and_every_file(self, inputs, solver, change, told):
+    def test_they_follow_the_wall_as_built_every_option_and_every_file(self, inputs, solver, change, message):
         note = json.loads(as_note(inputs(solver=solver)))
         found = differences(note, inputs(solver=solver, **change))
-        assert found == [] if told is None else len(found) == 1 and found[0].startswith(told), found
+        assert found == [] if message is None else len(found) == 1 and found[0].startswith(message), found
 
     def test_another_default_is_another_input_and_a_new_field_at_its_default_none(self, inputs):
         now = inputs()
@@ -232,7 +232,7 @@ class TestTables:
         index = pd.read_csv(tmp_path / "t" / "one_index.csv")
         assert_allclose(index["DI"], history.index()["DI"], rtol=1e-8)  # nine digits are written
 
-    def test_a_file_that_is_no_history_is_told_in_one_line(self, tmp_path, capsys):
+    def test_a_file_that_is_no_history_is_reported_in_one_line(self, tmp_path, capsys):
         (tmp_path / "a.h5").write_text("x")
         assert main(["tables", "summary", str(tmp_path / "a.h5"), "--out", str(tmp_path / "s.csv")]) == 2
         assert capsys.readouterr().err.count("\n") == 1
@@ -344,14 +344,14 @@ class TestBatch:
         assert (done.returncode, calls) == (1, ["1", "2", "3"])
         logs = batches.out / "logs"
         assert f"failed: fails_yade; see {logs / 'fails_yade.log'}" in done.stderr
-        told = f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} (error: the history is marked unfinished"
-        assert told in done.stderr
+        line = f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} (error: the history is marked unfinished"
+        assert line in done.stderr
         assert "good" not in done.stderr
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["run"]) == ["good_yade"]
         assert [path.name for path in (batches.out / "runs").glob("*.h5") if ".part." not in path.name] == [
             "good_yade.h5"]
-        mended, calls = batches.run(batches.study(good=1, fails=1.5, unfinished=1.6))
-        assert (mended.returncode, calls) == (0, ["1.5", "1.6"]), mended.stderr
+        corrected, calls = batches.run(batches.study(good=1, fails=1.5, unfinished=1.6))
+        assert (corrected.returncode, calls) == (0, ["1.5", "1.6"]), corrected.stderr
         assert len(pd.read_csv(batches.out / "tables" / "summary.csv")) == 3
 
     def test_only_what_a_changed_parameter_touches_is_done_again(self, batches):
@@ -375,8 +375,8 @@ class TestBatch:
         log = batches.out / "logs" / "snakemake.log"
         wait_until(lambda: "1 of 8 steps" in log.read_text())  # b is done and noted
         process.send_signal(getattr(signal, name))
-        _, told = process.communicate(timeout=300)
-        assert process.returncode == 130 and "goes on from here" in told
+        _, printed = process.communicate(timeout=300)
+        assert process.returncode == 130 and "continues from here" in printed
         assert running(batches.folder) == []
         done, calls = batches.run(batches.study("all", a=1.2, b=1))
         assert (done.returncode, calls) == (0, ["1.2"]), done.stderr

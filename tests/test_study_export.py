@@ -58,5 +58,5 @@ def test_both_libraries_read_what_stands_in_the_csv(folder, tmp_path):
     for kind in found.values():
         for name, table in study_tables(folder).items():
             pd.testing.assert_frame_equal(pd.DataFrame(kind[name]["columns"]), table, check_dtype=False)
-        assert kind["runs"]["told"]["max_crack_width_mm"][0] == "mm"
-        assert "median of the runs" in kind["points"]["told"]["max_DI"][1]
+        assert kind["runs"]["described"]["max_crack_width_mm"][0] == "mm"
+        assert "median of the runs" in kind["points"]["described"]["max_DI"][1]

@@ -331,7 +331,7 @@ class TestPanels:
         letter(axes[0, 1], 26, "next")
         assert [ax.get_title(loc="left") for ax in axes[0]] == ["(z)", "(aa) next"]
 
-    def test_scales_apart_are_told_and_hidden_panels_do_not_count(self):
+    def test_scales_apart_are_reported_and_hidden_panels_do_not_count(self):
         _, axes = grid(1, 3, 1.0)
         for ax, top in zip(axes[0], (0.01, 0.5, 1e-9)):
             ax.set_ylim(0, top)
@@ -422,7 +422,7 @@ class TestChoices:
         edge = ax.transData.transform([[at, 0] for at in (*points["max_shear_limit_DI"][:2], 0.0)])[:, 0]
         assert np.all(x > edge)  # beyond all that stand, and far from an index of zero
         assert "fell: beyond the scale of the index" in text(figure)
-        assert not any(other.has_data() for other in others)  # one second has no default to be held against
+        assert not any(other.has_data() for other in others)  # one second has no default to be compared with
 
     def test_without_a_default_there_is_no_figure(self):
         with pytest.raises(Missing, match="default point"):

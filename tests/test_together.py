@@ -12,7 +12,7 @@ import pytest
 from conftest import REPOSITORY, contents, without_progress
 
 from damage.history.reader import read_history
-from damage.reference import companies, lanes, settled, together
+from damage.reference import ensembles, lanes, settled, together
 from damage.reference.session import run_reference
 from damage.reference.settled import SettledWalls, State
 from damage.reference.together import run_references
@@ -37,9 +37,8 @@ from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
 names = sys.argv[2:]
 words = [sys.argv[1], "--harmonic", "0.1", "0.5", "--rest", "100", "--strength-cov", "0.3", "--no-pictures"]
-for statuses in run_references({name: [*words, "--strength-seed", str(k), "--out", name]
-                                for k, name in enumerate(names)}):
-    print(statuses)
+print(sorted(run_references({name: [*words, "--strength-seed", str(k), "--out", name]
+                             for k, name in enumerate(names)}.items())))
 '''
 
 
@@ -64,40 +63,47 @@ def alone(tiny, tmp_path):
     return {path.stem: contents(path) for path in (tmp_path / "alone").glob("*.h5")}
 
 
-def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, monkeypatch):
-    widths = set()
-    monkeypatch.setattr(companies, "run_together", lambda walls, *steps: widths.add(len(walls)) or lanes.run_together(
-        walls, *steps))
+@pytest.fixture
+def moved(monkeypatch):
+    """[{wall's step: numbers of steps}] of all that are moved together."""
+    found = []
+    monkeypatch.setattr(ensembles, "advance_together", lambda asked: found.append(
+        [(wall.step, *steps) for wall, steps in asked]) or lanes.advance_together(asked))
+    return found
+
+
+def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, moved):
+    """Whatever the others are, wherever they stop, and when they begin: the ninth where one has ended."""
     asked = lines(tiny, tmp_path / "together", 10)
-    ended = list(run_references(asked))
-    assert ended == [dict.fromkeys(list(asked)[:8], 0), {"m9": 0}, {"m10": 0}]
-    assert {7, 6, 1} <= widths and max(widths) == 7
+    ended = list(run_references(asked.items()))
+    assert sorted(ended) == sorted(dict.fromkeys(asked, 0).items())
+    assert {8, 1} <= set(map(len, moved))
+    assert any(len({step for step, *_ in group}) > 1 for group in moved)  # one of them began later
     histories = {name: read_history(tmp_path / "together" / f"{name}.h5") for name in alone}
     assert all(contents(history.path) == alone[name] for name, history in histories.items())
     assert histories["m3"].collapsed_at_s is not None and histories["m1"].broken.any()
     assert len({history.series["time_s"].iloc[-1] for history in histories.values()}) >= 3
 
 
-def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, monkeypatch):
+def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, moved):
     """As of the next point of a study: the same joints, another motion."""
-    walls, asked_for = SettledWalls(), []
-    monkeypatch.setattr(companies, "run_together", lambda walls, *steps: asked_for.append(steps) or lanes.run_together(
-        walls, *steps))
+    walls = SettledWalls()
 
     def run(folder, numbers, *words):
         (tmp_path / folder).mkdir()
         asked = {f"m{k}": [str(tiny), *SHAKEN, *words, "--strength-seed", str(k), "--out",
                            str(tmp_path / folder / f"m{k}.h5"), "--no-pictures"] for k in numbers}
-        asked_for.clear()
-        assert list(run_references(asked, None, walls)) == [dict.fromkeys(asked, 0)]
-        return {name: contents(tmp_path / folder / f"{name}.h5") for name in asked}, asked_for.count((LOOK_STEPS,))
+        moved.clear()
+        assert dict(run_references(asked.items(), None, walls)) == dict.fromkeys(asked, 0)
+        resting = sum(steps == [LOOK_STEPS] for group in moved for _, *steps in group)
+        return {name: contents(tmp_path / folder / f"{name}.h5") for name in asked}, resting
 
     first, resting = run("first", range(1, 8))
     assert resting > 10
-    again, resting = run("again", range(1, 8), "--harmonic", "0.05", "0.7")
-    assert resting == 0 and again != first
-    some, resting = run("some", range(2, 9), "--harmonic", "0.05", "0.7")  # the last one's wall is not there: none is
-    assert resting > 10
+    again, none = run("again", range(1, 8), "--harmonic", "0.05", "0.7")
+    assert none == 0 and again != first
+    some, of_one = run("some", range(2, 9), "--harmonic", "0.05", "0.7")  # the last one's wall is not there
+    assert 10 < of_one < resting / 2
     for name in list(some)[:-1]:
         assert some[name] == again[name]
     assert run("others", range(1, 8), "--perturb", "1e-8")[1] > 10
@@ -126,10 +132,10 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
 
     simulate_as_before = together.simulate
     monkeypatch.setattr(together, "simulate", simulate)
-    monkeypatch.setattr(companies, "LEAST_LANES", 2)
+    monkeypatch.setattr(ensembles, "LEAST_LANES", 2)
     asked = lines(tiny, tmp_path / "together")
     asked["m2"] += ["--dt", "0.1"]
-    (ended,) = run_references(asked)
+    ended = dict(run_references(asked.items()))
     assert ended == dict.fromkeys(asked, 0) | {"m2": 2, "m7": 1, "m8": 1}
     told = without_progress(capsys.readouterr().err).splitlines()
     assert sorted(line[:24] for line in told) == [
@@ -139,23 +145,26 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
         assert contents(tmp_path / "together" / f"{name}.h5") == alone[name]
 
 
-@pytest.mark.parametrize("fewest, failed", [(6, {"m1", "m2", "m3", "m4", "m5", "m7", "m8"}), (9, {"m2"})])
-def test_an_error_of_steps_ends_those_that_took_them_together(fewest, failed, tiny, alone, tmp_path, monkeypatch,
-                                                              capsys):
-    def run_together(walls, *steps):
-        if any(wall.layout.options.strength_seed == 2 and wall.step > 3000 for wall in walls):
-            raise MemoryError
-        return lanes.run_together(walls, *steps)
+@pytest.mark.parametrize("fewest", [6, 9])
+def test_an_error_of_steps_ends_those_that_took_them_together(fewest, tiny, alone, tmp_path, monkeypatch, capsys):
+    together_with = {"m2"}
 
-    monkeypatch.setattr(companies, "run_together", run_together)
-    monkeypatch.setattr(companies, "LEAST_LANES", fewest)
-    (ended,) = run_references(lines(tiny, tmp_path / "together"))
-    assert ended == {name: int(name in failed) for name in ended}
+    def advance_together(asked):
+        if any(wall.layout.options.strength_seed == 2 and wall.step > 3000 for wall, _ in asked):
+            together_with.update(f"m{wall.layout.options.strength_seed}" for wall, _ in asked)
+            raise MemoryError
+        return lanes.advance_together(asked)
+
+    monkeypatch.setattr(ensembles, "advance_together", advance_together)
+    monkeypatch.setattr(ensembles, "LEAST_LANES", fewest)
+    ended = dict(run_references(lines(tiny, tmp_path / "together").items()))
+    assert (len(together_with) > 5) == (fewest == 6)
+    assert ended == {name: int(name in together_with) for name in ended}
     told = without_progress(capsys.readouterr().err).splitlines()
-    assert sorted(line[:24] for line in told) == [f"error: {name}: out of memory" for name in sorted(failed)]
+    assert sorted(line[:24] for line in told) == [f"error: {name}: out of memory" for name in sorted(together_with)]
     for name in ended:
         history = tmp_path / "together" / f"{name}.h5"
-        assert read_history(history).status == "failed" if name in failed else contents(history) == alone[name]
+        assert read_history(history).status == "failed" if name in together_with else contents(history) == alone[name]
 
 
 def start(wall, folder, **options):
@@ -173,7 +182,7 @@ def test_a_signal_ends_all_politely(name, tiny, tmp_path):
         time.sleep(0.02)
     process.send_signal(getattr(signal, name))
     told, errors = process.communicate(timeout=100)
-    assert process.returncode == 0 and told.splitlines()[-1] == str(dict.fromkeys(map(str, names), 130)), errors
+    assert process.returncode == 0 and told.splitlines()[-1] == str([(str(name), 130) for name in names]), errors
     assert [read_history(path).status for path in names] == ["interrupted"] * 8
 
 

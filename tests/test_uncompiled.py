@@ -14,9 +14,10 @@ from conftest import REPOSITORY
 from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
 
-from damage.mechanics import compiled, samples, step
-from damage.reference.fast import blocks
-from damage.reference.fast import step as fast_step
+from damage.mechanics import samples, step
+from damage.mechanics.compiled import COMPILING, PLAIN
+from damage.reference.fast import alone, blocks, together
+from damage.reference.fast.compiled import FAST
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
@@ -99,21 +100,23 @@ def imports_of(path):
     return {path for path in found if path.is_file()}
 
 
-def test_all_sources_of_compiled_code_are_in_the_digest():
+@pytest.mark.parametrize(("package", "modules"), [
+    (PLAIN, [step, samples]), (FAST, [alone, together, blocks])], ids=["plain", "fast"])
+def test_all_sources_of_compiled_code_are_in_the_digest(package, modules):
     """What a module of compiled functions imports, directly or not, is compiled into them: functions and constants."""
-    compiler = REPOSITORY / "damage" / "mechanics" / "compiled.py"  # decides how; what it imports is not compiled
-    needed, to_follow = {compiler}, {
-        path for path in (REPOSITORY / "damage").rglob("*.py") if compiler in imports_of(path)
-        and re.search(r"^@(compiled|inlined)$", path.read_text(), re.MULTILINE)}
-    assert len(to_follow) > 5
+    compilers = {one.folder / "compiled.py" for one in (PLAIN, FAST)}  # decide how; what they import is not compiled
+    to_follow = {path for path in package.folder.glob("*.py") if re.search(
+        r"^@(compiled|inlined)$", path.read_text(), re.MULTILINE)}
+    assert len(to_follow) > 4
+    needed = {package.folder / "compiled.py"}
     while to_follow:
         needed |= to_follow
-        to_follow = {imported for path in to_follow - {compiler} for imported in imports_of(path)} - needed
-    assert set(compiled.SOURCES) == needed
-    functions = [value for module in (step, fast_step, samples, blocks) for value in vars(module).values()
-                 if isinstance(value, Dispatcher)]
-    assert len(functions) > 20
-    assert all(compiled.DIGEST in one.py_func.__qualname__ for one in functions)
+        to_follow = {imported for path in to_follow - compilers for imported in imports_of(path)} - needed
+    assert set(package.sources) == needed
+    functions = [value for module in modules for value in vars(module).values() if isinstance(value, Dispatcher)]
+    own = [one for one in functions if one.py_func.__module__.startswith(modules[0].__package__)]
+    assert len(own) > 10
+    assert all(package.digest in one.py_func.__qualname__ for one in own)
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
@@ -128,16 +131,17 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
 
     def tried():
         """Where a function is cached, and whether the line was printed that the solver is compiled."""
-        program = ("from damage.mechanics import cache, compiled; from damage.reference.fast import bodies;"
+        program = ("from damage.mechanics import cache; from damage.reference.fast import blocks;"
+                   "from damage.reference.fast.compiled import FAST;"
                    "import numpy as np;"
-                   "bodies.clear(np.zeros(64), np.uint64(0), np.uint64(8));"
-                   "print(cache.kept_in(compiled.FAST), compiled.DIGEST, sep='\\n')")
+                   "blocks.clear(np.zeros(64), np.uint64(0), np.uint64(8));"
+                   "print(cache.kept_in(FAST.folder), FAST.digest, sep='\\n')")
         *said, folder, digest = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, env=env,
                                                capture_output=True, text=True).stdout.splitlines()
-        assert said in ([], [compiled.COMPILING])
+        assert said in ([], [COMPILING])
         folder = Path(folder)
         assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "reference" / "fast")
-        (index,) = folder.glob("bodies.clear-*.nbi")
+        (index,) = folder.glob("blocks.clear-*.nbi")
         assert digest in index.name  # and the machine code of other sources is deleted
         return index, bool(said)
 

@@ -40,7 +40,7 @@ def test_faces_end_where_bricks_do(tmp_path):
 
 @pytest.mark.parametrize("offset, share", [({}, 0.0), ({BED: -0.09}, 0.8), ({BED: 0.09}, 0.8 / 3), ({BASE: 5.0}, 0.0),
                                            ({HEAD: 0.03, BED: -0.045}, 0.4), ({BED: -0.18}, 1.6)])
-def test_the_largest_share_of_the_overlap_is_told_and_warned_of_from_one_on(tmp_path, offset, share):
+def test_the_largest_share_of_the_overlap_is_reported_and_warned_of_from_one_on(tmp_path, offset, share):
     ramp = np.minimum(np.arange(21), 10) / 10
     history = make_history(tmp_path / "a.h5", offset={row: value * ramp for row, value in offset.items()},
                            broken=tuple(offset))

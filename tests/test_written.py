@@ -50,9 +50,9 @@ def limited(kind, number):
     return {"preexec_fn": lambda: resource.setrlimit(kind, (number, number))}
 
 
-def one_error(done, told):
+def one_error(done, printed):
     assert done.returncode not in (0, 120) and done.returncode > 0, done.stderr
-    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1 and told in done.stderr, done.stderr
+    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1 and printed in done.stderr, done.stderr
 
 
 @pytest.mark.parametrize("words", [
@@ -78,7 +78,7 @@ def test_tables_of_a_study_that_cannot_be_written_are_not_there(tmp_path):
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"], ids=["buffered", "unbuffered"])
-def test_what_cannot_be_printed_is_told(unbuffered, history):
+def test_what_cannot_be_printed_is_reported(unbuffered, history):
     environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
     with open("/dev/full", "w") as full:
         done = subprocess.run([*DAMAGE, "index", history, "--json"], cwd=REPOSITORY, stdout=full, text=True,
@@ -86,7 +86,7 @@ def test_what_cannot_be_printed_is_told(unbuffered, history):
     one_error(done, "what this prints cannot be written (No space left on device)")
 
 
-def test_a_closed_output_is_told_and_a_history_never_stands_in_for_it(history):
+def test_a_closed_output_is_reported_and_a_history_never_stands_in_for_it(history):
     words = " ".join(map(str, [*DAMAGE, "index", history]))
     one_error(run_command("bash", "-c", f"{words} >&-"), "standard output is closed")
     assert run_command("bash", "-c", f"{words} 2>&-").returncode == 0
@@ -125,7 +125,7 @@ def test_a_folder_that_can_only_be_read(history, tmp_path):
 
 class TestMemory:
     @pytest.mark.parametrize("megabytes", [60, 150, 400, 599])
-    def test_too_little_to_begin_with_is_told_before_a_library_hangs(self, megabytes, tmp_path):
+    def test_too_little_to_begin_with_is_reported_before_a_library_hangs(self, megabytes, tmp_path):
         done = run_command(*DAMAGE, "reference", SMALL, "--out", tmp_path / "a.h5", timeout=60,
                            **limited(resource.RLIMIT_AS, megabytes * 1_000_000))
         one_error(done, f"out of memory: this process may have {megabytes} MB (ulimit -v): expected")
@@ -137,7 +137,7 @@ class TestMemory:
         return lambda wall: run_command(sys.executable, tmp_path / "command.py", "modes", wall, timeout=60,
                                         **limited(resource.RLIMIT_AS, 1_500_000_000))
 
-    def test_what_runs_out_on_the_way_is_told(self, modes, tmp_path):
+    def test_what_runs_out_on_the_way_is_reported(self, modes, tmp_path):
         (tmp_path / "large.py").write_text(LARGE)
         done = modes(tmp_path / "large.py")
         assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
@@ -160,7 +160,7 @@ class TestMemory:
         assert run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)]) == 0
         assert damage.read_history(out).complete and f"warning: {out} is kept" in capsys.readouterr().err
 
-    def test_a_run_without_memory_is_told_and_its_history_says_failed(self, monkeypatch, tmp_path, capsys):
+    def test_a_run_without_memory_is_reported_and_its_history_says_failed(self, monkeypatch, tmp_path, capsys):
         from damage.reference.session import run_reference
         from damage.reference.solver import ReferenceSolver
 
@@ -202,17 +202,17 @@ class TestSignals:
         while library not in Path(f"/proc/{process.pid}/maps").read_text() and process.poll() is None:
             time.sleep(0.001)
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=60)
-        assert process.returncode == 130 and told in ("", "interrupted\n")
+        _, printed = process.communicate(timeout=60)
+        assert process.returncode == 130 and printed in ("", "interrupted\n")
 
     @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
     def test_a_polite_end_keeps_what_was_seen(self, name, tmp_path):
         process = self.start(tmp_path / "a.h5", lambda: has_samples(tmp_path / "a.h5"))
         for _ in range(2):  # a second one, while it ends, changes nothing
             process.send_signal(getattr(signal, name))
-        _, told = process.communicate(timeout=60)
+        _, printed = process.communicate(timeout=60)
         ended = {130} if name == "SIGINT" else {130, -getattr(signal, name)}  # the second may meet the summary
-        assert process.returncode in ended and "Traceback" not in told
+        assert process.returncode in ended and "Traceback" not in printed
         history = damage.read_history(tmp_path / "a.h5")
         assert history.status == "interrupted" and len(history.series) > 0
 
@@ -246,9 +246,9 @@ class TestSignals:
             time.sleep(0.05)
         time.sleep(1)  # the file is made, its first flush done
         process.send_signal(getattr(signal, name))
-        _, told = process.communicate(timeout=60)
-        assert process.returncode == (-signal.SIGKILL if name == "SIGKILL" else 130), told
-        assert "Traceback" not in told and damage.read_history(out).status == status
+        _, printed = process.communicate(timeout=60)
+        assert process.returncode == (-signal.SIGKILL if name == "SIGKILL" else 130), printed
+        assert "Traceback" not in printed and damage.read_history(out).status == status
 
 
 def started(words, hangup=signal.SIG_DFL):

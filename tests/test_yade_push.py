@@ -80,7 +80,7 @@ def test_forces_by_hand(runs):
             assert_allclose(force.iloc[-20:].mean(), (cap + course) * np.tan(np.radians(32)), rtol=5e-3)
 
 
-def test_the_top_goes_where_it_is_told(runs):
+def test_the_top_follows_its_prescribed_motion(runs):
     boundary, histories = runs
     series = histories["yade"].series
     cap = histories["yade"].displacement[-1, -1]

@@ -1,4 +1,4 @@
-"""Print what every solver makes of the problems.
+"""Print every solver's results of the problems.
 
     python3 -m verification [NAME ...] [--solver reference|yade|both] [--markdown FILE]
 

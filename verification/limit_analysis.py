@@ -58,9 +58,9 @@ def collapse_load(layout, friction=None, *, load=None, held=(), crushing=np.inf)
                        crushing, unit)
     solution = linprog(**program, method="highs")
     if solution.status == _INFEASIBLE:
-        raise InputError(f"wall {layout.wall.name} cannot carry its own weight; mend its bond, or its friction")
+        raise InputError(f"wall {layout.wall.name} cannot carry its own weight; correct its bond, or its friction")
     if solution.status == _UNBOUNDED:
-        raise InputError(f"wall {layout.wall.name} carries any multiple of the load; mend the load or what is held")
+        raise InputError(f"wall {layout.wall.name} carries any multiple of the load; correct the load or what is held")
     if solution.status != 0:
         raise RuntimeError(f"the linear programme was not solved: {solution.message}")
     n = len(layout.contacts)

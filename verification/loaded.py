@@ -63,7 +63,7 @@ def _derivative(wall, body, component):
 
 
 def free_period(name, solver):
-    """Period [s] of a wall's free vibration, as a run of this solver tells it."""
+    """Period [s] of a wall's free vibration, from a run of this solver."""
     with tempfile.TemporaryDirectory() as folder:
         history = Path(folder) / "free.h5"
         subprocess.run([*COMMANDS[solver], _file(name), "--free-vibration", "--rest", "2", "--out", history,

@@ -1,4 +1,4 @@
-"""Measured dry-joint stone walls, pushed at a top that is kept from rotating: friction, and what it misses.
+"""Dry-joint stone walls of a test, pushed at a top fixed against rotation: friction alone, and its deviation.
 
     python3 -m verification.lourenco [--markdown FILE] [--picture FILE.png]
     python3 -m verification.lourenco --strengths MPA ... [--tension-alone]

@@ -1,4 +1,4 @@
-"""A problem with an exact solution, and what each solver makes of it."""
+"""A problem with an exact solution, and the result of each solver."""
 
 import subprocess
 from collections.abc import Callable
@@ -61,13 +61,13 @@ class Result:
 
 def ask_yade(case, *numbers):
     """The number that `verification/yade_case.py CASE NUMBERS` prints from inside YADE."""
-    told = run_yade("verification/yade_case.py", case, *map(repr, numbers))
-    lines = [line for line in told.splitlines() if line.startswith("result ")]
+    output = run_yade("verification/yade_case.py", case, *map(repr, numbers))
+    lines = [line for line in output.splitlines() if line.startswith("result ")]
     return float(lines[-1].split()[1])
 
 
 def run_yade(script, *words):
-    """What a script prints inside YADE; RuntimeError where it fails."""
+    """The output of a script inside YADE; RuntimeError where it fails."""
     command = [*COMMAND, script, *map(str, words)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode != 0:

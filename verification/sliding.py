@@ -67,7 +67,7 @@ def newmark_slip(motion, angle, friction):
 
     fastest = (2 * math.pi - math.asin(limit / amplitude)) / omega
     stop = brentq(speed, fastest, start + motion.period_s)
-    # The last slide goes on after the motion's end, where only friction and gravity act.
+    # The last slide continues after the motion's end, where only friction and gravity act.
     end = motion.period_s
     last = way(end) + speed(end)**2 / (2 * limit) if stop > end else way(stop)
     return (motion.cycles - 1) * way(stop) + last

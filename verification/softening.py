@@ -138,8 +138,8 @@ def problems():
     solvers = {"reference": in_reference, "yade": lambda name, fibres: all_in_yade(fibres)[name]}
 
     def both(measure, name, fibres):
-        told = {solver: lambda along=along: measure(along(name, fibres)) for solver, along in solvers.items()}
-        return told if fibres else told | {"yade": NOT_IN_YADE}
+        measured = {solver: lambda along=along: measure(along(name, fibres)) for solver, along in solvers.items()}
+        return measured if fibres else measured | {"yade": NOT_IN_YADE}
 
     cases = [("tension", 0.0, JOINT.mode_i_fracture_energy, "G_I", JOINT.tensile_strength, "f_t", "normal_stress")]
     cases += [(f"shear at {pressure:g} MPa", 0.42e6 * pressure, JOINT.mode_ii_fracture_energy, "G_II",

@@ -82,7 +82,7 @@ def row_in_table(name, folder):
 
 
 def other_versions(row, solver):
-    """What of another version made the row of a table, a list of str."""
+    """Versions that made the row of a table and differ from these: a list of str."""
     today = {"model_digest": ("the model", model_digest(CODE[solver])),
              "measures_digest": ("index and measures", measures_digest())}
     return [f"another version of {what} made the table's row ({row.get(name) or 'unknown'}, now {digest}): its values "

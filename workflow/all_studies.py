@@ -54,7 +54,7 @@ def main():
 
 
 def conclude(out, ended):
-    """Draw the figures and print the verdict of what is there, and name the studies that failed."""
+    """Draw the figures and print the verdict of the results, and name the studies that failed."""
     if not ended:
         print("error: no study has a run for this solver; choose another", file=sys.stderr)
         return 2

@@ -91,7 +91,7 @@ def main():
 
 
 def note_tables(study, solver, folder):
-    """Write what the tables are made by, beside their runs: they are made anew where one of these files is younger."""
+    """Write the inputs of the tables beside their runs: tables are made anew where one of these files is younger."""
     write_if_other(folder / ".tables" / "measures", measures_digest())
     write_if_other(folder / ".tables" / "runs", "\n".join((solver, *(run.id for run in study.runs))))
 
@@ -237,7 +237,7 @@ class Batch:
                 "IPYTHONDIR": str(inside / "ipython")}
 
     def _show(self, line):
-        """Print what is for people: the runs' own lines, and how far the study is."""
+        """Print the runs' own lines and the progress of the study."""
         self.short = self.short or any(word in line for word in NO_ROOM)  # what Snakemake itself cannot write
         steps = _STEPS.match(line)
         if line.startswith(MARK):
@@ -290,10 +290,10 @@ def report(batch, status):
     print(f"\nstudy {batch.study.name}: {done} of {len(batch.study.runs)} {batch.unit} done")
     if batch.interrupted:
         print("interrupted: runs that had ended are kept, those that were under way begin again: the same command "
-              "goes on from here", file=sys.stderr)
+              "continues from here", file=sys.stderr)
         return EXIT_INTERRUPTED
     if batch.short:
-        print(f"error: {shortage(folder)}, and the same command goes on from here", file=sys.stderr)
+        print(f"error: {shortage(folder)}, and the same command continues from here", file=sys.stderr)
         return 1
     failed = list(failures(batch))
     if (folder / "tables" / "summary.csv").exists():
@@ -342,7 +342,7 @@ def last_words(log, run):
 
 
 def run_program():
-    """Run `main`; returns the exit status.  What cannot be printed ends all with this process."""
+    """Run `main`; returns the exit status.  An output that takes nothing ends this process."""
     try:
         return main()
     except KeyboardInterrupt:  # before Snakemake runs
@@ -351,8 +351,8 @@ def run_program():
         print(f"error: {error}", file=sys.stderr)
     except OSError as error:
         if not is_of_output(error):
-            print(f"error: cannot write {error.filename}: {error.strerror}; mend that, and the same command goes on "
-                  "from here", file=sys.stderr)
+            print(f"error: cannot write {error.filename}: {error.strerror}; correct that, and the same command "
+                  "continues from here", file=sys.stderr)
     return 1
 
 

@@ -1,11 +1,11 @@
-"""What a batch would do, without doing it: which runs are there and which are to be made, how long, how much disk.
+"""Dry run of a batch: runs that are there, runs to make, their time and disk space.
 
     plan.py STUDY.toml|STUDIES [-j N] [--out DIR] [--solver yade|reference|both]
 
 `run_all.sh --dry-run` starts this.  Time follows from contact points and steps at the speed of this machine, which is
 measured once (`speed.py`), and from what each run, picture and batch takes besides; disk from contact points and
 samples.  Where runs of the study are there, the times of those that ran alone, and the bytes of all, scale both.
-Nothing is written in the study's folder.  Exit status: 0 told, 2 bad input.
+Nothing is written in the study's folder.  Exit status: 0 printed, 2 bad input.
 """
 
 from damage.start import begin, leave
@@ -29,8 +29,8 @@ from shared import RESULTS, ROOT
 from speed import Speed, python_seconds, speed
 
 from damage.errors import InputError
-from damage.mechanics.compiled import is_cached
-from damage.reference.companies import LEAST_LANES
+from damage.reference.ensembles import LEAST_LANES
+from damage.reference.fast.compiled import is_cached
 from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step, sample_steps
 from damage.run.settings import HOLD_S, RAMP_S, SETTLE_S, Softening
@@ -61,7 +61,7 @@ Cost = namedtuple("Cost", "seconds n_bytes")
 
 
 def main():
-    """Tell the plan of one study or of a folder of them; returns the exit status."""
+    """Print the plan of one study or of a folder of them; returns the exit status."""
     parser = argparse.ArgumentParser(prog="plan.py", description=__doc__.splitlines()[0])
     parser.add_argument("study", type=Path)
     parser.add_argument("-j", dest="jobs", type=int, default=1)
@@ -72,7 +72,7 @@ def main():
     try:
         if not asked.study.is_dir():
             study = load_study(asked.study, asked.solver, ROOT)
-            tell(study, out if asked.out else out / study.name, asked.jobs)
+            print_plan(study, out if asked.out else out / study.name, asked.jobs)
             return 0
         for path in sorted(asked.study.glob("*.toml")):
             try:
@@ -80,14 +80,14 @@ def main():
             except InputError as error:
                 print(f"passed over: {error}")
             else:
-                tell(study, out / study.name, asked.jobs)
+                print_plan(study, out / study.name, asked.jobs)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0
 
 
-def tell(study, folder, jobs):
+def print_plan(study, folder, jobs):
     """Print the plan of a Study in its folder."""
     ways = ways_of(study.runs, jobs)
     machine, how = machine_speed()
@@ -97,8 +97,8 @@ def tell(study, folder, jobs):
     scale, by = scales(costs, there, ways, folder)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
     for run in study.runs:
-        told = f"there, {len(there[run])} runs" if run.is_ensemble else "there"
-        print(f"  {run.id:60s}  {told if there[run] else _planned(run, costs[run], scale)}")
+        state = f"there, {len(there[run])} runs" if run.is_ensemble else "there"
+        print(f"  {run.id:60s}  {state if there[run] else _planned(run, costs[run], scale)}")
     counts = [{run: run.members for run in left}, {run: most_members(run) for run in left}]
     least, most = (sum(count.values()) for count in counts)
     times = [seconds_of(study, count, costs, scale.seconds, jobs, machine) for count in counts]
@@ -153,7 +153,7 @@ def seconds_of(study, count, costs, scale, jobs, machine):
 
 
 def _planned(run, cost, scale):
-    """What is to be made of a run or an ensemble, in words."""
+    """The runs to make of a run or an ensemble, in words."""
     each = f"about {duration(max(cost.seconds * scale.seconds, 1))}, {cost.n_bytes * scale.n_bytes / 1e6:.2g} MB"
     most = most_members(run)
     return each if most == 1 else f"{run.members}{f' to {most}' if most != run.members else ''} runs of {each}"
@@ -201,7 +201,7 @@ def scales(costs, there, ways, folder):
 
 
 def took(path):
-    """Cost of a history's run, from its beginning to its last byte; None where it does not tell."""
+    """Cost of a history's run, from its beginning to its last byte; None where it does not say."""
     try:
         with h5py.File(path, "r") as file:
             began = datetime.fromisoformat(file["run"].attrs["created_utc"]).timestamp()

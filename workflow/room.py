@@ -26,7 +26,7 @@ def is_short(folder):
 
 
 def shortage(folder):
-    """What there is and what a study needs, in words."""
+    """Free and needed disk space of a study, in words."""
     if not is_short(folder):
         return f"{folder} had no room left while it ran, expected {LEAST_FREE / 1e6:g} MB or more; make room"
     return f"{folder} has {free_bytes(folder) / 1e6:.2g} MB free: expected {LEAST_FREE / 1e6:g} MB or more; make room"

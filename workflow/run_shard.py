@@ -22,19 +22,18 @@ from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import islice
 from pathlib import Path
 
 from shards import FIRST_TABLES
-from shared import end_with_parent, tell
+from shared import announce, end_with_parent
 
 from damage.errors import InputError
 from damage.files import plain_file, write_text
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
-from damage.mechanics.compiled import COMPILING, is_cached
-from damage.reference.companies import LEAST_LANES
+from damage.mechanics.compiled import COMPILING
+from damage.reference.fast.compiled import is_cached
 from damage.reference.lanes import MOST_LANES
 from damage.reference.settled import SettledWalls
 from damage.reference.solver import ReferenceSolver
@@ -48,6 +47,10 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 
 _SETTLED = SettledWalls()  # of this process
+# Tasks on their way to the processes, and what their runs leave: (task, status, record).
+_TASKS, _ENDED = (multiprocessing.get_context("fork").SimpleQueue() for _ in range(2))
+_TAKING = multiprocessing.get_context("fork").Lock()
+STOCK, LOOK_S = 2 * MOST_LANES, 0.1  # tasks that are under way or next, a process; between two looks at what ended [s]
 
 
 def main():
@@ -90,7 +93,7 @@ class Task:
 
     @property
     def company(self):
-        """What runs have in common that step together from beginning to end."""
+        """Properties that runs share which step together from beginning to end."""
         return company_of(self.point)
 
 
@@ -98,8 +101,8 @@ class Task:
 def company_of(point):
     """As Task.company, of all runs of a point."""
     settings = parse_run(point.command(1)[1:], prog="", solver="reference")
-    return (point.wall, replace(settings.model, strength_seed=0), settings.duration_s, settings.time_step_s,
-            settings.alpha_1_s, settings.beta_s)
+    return (point.wall, replace(settings.model, strength_seed=0), settings.time_step_s, settings.alpha_1_s,
+            settings.beta_s)
 
 
 class Point:
@@ -126,7 +129,7 @@ class Point:
         return len(self._records)
 
     def next_tasks(self):
-        """What is to be done now, by what is known, and was not asked for yet."""
+        """The tasks that the results so far ask for and that were not handed out yet."""
         numbers = set(range(1, runs_needed(self.run, self._records) + 1)) - self._records.keys() - self._asked
         self._asked |= numbers
         return [self._task(number) for number in sorted(numbers)]
@@ -136,34 +139,35 @@ class Point:
         self._records[number] = record
         self.mark()
 
-    def mark(self, told=True):
-        """Name the runs of a point that is done, and tell it."""
+    def mark(self, visible=True):
+        """Name the runs of a point that is done, and announce it."""
         count = runs_needed(self.run, self._records)
         if all(number in self._records for number in range(1, count + 1)):
             if self.run.is_ensemble:
                 write_text(self.folder / "runs" / f"{self.run.id}.members",
                            "".join(f"{self.run.name(number)}\n" for number in range(1, count + 1)))
-            if told:
-                tell(f"{self.run.id}: done")
+            if visible:
+                announce(f"{self.run.id}: done")
 
 
 class Shard:
     """The points of a shard on their way, `jobs` groups of runs at a time."""
 
     def __init__(self, path, jobs):
-        told = json.loads(path.read_text(encoding="utf-8"))
+        job = json.loads(path.read_text(encoding="utf-8"))
         folder, self.rows, self.jobs = path.parents[1], path.with_suffix(".rows"), jobs
         records = read_records(self.rows)
         runs = [StudyRun(**{name: tuple(value) if isinstance(value, list) else value for name, value in one.items()})
-                for one in told["points"]]
-        self.points = {run.id: Point(run, folder, told["keep"] == "all", records) for run in runs}
+                for one in job["points"]]
+        self.points = {run.id: Point(run, folder, job["keep"] == "all", records) for run in runs}
         self.status, self.interrupted, self.lost = EXIT_OK, False, 0
 
     def run(self):
         """Bring all points up to date; returns the exit status."""
         waiting = [task for point in self.points.values() for task in point.next_tasks()]
+        waiting.sort(key=lambda task: str(task.company))  # those that can step together, one after the other
         for point in self.points.values():
-            point.mark(told=False)
+            point.mark(visible=False)
         if not waiting:
             return EXIT_OK
         for name in (signal.SIGINT, signal.SIGTERM):
@@ -175,26 +179,30 @@ class Shard:
             self._work(waiting, workers, rows)
         if self.interrupted:
             ended = sum(point.done for point in self.points.values())
-            tell(f"interrupted: {self.lost} runs were under way and are lost; {ended} that had ended are kept")
+            announce(f"interrupted: {self.lost} runs were under way and are lost; {ended} that had ended are kept")
         return EXIT_INTERRUPTED if self.interrupted else self.status
 
     def _work(self, waiting, workers, rows):
-        """Hand out groups of runs until none is waiting or under way."""
-        under_way, told = set(), False
-        while waiting or under_way:
-            while waiting and len(under_way) < self.jobs and not self.interrupted:
-                group = take_group(waiting, self.jobs - len(under_way))
-                if len(group) > 1 and not told:
-                    told = True
-                    tell(f"{len(group)} runs step together and are saved when they have ended: an interruption loses "
-                         "those under way")
-                under_way.add(workers.submit(do_group, group))
+        """Let processes take runs until none is waiting or under way."""
+        under_way, begun, announced = set(), 0, False
+        while True:
+            while waiting and begun < STOCK * self.jobs and not self.interrupted:
+                _TASKS.put(waiting.pop(0))
+                begun += 1
+            lanes = max(1, min(MOST_LANES, math.ceil(begun / self.jobs)))
+            while len(under_way) < self.jobs and not (_TASKS.empty() or self.interrupted):
+                under_way.add(workers.submit(do_runs, lanes))
             if not under_way:
                 return
-            done, under_way = wait(under_way, return_when=FIRST_COMPLETED)
+            if lanes > 1 and not announced:
+                announced = True
+                announce(f"up to {lanes} runs step together in a process: an interruption loses those under way")
+            done, under_way = wait(under_way, LOOK_S, FIRST_COMPLETED)
+            while not _ENDED.empty():  # before the error of a process that was ended from outside
+                begun -= 1
+                waiting += self._note(*_ENDED.get(), rows)
             for future in done:
-                for task, status, record in future.result():
-                    waiting += self._note(task, status, record, rows)
+                future.result()
 
     def _note(self, task, status, record, rows):
         """Take note of how a run ended; returns the tasks that follow."""
@@ -202,7 +210,7 @@ class Shard:
             self.interrupted |= status == EXIT_INTERRUPTED
             self.lost += status == EXIT_INTERRUPTED
             self.status = status
-            tell(f"{task.name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
+            announce(f"{task.name}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}")
             return []
         add_record(rows, record)
         if not task.kept:
@@ -218,19 +226,10 @@ class Shard:
             os.kill(worker.pid, signal.SIGTERM)
 
 
-def take_group(waiting, idle):
-    """Take the next tasks for one of so many idle processes off a list: up to eight that step together, where there
-    are enough for all of these processes, else one."""
-    alike = [*islice((k for k, task in enumerate(waiting) if task.company == waiting[0].company), MOST_LANES)]
-    share = min(len(alike), math.ceil(len(waiting) / idle))
-    chosen = alike[:share if share >= LEAST_LANES else 1]
-    return [waiting.pop(k) for k in reversed(chosen)][::-1]
-
-
 def load_compiled(task):
     """Compile the reference solver, or load it, before there are processes: once for all of them."""
     if not is_cached():
-        tell(COMPILING)
+        announce(COMPILING)
     wall = ReferenceSolver(lay_out(load_wall(task.point.wall)), 1e-6)
     wall.run(1)
     wall.instants()
@@ -253,18 +252,31 @@ def leave_without_parent(*_):
         os._exit(EXIT_INTERRUPTED)
 
 
-def do_group(tasks):
-    """Simulate runs that are not there, together; returns (task, exit status, record or None) of each."""
-    lines = {task.name: [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
-             for task in tasks if not task.history.is_file()}
-    statuses = dict.fromkeys((task.name for task in tasks), EXIT_OK)
-    print("---", *lines, flush=True)
-    histories = {task.name: HistoryKept if task.kept else HistoryInMemory for task in tasks if task.name in lines}
-    for ended in run_references(lines, histories, _SETTLED):
-        statuses |= ended
-    leave_without_parent()  # whose death interrupted them
-    return [(task, *(conclude(task, histories.pop(task.name, None)) if statuses[task.name] == EXIT_OK
-                     else (statuses[task.name], None))) for task in tasks]
+def do_runs(lanes):
+    """Simulate runs that are not there, so many at a time; puts (task, exit status, record or None) of each into _ENDED
+    when it ends, and takes the next from _TASKS while there are any."""
+    tasks, histories = {}, {}
+    for name, status in run_references(_lines(tasks, histories), histories, _SETTLED, lanes):
+        leave_without_parent()  # whose death interrupted them
+        task, history = tasks.pop(name), histories.pop(name)
+        _ENDED.put((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
+
+
+def _lines(tasks, histories):
+    """(name, words) of the next runs, and what `do_runs` needs to know of them."""
+    while (task := _next_task()) is not None:
+        if task.history.is_file():
+            _ENDED.put((task, *conclude(task)))
+            continue
+        tasks[task.name], histories[task.name] = task, HistoryKept if task.kept else HistoryInMemory
+        print("---", task.name, flush=True)
+        yield task.name, [*task.point.command(task.number), "--out", str(task.part), "--overwrite", "--no-pictures"]
+
+
+def _next_task():
+    """The next of _TASKS, None where there is none now."""
+    with _TAKING:
+        return None if _TASKS.empty() else _TASKS.get()
 
 
 def conclude(task, kept=None):

@@ -1,4 +1,4 @@
-"""What the programs of a batch share."""
+"""Functions shared by the programs of a batch."""
 
 import ctypes
 import os
@@ -55,12 +55,12 @@ def python_path():
 
 
 def write_if_other(path, text):
-    """Write a text file, whole or not at all, unless it holds the text already: its time tells when it changed."""
+    """Write a text file, whole or not at all, unless it holds the text already: its time says when it changed."""
     if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:
         write_text(path, text)
 
 
-def tell(text):
+def announce(text):
     """Send one line up to the terminal."""
     try:
         sys.stderr.write(f"{MARK}{text}\n")  # at once, lest two programs' lines mix

@@ -1,4 +1,4 @@
-"""One run of a study, or a shard: logged, its progress told, its history put in place when it is whole.
+"""One run of a study, or a shard: logged, its progress announced, its history put in place when it is complete.
 
     simulate.py RUN [--solver yade|reference] --out FILE.h5 --log FILE.log -- walls/NAME.py [OPTIONS]
     simulate.py NAME --log FILE.log --shard -- WORDS OF run_shard.py
@@ -18,7 +18,7 @@ import sys
 import time
 from pathlib import Path
 
-from shared import MARK, ROOT, Log, end_with_parent, tell
+from shared import MARK, ROOT, Log, announce, end_with_parent
 
 from damage.errors import InputError
 
@@ -36,7 +36,7 @@ def main():
     try:
         log = Log(asked.log)
     except InputError as error:
-        tell(f"{asked.run}: FAILED, {error}")
+        announce(f"{asked.run}: FAILED, {error}")
         return 1
     fcntl.flock(log, fcntl.LOCK_EX)  # a killed batch's solver may still be closing its file
     log.clear()
@@ -46,7 +46,7 @@ def main():
         log.write(f"error: {error.filename}: {error.strerror}\n")
         status = 1
     if status != 0:
-        tell(f"{asked.run}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}, see {asked.log}")
+        announce(f"{asked.run}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}, see {asked.log}")
     return status
 
 
@@ -62,7 +62,7 @@ def _arguments():
 
 
 def _command_of(solver):
-    """What runs a wall file; YADE's part of this software comes with a clone alone."""
+    """The command that runs a wall file; YADE's part of this software comes with a clone alone."""
     if solver == "reference":
         return [sys.executable, "-m", "damage", "reference"]
     from yade_scripts import COMMAND
@@ -76,7 +76,7 @@ def _absolute(path):
 
 def _shard(asked, log):
     """Run a shard; returns the exit status."""
-    return _simulate(asked.run, [sys.executable, str(SHARD), *asked.words], log, tells_progress=False)
+    return _simulate(asked.run, [sys.executable, str(SHARD), *asked.words], log, shows_progress=False)
 
 
 def _single(asked, log):
@@ -93,13 +93,13 @@ def _single(asked, log):
         log.write(f"error: {complaint}\n")
         return 1
     os.replace(part, asked.out)
-    tell(f"{asked.run}: done")
+    announce(f"{asked.run}: done")
     return 0
 
 
-def _simulate(run, command, log, tells_progress=True):
+def _simulate(run, command, log, shows_progress=True):
     """Run a command with its output into `log`; returns its exit status."""
-    tell(f"{run}: started")
+    announce(f"{run}: started")
     with _Interrupts() as interrupts:
         try:
             solver = subprocess.Popen(
@@ -112,7 +112,7 @@ def _simulate(run, command, log, tells_progress=True):
             log.write(f"error: {command[0]} does not start: {error.strerror}\n")
             return 1
         interrupts.go_to(solver)
-        _follow(run, solver.stdout, log, tells_progress)
+        _follow(run, solver.stdout, log, shows_progress)
         status = solver.wait()
     if interrupts.came and status != 0:
         return EXIT_INTERRUPTED
@@ -149,20 +149,20 @@ class _Interrupts:
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
-def _follow(run, lines, log, tells_progress):
-    """Copy the solver's lines into the log, and tell those that are meant for it; and, if asked for, its progress at
-    every tenth, or once a minute."""
-    told_share, told_at = 0, time.monotonic()
+def _follow(run, lines, log, shows_progress):
+    """Copy the solver's lines into the log; announce those that are marked and, if asked for, the progress at every
+    tenth, or once a minute."""
+    shown_share, shown_at = 0, time.monotonic()
     for line in lines:
         log.write(line)
         if line.startswith(MARK):
-            tell(line[len(MARK):].rstrip("\n"))
-        progress = tells_progress and _PROGRESS.search(line)
+            announce(line[len(MARK):].rstrip("\n"))
+        progress = shows_progress and _PROGRESS.search(line)
         if progress:
             share = round(100 * float(progress[1]) / max(float(progress[2]), 1e-9))
-            if share >= told_share + 10 or time.monotonic() > told_at + 60:
-                told_share, told_at = share, time.monotonic()
-                tell(f"{run}: {share} %, {progress[3]} left")
+            if share >= shown_share + 10 or time.monotonic() > shown_at + 60:
+                shown_share, shown_at = share, time.monotonic()
+                announce(f"{run}: {share} %, {progress[3]} left")
 
 
 def _not_whole(part):

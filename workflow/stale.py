@@ -1,4 +1,4 @@
-"""What was made of other inputs than a study has now: found before a batch starts, and taken away.
+"""Stale results, made from other inputs than a study has now: found before a batch starts, and deleted.
 
 runs/.inputs/RUN notes what the runs of a point were made from (`damage.studies.inputs`), of either solver.
 """
@@ -71,8 +71,8 @@ def drop(stale, folder):
     dropped = [run for run in stale.changed if _drop(run, folder)]
     if dropped:
         (folder / "tables" / "summary.csv").unlink(missing_ok=True)
-    return [f"{len(runs)} points {what}: {', '.join(map(tell, runs[:_NAMED]))}"
-            f"{f' and {len(runs) - _NAMED} more' if len(runs) > _NAMED else ''}" for runs, what, tell in (
+    return [f"{len(runs)} points {what}: {', '.join(map(words_of, runs[:_NAMED]))}"
+            f"{f' and {len(runs) - _NAMED} more' if len(runs) > _NAMED else ''}" for runs, what, words_of in (
                 (dropped, "were made from other inputs and are made again",
                  lambda run: f"{run.id} ({', '.join(stale.changed[run][:_NAMED])})"),
                 (stale.unknown, "have no note of their inputs, being made by an older version, and are kept without a "

@@ -1,4 +1,4 @@
-"""Runs that another version of the model made: a study that goes on notices them, and makes them again where asked."""
+"""Runs that another version of the model made: a resumed study detects them, and makes them again on request."""
 
 import re
 import shutil
@@ -53,7 +53,7 @@ def histories(run, folder):
 
 
 def model_of(path):
-    """The solver and digest of the model's code that made a history; None of a file that is none, told elsewhere."""
+    """The solver and digest of the model's code that made a history; None of a file that is no history."""
     try:
         head = read_head(path)
     except InputError:

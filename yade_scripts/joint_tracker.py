@@ -8,6 +8,7 @@ whose faces no longer overlap has ended, and keeps what it had then.
 
 import numpy as np
 
+from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.wall.joint_law import friction_left, material_of
 from damage.wall.kinematics import slide_limits
 
@@ -79,6 +80,11 @@ class JointTracker:
         """A joint is crushed by so much more [m]."""
         self.crushed[joint] = True
         self.fracture_energy += float(self._crushing[joint]) * more
+
+    def contact_data(self):
+        """{column of the history's FRAMES: (n_joints,)} of this instant."""
+        return {"opening_m": self.opening, "slip_m": self.slip, "offset_m": self.offset,
+                "state": BROKEN * self.broken + AT_LIMIT * self.at_limit + CRUSHED * self.crushed + ENDED * self.ended}
 
     @property
     def followed(self):

@@ -10,7 +10,6 @@ import builtins
 import numpy as np
 from yade import O, PyRunner, Vector3
 
-from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
@@ -104,7 +103,7 @@ class YadeSolver(Solver):
                 state.vel = Vector3(vx - rotating * up, 0, vz + rotating * along)
                 state.angVel = Vector3(0, -rotating, 0)
 
-    def advance(self, n_steps, sample_steps=None, on_samples=None):
+    def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
         self._sample_steps, self._on_samples = sample_steps, on_samples
         if on_samples and self.clock == 0:
             self._observe()
@@ -252,11 +251,9 @@ class YadeSolver(Solver):
         friction = self.model.friction_work() + tracker.breaking_energy
         speed = self.scene.synchronous_velocities(self.time_step / 2, self._base_now())
         return Instants.one(
-            clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports,
-            support_force=self.scene.support_forces(self._supports), joints=slice(None), contacts={
-                "opening_m": tracker.opening, "slip_m": tracker.slip, "offset_m": tracker.offset,
-                "state": BROKEN * tracker.broken + AT_LIMIT * tracker.at_limit + CRUSHED * tracker.crushed
-                + ENDED * tracker.ended},
+            clock=self.clock, displacement=self.scene.motion(), support_displacement=self._supports.copy(),
+            support_force=self.scene.support_forces(self._supports), joints=slice(None),
+            contacts=tracker.contact_data(),
             top_force_n=np.nan if self._held is None else self._push_force(),
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
             elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy, friction_j=friction,

@@ -1,4 +1,4 @@
-"""The data dictionary: every column of every table that this software writes, with its unit and what it means.
+"""The data dictionary: every column of every table that this software writes, with unit and meaning.
 
 `python3 -m damage dictionary --out docs/reference` writes dictionary.csv and dictionary.md.  Columns that have their
 definition elsewhere are taken from there: those of histories from `damage.history.schema`, those of summaries from
@@ -49,7 +49,7 @@ JOINTS_OF_A_RUN = {
     "max_opening_m": Column("m", "largest opening of all samples"),
     "final_slip_m": Column("m", "accumulated slip at the last sample, signed"),
     "max_abs_slip_m": Column("m", "largest absolute accumulated slip of all samples"),
-    "broken": Column("bool", "whether the bond was gone at the last sample"),
+    "broken": Column("bool", "whether the bond had failed at the last sample"),
     "at_shear_limit": Column("bool", "whether it had failed in shear or slid by then"),
     "crushed": Column("bool", "whether it had been crushed by then"),
     "ended": Column("bool", "whether it had ended by then, as its faces no longer overlapped"),

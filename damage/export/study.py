@@ -34,7 +34,7 @@ def _tidy(table, columns):
     return table.assign(**{name: table[name].astype(object).fillna("").astype(str) for name in words})
 
 
-def _told(name, columns):
+def _attributes_of(name, columns):
     """{unit, meaning} of a column, as attributes of a file; empty of one that is not known."""
     return {"unit": columns[name].unit, "meaning": columns[name].meaning} if name in columns else {}
 
@@ -48,7 +48,7 @@ def write_parquet(folder, out):
     paths = []
     for name, frame in study_tables(folder).items():
         table = pyarrow.Table.from_pandas(frame, preserve_index=False)
-        fields = [field.with_metadata(_told(field.name, TABLES[name][1])) for field in table.schema]
+        fields = [field.with_metadata(_attributes_of(field.name, TABLES[name][1])) for field in table.schema]
         table = table.cast(pyarrow.schema(fields, metadata=table.schema.metadata))
         paths.append(Path(out) / f"{name}.parquet")
         with whole_or_nothing(paths[-1]) as unfinished:
@@ -64,7 +64,7 @@ def write_netcdf(folder, path):
 
     with whole_or_nothing(path) as unfinished:
         for number, (name, frame) in enumerate(study_tables(folder).items()):
-            data = xarray.Dataset({column: (name, values.to_numpy(), _told(column, TABLES[name][1]))
+            data = xarray.Dataset({column: (name, values.to_numpy(), _attributes_of(column, TABLES[name][1]))
                                    for column, values in frame.items()})
             data.to_netcdf(unfinished, mode="a" if number else "w", group=name, engine="h5netcdf")
     return Path(path)

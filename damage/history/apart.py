@@ -36,14 +36,14 @@ def apart(path, read):
         _be_the_child(path, read, send, limit_s)
     os.close(send)
     with os.fdopen(receive, "rb") as answer:
-        told = b"".join(answer)
+        data = b"".join(answer)
     killed_by = os.WTERMSIG(os.waitpid(child, 0)[1])
     if killed_by == signal.SIGALRM:
         raise InputError(f"{path} cannot be read: HDF5 found no end in {limit_s} s, it is damaged")
     if killed_by:
         raise InputError(f"{path} cannot be read: HDF5 crashes on it (signal {killed_by}), it is damaged")
     try:
-        found = pickle.loads(told)
+        found = pickle.loads(data)
     except Exception:  # the child found no memory to send what it had read
         raise InputError(f"{path} cannot be read: too little memory for what it holds; give it more, or it is damaged"
                          ) from None
@@ -71,7 +71,7 @@ def bounded():
 
 
 def _be_the_child(path, read, send, limit_s):
-    """Read, send what came of it, and end without a trace of this process's own ending."""
+    """Read, send the result or the error, and end the child without the parent's exit handlers."""
     import resource  # not on every system
 
     signal.signal(signal.SIGALRM, signal.SIG_DFL)  # ends HDF5, too, wherever it is

@@ -62,7 +62,7 @@ def write_head(path, head):
 
 
 def seal(path):
-    """Vouch for a history that is closed: its bytes are to stay what they are now."""
+    """Seal a closed history: write the digest of its bytes."""
     sha256, n_bytes = _digest(path)
     write_head(path, replace(read_head(path), sha256=sha256, n_bytes=n_bytes))
 
@@ -89,7 +89,7 @@ def read_head(path):
 
 
 def check_seal(path, head):
-    """Raise InputError unless the file is, byte for byte, what was sealed."""
+    """Raise InputError unless the bytes of the file are those that were sealed."""
     n_bytes = os.path.getsize(path) - HEAD_BYTES
     if n_bytes != head.n_bytes:
         raise InputError(f"{path} has {n_bytes} bytes behind its head, {head.n_bytes} were sealed: it was cut short or "

@@ -1,6 +1,6 @@
-"""Histories in memory, of runs whose numbers are wanted as soon as they end: no file is read again, or none is written.
+"""Histories in memory, for runs that are evaluated as soon as they end: no file is read again, or none is written.
 
-Most contact points are whole most of the time: of a chunk of samples only those are kept at which anything is told.
+Most contact points are intact most of the time: a chunk of samples keeps the active ones alone.
 """
 
 from typing import NamedTuple
@@ -13,12 +13,12 @@ from damage.history.reader import any_bit, checked, history_of, read_history
 from damage.history.writer import HistoryWriter, layout_tables, run_attributes
 
 MOST_BYTES = 40_000_000
-"""Beyond these a history goes on in its file after all: eight runs share a process."""
+"""Size [bytes] beyond which a history continues in its file: eight runs share a process."""
 
 
 class HistoryInMemory(Buffer):
-    """Stands in for a HistoryWriter.  `history()` tells the History of a run that has finished; a run that does not
-    come to its end, or grows too large, leaves its file as if it had been written all the time."""
+    """Replaces a HistoryWriter.  `history()` returns the History of a finished run; a run that fails, is interrupted or
+    grows too large leaves the same file as a HistoryWriter."""
 
     def __init__(self, path, layout, **made):
         super().__init__(layout)
@@ -32,7 +32,7 @@ class HistoryInMemory(Buffer):
         return f"in memory, and in {self.path} should the run fail"
 
     def static_stage(self, **values):
-        """Keep what the static stage ended with; keys are those of STATIC."""
+        """Keep the results of the static stage; keys are those of STATIC."""
         self._values = values
 
     def store(self, columns):
@@ -55,15 +55,15 @@ class HistoryInMemory(Buffer):
         self._status, self._collapsed_at_s = status, collapsed_at_s
 
     def _write(self):
-        """Go on in a file."""
+        """Continue in a file."""
         self._writer = HistoryWriter(self.path, self._layout, **self._made)
         self._writer.static_stage(**self._values)
         for part in self._parts:
-            self._writer.store(part | {"frames": [told.whole(self._layout.n_joints) for told in part["frames"]]})
+            self._writer.store(part | {"frames": [rows.dense(self._layout.n_joints) for rows in part["frames"]]})
         self._parts = None
 
     def history(self, path=None):
-        """The History, equal to what `read_history` would tell of the file; raises InputError where that would.
+        """The History, equal to that of `read_history`; raises the same InputError.
 
         path: of the file, where it has another name by now.
         """
@@ -79,8 +79,8 @@ class HistoryInMemory(Buffer):
         values |= {f"{group}/{name}": self._column(group, number, name)
                    for group, columns in schema.GROWING.items() if group != "frames"
                    for number, name in enumerate(columns)}
-        joints, frames = self._frames_told()
-        values |= {f"frames/{name}": told for name, told in frames.items()}
+        joints, frames = self._active_frames()
+        values |= {f"frames/{name}": rows for name, rows in frames.items()}
         return checked(history_of(path, self._attributes, values, joints=joints))
 
     def _column(self, group, number, name):
@@ -91,26 +91,26 @@ class HistoryInMemory(Buffer):
         none = np.empty((0, *(sizes.get(of, of) for of in shape)), schema.GROWING[group][name].dtype)
         return np.concatenate([none, *parts])
 
-    def _frames_told(self):
+    def _active_frames(self):
         """The joints at which any bit was ever set, and {column of the frames: all its rows at them}."""
         parts = [part["frames"] for part in self._parts if part["frames"]]
         ever = np.zeros(self._layout.n_joints, bool)
         for one in parts:
-            for told in one:
-                ever[told.joints] = True
+            for part in one:
+                ever[part.joints] = True
         joints, place = np.flatnonzero(ever), np.cumsum(ever) - 1
         frames = {name: np.zeros((sum(len(one[0].values) for one in parts), len(joints)), column.dtype)
                   for name, column in schema.FRAMES.items()}
         first = 0
         for one in parts:
-            for rows, told in zip(frames.values(), one):
-                rows[first:first + len(told.values), place[told.joints]] = told.values
+            for rows, part in zip(frames.values(), one):
+                rows[first:first + len(part.values), place[part.joints]] = part.values
             first += len(one[0].values)
         return joints, frames
 
 
 class HistoryKept(HistoryInMemory):
-    """Stands in for a HistoryWriter, too: writes the file as that does, and tells its History without reading it."""
+    """Replaces a HistoryWriter and writes its file, but returns the History without reading it."""
 
     def __init__(self, path, layout, **made):
         super().__init__(path, layout, **made)
@@ -162,8 +162,8 @@ class _Part(NamedTuple):
     def nbytes(self):
         return self.joints.nbytes + self.values.nbytes
 
-    def whole(self, n_joints):
-        """The rows as they were."""
+    def dense(self, n_joints):
+        """The rows (rows, n_joints) of all joints."""
         rows = np.zeros((len(self.values), n_joints), self.values.dtype)
         rows[:, self.joints] = self.values
         return rows

@@ -1,4 +1,4 @@
-"""What a history is worth, and what made it: `python3 -m damage check` and `info`."""
+"""State and origin of a history: `python3 -m damage check` and `info`."""
 
 from math import isnan
 
@@ -55,7 +55,7 @@ def made_by(history):
 
 
 def origin(history):
-    """What made a History, for a picture's own data."""
+    """Origin of a History, for the metadata of a picture."""
     made = made_by(history)
     return (f"{history.path.name}: {history.command}; {history.solver} solver, masonry-damage {made['software']}, "
             f"commit {made['commit']}, model {made['model_digest']}")
@@ -77,9 +77,9 @@ def results(history):
     return {name: history.parameters[name] for name in RESULTS if name in history.parameters}
 
 
-def given(told):
-    """The parameters without what follows from them; told: an `info`."""
-    return {name: value for name, value in told["parameters"].items() if name not in told["results"]}
+def given(about):
+    """The parameters without those derived from others; about: an `info`."""
+    return {name: value for name, value in about["parameters"].items() if name not in about["results"]}
 
 
 def _caps(history):
@@ -88,15 +88,16 @@ def _caps(history):
     return caps(bodies["x_m"], bodies["length_m"], bodies["mass_kg"], thickness)
 
 
-def describe(told):
+def describe(about):
     """The `info` of a history as lines for people: what made it and its caps, the results that precede the motion
     (static stage, periods, measures of the motion), then every parameter that was given or has its default."""
-    lines = [f"{name:14s}{told[name]}" for name in (
+    lines = [f"{name:14s}{about[name]}" for name in (
         "file", "wall", "solver", "status", "created_utc", "machine", "command", "software", "commit", "model_digest")]
-    lines += [f"{name:14s}{version}" for name, version in sorted(told["versions"].items())
+    lines += [f"{name:14s}{version}" for name, version in sorted(about["versions"].items())
               if name not in ("masonry-damage", "commit", "model")]
-    lines += map(describe_cap, told["caps"])
-    for title, table in (("static stage", told["static"]), ("results", told["results"]), ("parameters", given(told))):
+    lines += map(describe_cap, about["caps"])
+    for title, table in (("static stage", about["static"]), ("results", about["results"]),
+                         ("parameters", given(about))):
         lines += [f"{title}:", *(f"  {name:42s}{value}" for name, value in flat(table))]
     return "\n".join(lines)
 

@@ -37,9 +37,12 @@ from damage.motion.loading import loading_from_dict
 from damage.wall.parameters import ModelOptions, Wall
 
 
-class Told(NamedTuple):
-    """What is told of joints: those at which any bit was ever set, (n,) indices in rising order, and of these alone
-    opening, slip, offset [m] (None in a file without) and at_limit, (n_times, n)."""
+class ActiveContacts(NamedTuple):
+    """Sparse contact data: only contact points that ever opened, slipped or reached their shear limit.
+
+    joints: (n,) indices of these contact points, increasing; opening_m, slip_m, offset_m [m]: (n_times, n), offset_m
+    None in a file without offsets; at_limit: bool (n_times, n).
+    """
 
     joints: np.ndarray
     opening_m: np.ndarray
@@ -48,13 +51,15 @@ class Told(NamedTuple):
     at_limit: np.ndarray
 
     def slip_by(self, slip):
-        """As of a History."""
+        """The slip that counts by a criterion, as `History.slip_by`, (n_times, n) [m]."""
         return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
 
 
 class States(NamedTuple):
-    """What is told of joints' states: those at which any was ever set, (n,) indices in rising order, and of these alone
-    broken, at_limit, crushed, ended, bool (n_times, n)."""
+    """Sparse states of contact points: only those at which any state was ever set.
+
+    joints: (n,) indices of these contact points, increasing; broken, at_limit, crushed, ended: bool (n_times, n).
+    """
 
     joints: np.ndarray
     broken: np.ndarray
@@ -63,8 +68,8 @@ class States(NamedTuple):
     ended: np.ndarray
 
 
-def _told(kind, joints, frames):
-    """A Told, or States, of those of some joints (n,) at which anything is told; frames: {name: (n_times, n)}."""
+def _sparse(kind, joints, frames):
+    """ActiveContacts or States (kind) from frames of joints (n,), {name: (n_times, n)}, without inactive ones."""
     asked = [frames[name] for name in kind._fields[1:]]
     ever = np.any([any_bit(frame) for frame in asked if frame is not None], axis=0)
     return kind(joints[ever], *(frame if frame is None else frame[:, ever] for frame in asked))
@@ -204,7 +209,7 @@ class History:
     def judged_by(self, slip):
         """The criterion of slip that this run is judged by where one is asked for: `accumulated` in place of
         `displacement` where the file has no offsets."""
-        return "accumulated" if slip == "displacement" and self.told.offset_m is None else slip
+        return "accumulated" if slip == "displacement" and self.active.offset_m is None else slip
 
     def slip_by(self, slip):
         """The slip that counts by a criterion, (n_times, n_joints) [m]; by `shear-limit` none does, and this is that
@@ -215,26 +220,31 @@ class History:
         """The damage index over time: `damage.index.damage_index` of this run, by the criterion `judged_by(slip)`."""
         asked = threshold, drift_limit, slip
         if asked not in self._indices:
-            told = self.told
+            active = self.active
             self._indices[asked] = damage_index(
-                self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), told.opening_m,
-                told.slip_by(slip), told.at_limit, self.joint_length_m[told.joints],
+                self.series["time_s"].to_numpy(), self.series["drift_ratio"].to_numpy(), active.opening_m,
+                active.slip_by(slip), active.at_limit, self.joint_length_m[active.joints],
                 threshold=threshold, drift_limit=drift_limit, slip_criterion=slip,
                 total_length=self.joint_length_m.sum())
         return self._indices[asked].copy()
 
     @cached_property
+    def active(self):
+        """The ActiveContacts: most contact points stay inactive, so numbers of a run are computed from these alone."""
+        return self._of_all(ActiveContacts)
+
+    @property
     def told(self):
-        """What is Told of joints: of most nothing ever is, so that numbers of a run are worked out of the others."""
-        return self._of_all(Told)
+        """Alias of `active`, its earlier name."""
+        return self.active
 
     @cached_property
     def states(self):
-        """What is told of their States."""
+        """The States of contact points."""
         return self._of_all(States)
 
     def _of_all(self, kind):
-        return _told(kind, np.arange(len(self.joints)), {name: getattr(self, name) for name in kind._fields[1:]})
+        return _sparse(kind, np.arange(len(self.joints)), {name: getattr(self, name) for name in kind._fields[1:]})
 
     @property
     def is_intact(self):
@@ -278,10 +288,10 @@ def _open(path, believe=lambda n_bytes: None):
 
 
 def checked(history):
-    """A History that says nothing that cannot be; raises InputError of one that does."""
+    """The History after the checks of its values; raises InputError for impossible ones."""
     check_values(history)
     check_parameters(history.parameters)
-    # Parameters that make no sense are a fault of the file, to be told here and not in the midst of a command.
+    # Parameters that make no sense are a fault of the file, reported here and not in the midst of a command.
     _ = history.loading.as_dict(), history.model, history.joint_normals, history.masonry_wall
     return history
 
@@ -330,8 +340,8 @@ def _read(file, path):
 def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joints=None):
     """A History from what `run` says of itself and all columns by their paths, {"GROUP/NAME": array or dataset}.
 
-    joints: where the frames are of some joints alone, their indices (n,) in rising order; of all others nothing is
-    told, and whole frames are made when they are asked for.
+    joints: where the frames are of some joints alone, their indices (n,), increasing; all others are inactive, and
+    dense frames are made on first use.
     """
     tables = tables_of(version)
     # A killed run may have flushed one column more often than another: cut to the shortest.
@@ -358,29 +368,29 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
         displacement=values["snapshots/displacement"][:n_snapshots], **ground,
         **(frames if joints is None else
            {name: partial(_at_all_joints, rows, joints, n_joints) for name, rows in frames.items()}))
-    if joints is not None:  # as its cached properties would tell it of the whole frames
-        vars(history).update(told=_told(Told, joints, frames), states=_told(States, joints, frames))
+    if joints is not None:  # as its cached properties would compute it from dense frames
+        vars(history).update(active=_sparse(ActiveContacts, joints, frames), states=_sparse(States, joints, frames))
     return history
 
 
 def _frames(values, columns, n_times):
     """{field of a History: its frames}, offsets None where a file has none."""
     state = values["frames/state"][:n_times]
-    told = {name: values[f"frames/{name}"][:n_times] if name in columns else None
+    found = {name: values[f"frames/{name}"][:n_times] if name in columns else None
             for name in ("opening_m", "slip_m", "offset_m")}
-    return told | {name: (state & bit) > 0 for name, bit in (
+    return found | {name: (state & bit) > 0 for name, bit in (
         ("broken", BROKEN), ("at_limit", AT_LIMIT), ("crushed", CRUSHED), ("ended", ENDED))}
 
 
-def _at_all_joints(told, joints, n_joints):
-    """Frames (n_times, n_joints) of what is told (n_times, n) of some joints alone."""
-    rows = np.zeros((len(told), n_joints), told.dtype)
-    rows[:, joints] = told
+def _at_all_joints(sparse, joints, n_joints):
+    """Dense frames (n_times, n_joints) from those of some joints alone (n_times, n)."""
+    rows = np.zeros((len(sparse), n_joints), sparse.dtype)
+    rows[:, joints] = sparse
     return rows
 
 
 def _number_shocks(series):
-    """The series with the number of the shock, from 1: a new one begins with each motion after settling."""
+    """The series with the number of the event, from 1: a new one begins with each motion after settling."""
     settling = (series["stage"] == "settling").to_numpy()
     series["shock"] = 1 + np.cumsum(np.diff(settling.astype(int), prepend=0) < 0)
     return series

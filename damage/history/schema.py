@@ -79,10 +79,10 @@ FRAMES = {
                           "`accumulated`", "f4"),
     "offset_m": Column("m", "signed offset of the two faces now, along the joint, less its elastic part (none while "
                             "open), 0 while intact: the slip by `displacement`", "f4", since=3),
-    "state": Column("bits: 1 broken, 2 has been at the shear limit, 4 has been crushed, 8 has ended", "1: the bond is "
-                    "gone; 2: has failed in shear or slid, ever; 4: has been pressed to its compressive strength and "
-                    "has closed for good, ever; 8: its faces have ceased to overlap: it has no forces any more, and "
-                    "keeps opening, slip and offset", "u1"),
+    "state": Column("bits: 1 broken, 2 has been at the shear limit, 4 has been crushed, 8 has ended", "1: the bond "
+                    "has failed; 2: has failed in shear or slid, ever; 4: has been pressed to its compressive "
+                    "strength and has closed for good, ever; 8: its faces have ceased to overlap: it has no forces any "
+                    "more, and keeps opening, slip and offset", "u1"),
 }
 GROUND = {
     "displacement": Column("m, m, rad", "of the middle of the part of the base that each support carries, since the "
@@ -93,7 +93,7 @@ GROUND = {
 EVENT_COLUMNS = {
     "time_s": Column("s", "negative in the static stage"),
     "joint": Column("index of joints", "row of `joints`", "i4"),
-    "kind": Column("code", "tension, shear (the bond is gone); opened, slipped (first passing of 0.1 mm by "
+    "kind": Column("code", "tension, shear (the bond has failed); opened, slipped (first passing of 0.1 mm by "
                    "`opening_m`, `slip_m`)", "u1"),
     "normal_stress_pa": Column("Pa", "trial stress at a break"),
     "shear_stress_pa": Column("Pa", "trial stress at a break"),

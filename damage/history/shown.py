@@ -6,13 +6,13 @@ from damage.units import rounded
 
 
 def in_a_line(history):
-    """What `repr` shows of a History."""
+    """One line on a History, its `repr`."""
     return (f"<History {history.wall}, {history.loading.name}, {history.solver} solver: {how_it_ended(history)}, "
             f"{_samples(history)}>")
 
 
 def as_html(history):
-    """What a notebook shows of a History: an HTML table with its wall, motion, end, index and largest drift."""
+    """A History as HTML for notebooks: a table with its wall, motion, end, index and largest drift."""
     rows = [("wall", history.wall), ("motion", history.loading.name), ("solver", history.solver),
             ("run", f"{how_it_ended(history)}, {_samples(history)}")]
     if len(history.series):

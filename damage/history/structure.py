@@ -1,4 +1,4 @@
-"""Whether an HDF5 file has the structure of a history; nothing that it says is believed before."""
+"""Checks of the structure of a history file (HDF5), before any value is read."""
 
 import h5py
 import numpy as np

@@ -1,4 +1,4 @@
-"""Whether what a history says can be: numbers, joints that exist, time that goes on."""
+"""Checks of the values of a history: finite numbers, existing joints, increasing time."""
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def check_parameters(parameters):
 
 
 def check_values(history):
-    """Raise InputError where a History says what cannot be: no numbers, joints that do not exist, time that stops."""
+    """Raise InputError for impossible values of a History: not finite, unknown joints, time that does not increase."""
     joints, bodies, events, series = history.joints, history.bodies, history.events, history.series
     for name, value in history.static.items():
         if abs(value) >= _HUGE:
@@ -36,7 +36,7 @@ def check_values(history):
     _check_columns("joints", joints, infinite=("tensile_strength_pa", "cohesion_pa"))
     _check_columns("bodies", bodies)
     _check_columns("events", events)
-    # What a solver does not tell is empty: a column has all its values or none.
+    # A column that a solver does not provide is empty: it has all its values or none.
     empty = [name for name, values in series.items() if values.dtype.kind == "f" and np.isnan(values.to_numpy()).all()
              and name not in ("time_s", "drift_ratio")]
     _check_columns("series", series.drop(columns=empty))
@@ -51,7 +51,7 @@ def check_values(history):
         _refuse((values < least) | (values >= end), name, f"{least} to {end - 1}", values)
     time_s = series["time_s"].to_numpy()
     _refuse(np.diff(time_s, prepend=-np.inf) <= 0, "time_s", "a later time than before", time_s)
-    for name, frames in (*((name, getattr(history.told, name)) for name in ("opening_m", "slip_m", "offset_m")),
+    for name, frames in (*((name, getattr(history.active, name)) for name in ("opening_m", "slip_m", "offset_m")),
                          ("displacement", history.displacement), ("ground/displacement", history.support_displacement)):
         # Of the extremes first, which takes no memory: of what is no number both are none, too.
         if frames is None or (-_HUGE < frames.min(initial=0.0) and frames.max(initial=0.0) < _HUGE):

@@ -72,7 +72,7 @@ class HistoryWriter(Buffer):
         return self in _LEFT_OPEN
 
     def static_stage(self, **values):
-        """Store what the static stage ended with; keys are those of STATIC."""
+        """Store the results of the static stage; keys are those of STATIC."""
         with self._writing():
             for name, value in values.items():
                 self._file["static"][name][()] = value
@@ -106,14 +106,14 @@ class HistoryWriter(Buffer):
 
     @contextmanager
     def _writing(self):
-        """Turn what HDF5 says of a failed write into a WriteError."""
+        """Raise a WriteError from HDF5's error of a failed write."""
         try:
             yield
         except (OSError, RuntimeError) as error:
             _LEFT_OPEN.append(self)
             said = re.search(r"error message = '([^']*)'", str(error))
             raise WriteError(f"cannot write {self.path} ({said[1] if said else str(error).splitlines()[0]}): what was "
-                             "flushed is kept, unfinished; mend that, as by making room, and run it again") from error
+                             "flushed is kept, unfinished; make room, and run it again") from error
 
 
 def check_output(path, overwrite=False):
@@ -176,7 +176,7 @@ def _lock(path, kind):
 
 
 def run_attributes(layout, solver, parameters, versions):
-    """What a history says of its run, {name: words or number}; arguments as those of HistoryWriter."""
+    """The attributes of a history's run, {name: words or number}; arguments as of HistoryWriter."""
     command = parameters.get("command") or shown_command(sys.argv)
     parameters = {name: value for name, value in parameters.items() if name != "command"}
     versions = {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__,
@@ -248,9 +248,9 @@ def _extend(dataset, rows):
     start = dataset.shape[0]
     dataset.resize(start + len(rows), axis=0)
     if start % dataset.chunks[0] == 0 and len(rows) == dataset.chunks[0]:
-        told = np.bitwise_or.reduce(rows.reshape(-1).view(f"u{rows.itemsize}"))
+        bits = np.bitwise_or.reduce(rows.reshape(-1).view(f"u{rows.itemsize}"))
         dataset.id.write_direct_chunk((start, *(0,) * (rows.ndim - 1)),
-                                      _packed(rows) if told else _packed_zeros(rows.shape, rows.dtype))
+                                      _packed(rows) if bits else _packed_zeros(rows.shape, rows.dtype))
     else:
         dataset[start:] = rows
 
@@ -262,5 +262,5 @@ def _packed(rows):
 
 @cache
 def _packed_zeros(shape, dtype):
-    """A chunk in which nothing is told, as many are of a wall that hardly cracks."""
+    """A packed chunk of zeros, as most are of a wall that hardly cracks."""
     return _packed(np.zeros(shape, dtype))

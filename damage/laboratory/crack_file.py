@@ -41,7 +41,7 @@ class CrackPattern:
     level: its number; drift_ratio: NaN where unknown;
     stretches: DataFrame, a row a straight part of a polyline: crack (label), line (number of the polyline
     in the level), x_start_m, z_start_m, x_end_m, z_end_m, opening_m and slip_m (NaN where they cannot be
-    told apart), width_m, mode.
+    distinguished), width_m, mode.
     """
 
     level: float

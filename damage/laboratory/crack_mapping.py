@@ -35,7 +35,7 @@ class MappedCracks:
 
     table: DataFrame, a row each joint that a stretch runs along: crack (label in the file), joint (index),
     x_start_m, z_start_m, x_end_m, z_end_m (on the joint), length_m, opening_m, slip_m (NaN where they
-    cannot be told apart), width_m, mode;
+    cannot be distinguished), width_m, mode;
     drawn_m, unmapped_m, surplus_m: length of all polylines, of what lies on no joint, and of what was drawn
     over a joint beyond the joint's own length.
     """

@@ -1,4 +1,4 @@
-"""What `python3 -m damage cracks` tells of the cracks of a history, of a crack file or of a DIC field."""
+"""Results of `python3 -m damage cracks`: cracks of a history, of a crack file or of a DIC field."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from damage.laboratory.crack_mapping import describe_level, largest, map_cracks
 from damage.laboratory.dic import measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
 from damage.measure.cracks import PSI_FROM, cracks_at, psi, psi_summary
-from damage.measure.doubts import offset_doubts
+from damage.measure.warnings import offset_warnings
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -84,7 +84,7 @@ def choose_samples(history, moments):
 
 
 def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, export=None):
-    """What is told of the cracks of the history at `path`, a dictionary; written to `export` if it is given."""
+    """The cracks of the history at `path`, a dictionary; written to `export` if it is given."""
     history = read_history(path)
     samples = choose_samples(history, moments)
     index, total = history.index(threshold, drift_limit), float(history.joint_length_m.sum())
@@ -107,13 +107,13 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
             f"{moments_s} s", f"joints whose width reaches {least / MILLIMETRE:g} mm; docs/reference/crack-format.md"])
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
             "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": total, "levels": levels,
-            "max": largest(levels), "run": psi_summary(history, psi_from), "notes": offset_doubts(history)}
+            "max": largest(levels), "run": psi_summary(history, psi_from), "notes": offset_warnings(history)}
 
 
 # --- a crack file, a field --------------------------------------------------------------------------
 
 def pattern_report(patterns, layout, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, psi_from=PSI_FROM, tolerance=None):
-    """What is told of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
+    """The results of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
     mapped = [map_cracks(pattern, layout, tolerance) for pattern in patterns]
     levels = [describe_level(pattern, cracks, layout, threshold, drift_limit, psi_from)
               for pattern, cracks in zip(patterns, mapped)]
@@ -138,12 +138,12 @@ def field_report(path, wall, margin, threshold=THRESHOLD, drift_limit=DRIFT_LIMI
 
 
 def _notes(levels):
-    """What a reader must know of the levels, a line each."""
+    """Notes on the levels, a line each."""
     for level in levels:
         where = f"level {level['load_level']:g}: "
         if level["undecided_m"] > 0:
             yield (where + f"{level['undecided_m']:.3f} m of cracks give their width only: tension and shear cannot "
-                   "be told apart there, and DI_open, DI_slip and DI lie between the bounds shown")
+                   "be distinguished there, and DI_open, DI_slip and DI lie between the bounds shown")
         if level["drift_pct"] is None:
             yield where + "drift unknown: DI is that of the cracks alone"
         if level["unmapped_m"] > 5e-4:

@@ -2,7 +2,7 @@
 
 A brick moves as a rigid body: its motion is fitted by least squares to the points inside it, and opening
 and shear of its joints follow from the motions of both bricks (`damage.wall.kinematics`).  So tension and shear
-are told apart, which a picture of the cracks alone does not do.  `docs/reference/crack-format.md` gives the file.
+are distinguished, unlike in a picture of the cracks alone.  `docs/reference/crack-format.md` gives the file.
 
 What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without the
 stresses; `elastic_parts` bounds it.  Slip is the offset of the two bricks along the joint, as by `displacement` in a
@@ -62,7 +62,7 @@ class Motions:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a field says of the joints at one level.
+    """Opening and slip of the joints at one level of a DIC field.
 
     opening, slip: (n_joints,) [m], NaN where a brick was not seen; deviation: (n_joints,) standard
     deviation of the opening from the field's noise [m]; noise: of a point [m]; drift_ratio [-].

@@ -12,7 +12,7 @@ from damage.laboratory.pushed import test_of
 from damage.measure.pushed import cycles_table, envelope, pushed_loading
 
 RUN_LOOKS = ((BLUE, "-", "o"), (ORANGE, "--", "s"), (GREEN, "-.", "^"), (PURPLE, ":", "D"), (SKY, (0, (5, 1)), "v"))
-"""Colour, line and marker of each run, so that runs are told apart in grey, too."""
+"""Colour, line and marker of each run, so that runs are distinguishable in grey, too."""
 SIDES = ((1, 0), (-1, 1))  # direction of loading, its place in a test's pairs
 
 

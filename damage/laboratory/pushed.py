@@ -1,4 +1,4 @@
-"""Walls tested in a laboratory: their measured numbers, and what a simulated wall gives beside them.
+"""Walls tested in a laboratory: their measured numbers beside those of a simulated wall.
 
 EUCENTRE's in-plane cyclic tests (Graziotti et al. 2016), `damage/data/eucentre`.
 """
@@ -25,7 +25,7 @@ class LaboratoryTest:
     """Measured numbers of one wall; pairs are of the two directions of loading.
 
     peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (positive, negative);
-    drifts are ratios; first_crack: the drift at which it was seen, None where none is told; mode: of MODES; height [m].
+    drifts are ratios; first_crack: the drift at which one was seen, None where none was; mode: of MODES; height [m].
     """
 
     specimen: str

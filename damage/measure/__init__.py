@@ -1,1 +1,1 @@
-"""What a history says: energies, cracks, cycles, periods, key numbers, tables."""
+"""Results of a history: energies, cracks, cycles, periods, key numbers, tables."""

@@ -1,4 +1,4 @@
-"""Every column of summary.csv and points.csv, once: what it is called, its unit, what it means.
+"""Every column of summary.csv and points.csv: name, unit, meaning.
 
 The tables of `docs/reference/measures.md` are these; `damage.measure.tables.summary_row` fills them,
 `damage.studies.tables` sums them up by point.
@@ -30,7 +30,7 @@ WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default
 
 
 def made_by_words(table):
-    """What made the runs of a table, in words, as far as it says so."""
+    """Origin of the runs of a table, in words, as far as it is known."""
     return "; ".join(f"{name} {', '.join(sorted(set(table[name].dropna())))}" for name in MADE_BY if name in table)
 
 
@@ -44,8 +44,8 @@ def _index(kind, slip):
 
 def slip_criteria(table):
     """The criteria of slip in the columns of a table that name none, a list: one, or both where rows differ."""
-    told = "; ".join(table["slip"].dropna()) if "slip" in table else ""
-    return sorted(set(told.split("; ")), reverse=True) if told else ["displacement"]
+    criteria = "; ".join(table["slip"].dropna()) if "slip" in table else ""
+    return sorted(set(criteria.split("; ")), reverse=True) if criteria else ["displacement"]
 
 
 PARAMETERS = {
@@ -93,7 +93,7 @@ RUN = {
     **_model(seeds=True),
     "seed": Column("1", "of the bricks' random offsets and of `scatter`"),
 }
-"""What tells one run from another of its point, and how it ended."""
+"""What distinguishes the runs of a point, and how each ended."""
 MADE_BY = {
     "software": Column("", "version of this software, `unknown` of a run before 0.2"),
     "commit": Column("", "of its repository; `changed` where the tree differed"),
@@ -150,7 +150,7 @@ MEASURES = {
         "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
         "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out"),
     },
-    "Classes by published limits": {one.name: Column("", one.told) for one in LIMITS},
+    "Classes by published limits": {one.name: Column("", one.description) for one in LIMITS},
 }
 """By section of the document."""
 
@@ -247,7 +247,7 @@ def _read_csv(path):
 
 
 def read_table(path, needed=()):
-    """A table of a study as a DataFrame, older spellings mended; "none" is a word, only an empty cell is missing.
+    """A table of a study as a DataFrame, older spellings corrected; "none" is a word, only an empty cell is missing.
 
     Raises InputError where it cannot be read or lacks one of the needed columns.
     """

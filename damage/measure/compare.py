@@ -17,7 +17,7 @@ from damage.measure.patterns import common_slip, compare_patterns, describe_patt
 from damage.measure.summary import summarise
 from damage.measure.vibration import NOISE, upward_crossings
 
-DIVERGED = 0.01  # of the peak drift: two runs have parted
+DIVERGED = 0.01  # of the peak drift: two runs have diverged
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def numbers_of(history, slip="displacement"):
 
 
 def cycle_length(series):
-    """Mean length of the full cycles of the drift in the first shock's rest [s], None without one."""
+    """Mean length of the full cycles of the drift in the first event's rest [s], None without one."""
     rest = series[(series["stage"] == "rest") & (series["shock"] == 1)]
     crossings = upward_crossings(rest["time_s"], rest["drift_ratio"], rearm=0.0)  # every one, ripples too
     return float((crossings[-1] - crossings[0]) / (len(crossings) - 1)) if len(crossings) > 1 else None
@@ -155,9 +155,9 @@ def _lag(time, here, there):
 # --- joint by joint -----------------------------------------------------------------------------
 
 def joints_ever(history, threshold=THRESHOLD):
-    """What each joint between two bodies ever did: DataFrame indexed by (first_body, second_body).
+    """Extremes of each joint between two bodies: DataFrame indexed by (first_body, second_body).
 
-    state: index of `damage.history.moments.STATES`, slipped by the shear limit, broken alone told by broken: bool;
+    state: index of `damage.history.moments.STATES`, slipped by the shear limit, broken alone given by broken: bool;
     first_break_s (NaN: never); x_m, z_m.  Contact points of one pair of bodies are one joint, so that any
     discretisation will do.
     """
@@ -212,10 +212,10 @@ def describe(result):
     drift, joints = result["drift"], result["joints"]
     span = ("of the whole run, in which nothing fails" if drift["first_failure_s"] is None
             else f"before the first failure at {drift['first_failure_s']:.4f} s")
-    parted = "never" if drift["diverged_at_s"] is None else f"at {drift['diverged_at_s']:.3f} s"
+    diverged = "never" if drift["diverged_at_s"] is None else f"at {drift['diverged_at_s']:.3f} s"
     lines.append(f"drift {span}: RMS {100 * drift['rms_before_failure']:.3f} % (allowed "
-                 f"{100 * drift['allowed']:.1f} %)  {'agrees' if drift['agrees'] else 'DIFFERS'}; parted by 1 % "
-                 f"of the peak {parted}; lag {1e3 * drift['lag_s']:.2f} ms")
+                 f"{100 * drift['allowed']:.1f} %)  {'agrees' if drift['agrees'] else 'DIFFERS'}; diverged by 1 % "
+                 f"of the peak {diverged}; lag {1e3 * drift['lag_s']:.2f} ms")
     if joints["kappa"] is not None:
         lines.append(f"joints between bricks: {joints['broke_in_either']} broke in either run, "
                      f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "

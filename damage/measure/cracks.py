@@ -133,11 +133,11 @@ def psi_history(history, threshold=PSI_FROM):
     Returns a DataFrame, a row a sample: time_s, psi [-], cracks (their number), crack_length_m,
     mean_width_m (c_w), max_width_m (0 without a crack).
     """
-    opening, slip = history.told.opening_m, history.told.slip_by("displacement")
+    opening, slip = history.active.opening_m, history.active.slip_by("displacement")
     # A joint whose larger part stays below this never reaches the threshold: most joints do not.
     least = threshold * 0.7
     wide = (opening >= least).any(axis=0) | (np.abs(slip) >= least).any(axis=0)
-    ever = history.told.joints[wide]
+    ever = history.active.joints[wide]
     width = np.hypot(opening[:, wide].astype(float), slip[:, wide].astype(float))
     is_cracked = cracked(width, threshold)
     width = np.where(is_cracked, width, 0.0)

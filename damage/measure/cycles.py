@@ -39,7 +39,7 @@ def drift_cycles(history):
 
 
 def _motion_end(series):
-    """Time of the last sample of the base motion [s]; series: of one shock."""
+    """Time of the last sample of the base motion [s]; series: of one event."""
     return series.loc[series["stage"] == "motion", "time_s"].max()
 
 
@@ -61,7 +61,7 @@ def index_by_all(history):
 
 
 def cycles_table(history):
-    """A row a cycle of a History: of each shock the driven ones, then the free ones.
+    """A row a cycle of a History: of each event the driven ones, then the free ones.
 
     Driven cycles are those of a harmonic motion, each one period long; free cycles lie between two
     upward zero crossings of the drift after the motion.  Columns CYCLE_COLUMNS: largest |drift ratio| and
@@ -86,7 +86,7 @@ def cycles_table(history):
 
 
 def _cycles(series, loading):
-    """(kind, start, end) [s] of the cycles that have been gone through whole; series: of one shock, without
+    """(kind, start, end) [s] of the complete cycles; series: of one event, without
     settling."""
     if loading.drive.quasi_static:
         return []

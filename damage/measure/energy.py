@@ -1,4 +1,4 @@
-"""Energy balance of a run: what came in is kinetic, elastic, lifted, or dissipated."""
+"""Energy balance of a run: the input is kinetic, elastic, potential or dissipated energy."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def energy_groups(series):
 
 
 def noise_j(mass_kg, height_m):
-    """Energy below which nothing came into a wall of this mass and height [J]."""
+    """Least input energy [J] of a wall of this mass and height for which the balance is judged."""
     return NOISE * mass_kg * GRAVITY * height_m
 
 
@@ -48,12 +48,12 @@ def energy_error(series, noise=0.0):
 
 
 def energy_error_of(history):
-    """`energy_error` of a History, None where no more than rounding came in."""
+    """`energy_error` of a History, None where its input is no more than rounding."""
     return energy_error(history.series, noise_j(history.bodies["mass_kg"].sum(), history.attributes["height_m"]))
 
 
 def energy_scale(series):
-    """What an imbalance is measured by [J]: the largest input or, in free vibration, the energy of the kick."""
+    """Reference of the imbalance [J]: the largest input or, in free vibration, the initial kinetic energy."""
     return max(np.abs(series["input_energy_j"]).max(), series["kinetic_energy_j"].iloc[0])
 
 
@@ -79,7 +79,7 @@ class Balance:
 
 
 def energy_measures(history):
-    """Energies of a whole History [J]: input, and what friction, fracture and damping took.
+    """Energies of a whole History [J]: input, and dissipation by friction, fracture and damping.
 
     dissipated_energy_j is friction and fracture together; damping_energy_j leaves the settling stages
     out, whose damping is no part of the model.

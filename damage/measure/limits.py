@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Limits:
-    """Published limits of a measure, rising, and the names of the classes they part.
+    """Published limits of a measure, rising, and the names of the classes between them.
 
     name: of the column; measure: which figure is classified, "drift" (maximum drift ratio [-]) or "psi"
     (maximum Psi [-]); bounds: (n,); classes: (n + 1,) names, a value equal to a bound is of the upper
@@ -21,7 +21,7 @@ class Limits:
     source: str
 
     @property
-    def told(self):
+    def description(self):
         """The classes with the bounds between them, and the source."""
         unit, factor = (" %", 100) if self.measure == "drift" else ("", 1)
         bounds = [f"{factor * bound:.4g}{unit}" for bound in self.bounds]

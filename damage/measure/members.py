@@ -60,7 +60,7 @@ def spread(table):
 
 
 def describe_spread(spread):
-    """Lines for people of what `spread` returns."""
+    """The result of `spread` as lines of text."""
     fallen = f", {spread['collapsed']} of them collapsed" if spread["collapsed"] else ""
     return [f"{spread['count']} members{fallen}: median (min to max)",
             *(f"  {SHOWN[name][0]:14s}{in_words(spread, name)}" for name in SHOWN if name in spread)]

@@ -3,7 +3,7 @@
 from damage.motion.intensity import APPLIED, applied_measures
 
 _POWERS = {"arias_m_s": 2, "d5_75_s": 0, "d5_95_s": 0}
-"""With which power of the factor on the motion a measure grows; 1 where it is not told."""
+"""With which power of the factor on the motion a measure grows; 1 where it is not listed."""
 
 
 def motion_measures(history):
@@ -12,8 +12,8 @@ def motion_measures(history):
     A run writes them into its history.  Of an older file those of a harmonic motion are worked out from it, those of a
     record are None: its samples are not in the file.
     """
-    told = {name: history.parameters.get(name) for name in APPLIED}
+    found = {name: history.parameters.get(name) for name in APPLIED}
     if not any(name in history.parameters for name in APPLIED):
-        told = applied_measures(history.loading.applied(), history.eigen_period_s)
+        found = applied_measures(history.loading.applied(), history.eigen_period_s)
     factor = max(map(abs, history.sequence))
-    return {name: value if value is None else value * factor ** _POWERS.get(name, 1) for name, value in told.items()}
+    return {name: value if value is None else value * factor ** _POWERS.get(name, 1) for name, value in found.items()}

@@ -6,7 +6,7 @@ compared: f and g, the cracked share of the joint length in windows that slide o
     FSS = 1 - sum (f - g)^2 / sum (f^2 + g^2),
 
 1 for equal patterns and 0 for patterns without overlap (Roberts and Lean 2008, Monthly Weather Review 136, 78-97,
-doi:10.1175/2007MWR2123.1).  What a score is worth, controls tell: the second run's cracks shuffled among its
+doi:10.1175/2007MWR2123.1).  Controls show what a score is worth: the second run's cracks shuffled among its
 joints, and mirrored left to right.
 """
 
@@ -19,15 +19,15 @@ WINDOW_M = 0.45
 STEP_M = 0.075
 """Between the middles of two windows [m]."""
 SHUFFLES = 20
-TELLS_SIDES = 0.05
-"""A mirror image that scores within so much of the pair: the score does not tell sides."""
+SIDES_MARGIN = 0.05
+"""A mirror image that scores within so much of the pair: the score does not distinguish sides."""
 
 
 def compare_patterns(first, second):
     """Scores of two Histories of one wall at the end of their motions, None where nothing has cracked in either:
     {"broken", "visible": {"fss", "shuffled", "mirrored": number, "tells_sides": bool}, "window_m"}.
 
-    broken: joints whose bond is gone; visible: that opened or slipped by more than 0.1 mm, whatever they do then.
+    broken: joints whose bond has failed; visible: that opened or slipped by more than 0.1 mm, whatever they do then.
     slip: the criterion of both, `displacement` where both have offsets, and else `accumulated`.
     """
     slip = common_slip(first, second)
@@ -90,18 +90,18 @@ def _scores(first, second, what, slip):
     shuffled = [fractions_skill_score(here, fractions(second, random.permutation(flags))) for _ in range(SHUFFLES)]
     mirrored = fractions_skill_score(here, fractions(second, flags, mirrored=True))
     return {"fss": score, "shuffled": float(np.mean(shuffled)), "mirrored": mirrored,
-            "tells_sides": bool(mirrored < score - TELLS_SIDES)}
+            "tells_sides": bool(mirrored < score - SIDES_MARGIN)}
 
 
 def describe_patterns(result):
-    """What `compare_patterns` returns, as lines for people."""
+    """The result of `compare_patterns` as lines of text."""
     lines = []
     for what, words in (("broken", "broken joints"), ("visible", "joints that opened or slipped by 0.1 mm")):
         scores = result[what]
         if scores["fss"] is None:
             lines.append(f"pattern of {words} at the end of the motion: none in either run")
             continue
-        sides = "" if scores["tells_sides"] else "; the score does not tell sides"
+        sides = "" if scores["tells_sides"] else "; the score does not distinguish sides"
         lines.append(f"pattern of {words} at the end of the motion: FSS {scores['fss']:.2f} (controls: shuffled "
                      f"{scores['shuffled']:.2f}, mirrored {scores['mirrored']:.2f}{sides})")
     return lines

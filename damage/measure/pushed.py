@@ -1,4 +1,4 @@
-"""What a pushed wall tells: its envelope, what each cycle does, and how it fails.  Functions of a History.
+"""Results of a pushed wall: its envelope, its cycles and its failure mode.  Functions of a History.
 
 Force is the base's shear, displacement that of the top course, as a laboratory would measure them.
 """
@@ -64,7 +64,7 @@ def first_loading(history):
 # --- the envelope ---------------------------------------------------------------------------------
 
 def envelope(history, sign=1):
-    """Loading beyond what the wall has seen: DataFrame of drift_ratio and force_n, both positive.
+    """Loading beyond the largest earlier drift: DataFrame of drift_ratio and force_n, both positive.
 
     sign: +1 or -1, the direction of loading.
     """
@@ -146,7 +146,7 @@ def cycles_table(history):
 def hand_capacities(history):
     """Lateral forces [N] by hand at which a solid wall rocks, slides and cracks in stairs.
 
-    rocking: rigid, about toes half a contact point's length inside the ends; held against rotation, about the base
+    rocking: rigid, about toes half a contact point's length inside the ends; with rotation prevented, about the base
     and the joint below the top course.  sliding_top, sliding_base: friction alone, under the top course and at the
     base.  diagonal: bed joints fail in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t / b
     / (1 + 2 mu h / l) with bricks of l by h and b = 1.5 for a parabola of shear stress.

@@ -6,13 +6,13 @@ from damage.errors import InputError
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure.cracks import PSI_FROM, psi_summary
 from damage.measure.cycles import cycle_measures
-from damage.measure.doubts import doubts
 from damage.measure.energy import energy_error_of, energy_measures
 from damage.measure.limits import classes
 from damage.measure.motion import motion_measures
 from damage.measure.pushed import first_loading
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.measure.vibration import period_of
+from damage.measure.warnings import warnings_of
 from damage.wall.lintel import elastic_share
 
 
@@ -22,11 +22,12 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     threshold: of opening and slip [m]; psi_from: width from which a crack counts in Psi [m].  `slip` is the criterion
     that `max` and `residual` were judged by (`History.judged_by`); those of `accumulated` and `shear-limit` stand
     beside them.  Each `max` is its own maximum over the run.  `residual` is the last state of the settling
-    stage, or of a collapse; None for a run that did not come to its end.  `warnings`: what is odd about the run.
+    stage, or of a collapse; None for a run that did not come to its end.
+    `warnings`: conditions under which its numbers are doubtful.
     """
     if len(history.series) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
-    series, told, states, index = history.series, history.told, history.states, {}
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
+    series, active, states, index = history.series, history.active, history.states, {}
     broken, crushed = (states.joints[frames[-1]] for frames in (states.broken, states.crushed))
     for ending, criterion in (("", slip), ("_accumulated", "accumulated"), ("_shear_limit", "shear-limit")):
         over_time = history.index(threshold, drift_limit, criterion)[list(COMPONENTS)]
@@ -46,15 +47,15 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "total_joint_length_m": float(history.joint_length_m.sum()),
         "elastic_joint_share": elastic.of_all, "elastic_joint_share_above_openings": elastic.above_openings,
         "peak_base_shear_n": float(np.abs(series["base_shear_n"]).max()),
-        "max_opening_mm": _largest(told.opening_m) * 1e3,
-        "max_slip_mm": _largest(told.slip_m) * 1e3,
-        "max_offset_mm": None if told.offset_m is None else _largest(told.offset_m) * 1e3,
+        "max_opening_mm": _largest(active.opening_m) * 1e3,
+        "max_slip_mm": _largest(active.slip_m) * 1e3,
+        "max_offset_mm": None if active.offset_m is None else _largest(active.offset_m) * 1e3,
         "max_offset_over_overlap": _over_overlap(history), "ended_joints": getattr(ended_joints(history), "count", 0),
         "tension_breaks": int((history.events["kind"] == "tension").sum()),
         "shear_breaks": int((history.events["kind"] == "shear").sum()),
         "crushed_length_m": float(history.joint_length_m[crushed].sum()),
         "split_length_m": float((history.joints["length_m"] - history.joint_length_m).iloc[broken].sum()),
-        "energy_error_fraction": energy_error, "warnings": doubts(history, energy_error, elastic),
+        "energy_error_fraction": energy_error, "warnings": warnings_of(history, energy_error, elastic),
         **motion_measures(history), "period_s": period_of(history), **first_loading(history),
         **cracks, **cycle_measures(history), **energy_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"]),
@@ -63,12 +64,12 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
 
 def _over_overlap(history):
     """Largest offset over the overlap [-], zero where nothing failed, None of a history without offsets."""
-    if history.told.offset_m is None:
+    if history.active.offset_m is None:
         return None
     found = offset_over_overlap(history)
     return 0.0 if found is None else found[0]
 
 
 def _largest(frames):
-    """Largest absolute value of what is told (n_times, n)."""
+    """Largest absolute value of frames (n_times, n)."""
     return float(max(frames.max(initial=0.0), -frames.min(initial=0.0)))

@@ -56,20 +56,20 @@ def summary_row(history, run="", point=""):
 
 
 def _motion_columns(history):
-    """What drove the run; accelerations are of the motion as it was applied, at the largest factor of a sequence."""
+    """Columns of the loading; accelerations are of the motion as applied, at the largest factor of a sequence."""
     loading, factor = history.loading, max(map(abs, history.sequence))
-    told = loading.as_dict()
-    start, end = told.get("window_s") or (None, None)
+    given = loading.as_dict()
+    start, end = given.get("window_s") or (None, None)
     pga_g = loading.pga_g and loading.pga_g * factor
     if loading.drive.base and loading.pga_g is None:  # an older file: within a sample of it
         pga_g = float(history.series["base_acceleration_x_m_s2"].abs().max()) / GRAVITY
-    return {"record": told.get("horizontal", {}).get("record"), "pga_g": pga_g,
+    return {"record": given.get("horizontal", {}).get("record"), "pga_g": pga_g,
             "sa_0.2_s_g": loading.sa_02_s_g and loading.sa_02_s_g * factor, **motion_measures(history),
-            "motion_period_s": told.get("period_s"),
-            **{name: told.get(name) for name in ("amplitude_g", "cycles", "speed_m_s", "scale")},
+            "motion_period_s": given.get("period_s"),
+            **{name: given.get(name) for name in ("amplitude_g", "cycles", "speed_m_s", "scale")},
             "window_start_s": start, "window_end_s": end,
-            "vertical": int(told.get("vertical") is not None), "shocks": len(history.sequence),
-            "motion_duration_s": told.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
+            "vertical": int(given.get("vertical") is not None), "shocks": len(history.sequence),
+            "motion_duration_s": given.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
 
 
 def summary_table(paths):
@@ -119,22 +119,22 @@ def joints_table(history):
     """A row a contact point: where it is, its state at the end, its largest opening, accumulated slip and offset,
     which is empty of a history without offsets."""
     table = _with_first(history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m")
-    told, states = history.told, history.states
+    active, states = history.active, history.states
 
     def column(of, values):
-        """A column of what is told of some joints (n,): of the others nothing is."""
+        """A column from the values of some joints (n,), zero for the others."""
         whole = np.zeros(len(table), values.dtype)
         whole[of.joints] = values
         return whole
 
-    opening, slip, offset = told.opening_m, told.slip_m, told.offset_m
+    opening, slip, offset = active.opening_m, active.slip_m, active.offset_m
     return table.assign(
-        final_opening_m=column(told, opening[-1]), max_opening_m=column(told, opening.max(axis=0)),
-        final_slip_m=column(told, slip[-1]), max_abs_slip_m=column(told, np.abs(slip).max(axis=0)),
+        final_opening_m=column(active, opening[-1]), max_opening_m=column(active, opening.max(axis=0)),
+        final_slip_m=column(active, slip[-1]), max_abs_slip_m=column(active, np.abs(slip).max(axis=0)),
         broken=column(states, states.broken[-1]), at_shear_limit=column(states, states.at_limit[-1]),
         crushed=column(states, states.crushed[-1]), ended=column(states, states.ended[-1]),
-        final_offset_m=np.nan if offset is None else column(told, offset[-1]),
-        max_abs_offset_m=np.nan if offset is None else column(told, np.abs(offset).max(axis=0)))
+        final_offset_m=np.nan if offset is None else column(active, offset[-1]),
+        max_abs_offset_m=np.nan if offset is None else column(active, np.abs(offset).max(axis=0)))
 
 
 def _with_first(table, *columns):

@@ -26,7 +26,7 @@ def slide_limits(joints, bodies):
 def offset_over_overlap(history):
     """Largest offset of any contact point over that at which the faces of its joint no longer overlap [-], the row of
     its joint and the sample; None of a history without offsets or without a joint that failed."""
-    active = history.told
+    active = history.active
     if active.offset_m is None or active.offset_m.size == 0:
         return None
     least, most = (limit[active.joints] for limit in slide_limits(history.joints, history.bodies))

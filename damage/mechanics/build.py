@@ -3,7 +3,7 @@
 import numpy as np
 
 from damage.mechanics.tables import CONTACT, INTERFACE, RIGID, ROTATION, STATE, System, table
-from damage.wall.joint_law import LawParameters, elastic_range
+from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT
 from damage.wall.kinematics import slide_limits
 from damage.wall.supports import rows
@@ -22,8 +22,9 @@ def build(layout, material):
     contacts = _contacts(layout, row, share, middle)
     bodies = slice(len(layout.bodies))
     n_bodies = len(layout.bodies) + len(layout.supports)
-    states = table(STATE, len(contacts), elastic_tensile_strength=contacts["tensile_strength"],
-                   elastic_cohesion=contacts["cohesion"], elastic_tension_stiffness=contacts["kn"], idle=-1.0)
+    intact = range_left(ContactState(), LawParameters(*(contacts[name] for name in (
+        "kn", "ks", "tensile_strength", "cohesion")), material))
+    states = table(STATE, len(contacts), idle=-1.0, **{f"elastic_{name}": of for name, of in intact._asdict().items()})
     sum_springs(interfaces, contacts, material)
     mass = np.zeros((n_bodies, RIGID))
     mass[bodies] = layout.bodies.mass[:, None]

@@ -76,7 +76,7 @@ def present_resultant(contacts, states, start, stop, motion):
 
 
 @inlined
-def elastic_resultant(contacts, states, start, stop, motion, material):
+def elastic_resultant(contacts, states, start, stop, motion):
     """Resultant of an interface's contacts as springs one by one [N, N m], and whether all stay in their range."""
     normal, shear, couple, elastic = 0.0, 0.0, 0.0, True
     for i in range(start, stop):
@@ -86,7 +86,7 @@ def elastic_resultant(contacts, states, start, stop, motion, material):
             state.shear0 = motion.shear
             continue
         elastic &= joint_law.stays_elastic(trial.sigma, trial.tau, state.elastic_tensile_strength,
-                                           state.elastic_cohesion, joint_law.friction_left(state.idle >= 0.0, material))
+                                           state.elastic_cohesion, state.elastic_friction)
         elastic &= joint_law.withstands(trial.sigma, contact.compressive_strength)
         normal += trial.sigma
         shear += trial.tau

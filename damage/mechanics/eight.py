@@ -6,58 +6,68 @@
 numba knows no such value, and makes vectors of loops only where it can show that no array overlaps another.  Compiled,
 it is a vector of LLVM's, on whichever machine; where numba is switched off, an array.  Each operation is rounded by
 itself, as that of a single number is, so that bits are the same.
+
+A value has WIDTH numbers: eight where a register of the processor holds eight (AVX-512), else four.  Eight numbers are
+then two values, one after the other: of both at once most would not stay in registers.
 """
 
 import operator
 
 import numpy as np
-from llvmlite import ir
-from numba import types
+from llvmlite import binding, ir
+from numba import config, types
 from numba.extending import lower_builtin, models, register_model, type_callable
 
-WIDTH = 8
+
+def _register():
+    """How many numbers a register of the processor holds that numba compiles for: eight, or four at most."""
+    features = binding.get_host_cpu_features().flatten() if config.CPU_FEATURES is None else config.CPU_FEATURES
+    return 8 if "+avx512f" in features.split(",") else 4
+
+
+WIDTH = _register()
 
 
 def load(array, i):
-    """Eight neighbours of an array, from i on."""
+    """WIDTH neighbours of an array, from i on."""
     return array[i:i + WIDTH].copy()
 
 
 def store(array, i, eight):
-    """Write eight numbers, or one eight times, into an array from i on."""
+    """Write a value, or one number WIDTH times, into an array from i on."""
     array[i:i + WIDTH] = eight
 
 
 def add(array, i, eight):
-    """Add eight numbers to those of an array from i on."""
+    """Add a value to the numbers of an array from i on."""
     array[i:i + WIDTH] += eight
 
 
 def either(condition, x, y):
-    """x where the condition holds, y elsewhere; of eight or of single numbers."""
+    """x where the condition holds, y elsewhere; of values or of single numbers."""
     return np.where(condition, x, y) if isinstance(condition, np.ndarray) else (x if condition else y)
 
 
 def bits(flags):
-    """Eight flags as the bits of an integer, the first as the lowest."""
+    """WIDTH flags as the bits of an integer, the first as the lowest."""
     return int(np.packbits(flags, bitorder="little")[0])
 
 
 def flags_of(whole):
-    """The bits of an integer below 256 as eight flags."""
-    return np.unpackbits(np.uint8([whole]), bitorder="little").astype(bool)
+    """The lowest bits of an integer as WIDTH flags."""
+    return np.unpackbits(np.uint8([whole & 255]), bitorder="little")[:WIDTH].astype(bool)
 
 
 def spread(number):
-    """One number eight times."""
+    """One number WIDTH times."""
     return np.full(WIDTH, number)
 
 
 class Eight(types.Type):
-    """numba's name for eight numbers, or for eight flags."""
+    """numba's name for WIDTH numbers, or for WIDTH flags."""
 
 
-NUMBERS, FLAGS = Eight("eight numbers"), Eight("eight flags")
+NUMBERS, FLAGS = Eight(f"{WIDTH} numbers"), Eight(f"{WIDTH} flags")
 _INT, _LONG, _REAL, _FLAG = ir.IntType(32), ir.IntType(64), ir.DoubleType(), ir.IntType(1)
 _VECTORS = {NUMBERS: ir.VectorType(_REAL, WIDTH), FLAGS: ir.VectorType(_FLAG, WIDTH)}
 
@@ -144,12 +154,13 @@ def _abs(_context, builder, _signature, values):
 
 @lower_builtin(bits, FLAGS)
 def _bits(_context, builder, _signature, values):
-    return builder.bitcast(values[0], ir.IntType(8))
+    whole = builder.bitcast(values[0], ir.IntType(WIDTH))
+    return whole if WIDTH == 8 else builder.zext(whole, ir.IntType(8))
 
 
 @lower_builtin(flags_of, types.Integer)
 def _flags_of(_context, builder, _signature, values):
-    return builder.bitcast(builder.trunc(values[0], ir.IntType(8)), _VECTORS[FLAGS])
+    return builder.bitcast(builder.trunc(values[0], ir.IntType(WIDTH)), _VECTORS[FLAGS])
 
 
 @lower_builtin(spread, types.Float)

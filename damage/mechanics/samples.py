@@ -44,14 +44,15 @@ class Samples(NamedTuple):
     totals: np.ndarray
 
     @classmethod
-    def none(cls, n_walls, n_samples, n_contacts, n_bodies, n_supports):
-        """Zero throughout, as of intact walls; n_bodies: of the layout, to which the supports come."""
+    def none(cls, n_walls, n_samples, system, n_supports):
+        """Zero throughout, as of intact walls; system: System of one of them, whose last bodies are the supports."""
+        n_contacts, n_bodies = len(system.contacts), len(system.place)
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
-                   np.zeros((n_walls, n_samples, n_bodies + n_supports, 3)),
-                   np.zeros((n_walls, n_samples, n_supports, 3)), np.zeros((n_walls, n_samples, TOTALS)))
+                   np.zeros((n_walls, n_samples, n_bodies, RIGID)),
+                   np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
 
     def of(self, wall, which):
-        """Samples of one wall, without that axis; which: a slice."""
+        """Samples of one wall, without that axis; which: a slice or numbers."""
         return Samples(*(values[wall, which] for values in self))
 
 

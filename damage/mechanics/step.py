@@ -7,45 +7,16 @@ sums here are therefore taken in the order that suits both.
 Central differences: velocities belong to half steps, places and forces to whole ones.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from damage.mechanics import bodies, contacts, interfaces
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.interfaces import Line, Pose, RelativeMotion, Resultant, Springs
+from damage.mechanics.rows import change_since_last, keep_last, last_motion, line_of, pose, springs_of
 from damage.mechanics.samples import observe
 from damage.mechanics.tables import DAMPING, FAILED, INPUT, RIGID, ROTATION, X, Z
-from damage.wall.joint_law import Material
 
 PARTS = 8
 """Sums over bodies and interfaces are taken in so many parts, of rows 0, 8, 16 and so on, of 1, 9, 17 and so on."""
-
-
-class Law(NamedTuple):
-    """material: of the joint law; threshold [m] of the events opened and slipped."""
-
-    material: Material
-    threshold: float
-
-
-class Controls(NamedTuple):
-    """time_step [s]; local damping [-]; alpha [1/s], beta [s] of mass- and stiffness-proportional damping; adaptive
-    damping: the share of the change of kinetic energy that it takes [-]."""
-
-    time_step: float
-    local: float
-    alpha: float
-    beta: float
-    adaptive: float
-
-
-class Scratch(NamedTuple):
-    """Room for a step: others: (interfaces,) indices; sums: (5, PARTS)."""
-
-    others: np.ndarray
-    sums: np.ndarray
-
 
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC = range(5)
 """Rows of `sums`."""
@@ -176,7 +147,7 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped):
     frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a), pose(system, interface.b))
     if contacts.has_ended(system, p, motion):
         return
-    resultant, elastic = contacts.elastic_resultant(system.contacts, system.states, start, stop, motion, law.material)
+    resultant, elastic = contacts.elastic_resultant(system.contacts, system.states, start, stop, motion)
     changed = change_since_last(system, p, resultant)
     if elastic or stays_intact(interface, motion):
         contacts.remember(system.contacts, system.states, start, stop, motion)
@@ -215,44 +186,10 @@ def push(system, interface, forces):
 
 
 @inlined
-def line_of(interface):
-    return Line(interface.ax, interface.az, interface.bx, interface.bz, interface.head)
-
-
-@inlined
-def springs_of(interface):
-    return Springs(interface.kn, interface.ks, interface.kn_offset, interface.kn_offset2, interface.reach,
-                   interface.slide_loss)
-
-
-@inlined
 def stays_intact(interface, motion):
     """Whether no contact of an interface has failed, nor leaves its elastic range at this RelativeMotion."""
     return interface.failed == 0 and interfaces.stays_intact(
         springs_of(interface), interface.largest_opening, interface.largest_slide, motion)
-
-
-@inlined
-def pose(system, b):
-    return Pose(system.place[b, X], system.place[b, Z], system.trig[b, 0], system.trig[b, 1])
-
-
-@inlined
-def last_motion(system, p):
-    """RelativeMotion of an interface in the last step."""
-    return RelativeMotion(system.last[p, 0], system.last[p, 1], system.last[p, 2])
-
-
-@inlined
-def change_since_last(system, p, resultant):
-    """Change of the resultant of an interface since the last step [N, N m]."""
-    return interfaces.change(resultant, Resultant(system.last[p, 3], system.last[p, 4], system.last[p, 5]))
-
-
-@inlined
-def keep_last(system, p, motion, resultant):
-    system.last[p, 0], system.last[p, 1], system.last[p, 2] = motion.opening, motion.shear, motion.rotation
-    system.last[p, 3], system.last[p, 4], system.last[p, 5] = resultant.normal, resultant.shear, resultant.couple
 
 
 @compiled

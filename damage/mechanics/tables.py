@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from damage.wall.joint_law import ContactState, ElasticRange
+from damage.wall.joint_law import ContactState, ElasticRange, Material
 
 X, Z, ROTATION = range(3)
 """Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was built along x and z
@@ -119,3 +119,28 @@ def table(dtype, n, **fields):
     for name, values in fields.items():
         rows[name][:] = values
     return rows
+
+
+class Law(NamedTuple):
+    """material: of the joint law; threshold [m] of the events opened and slipped."""
+
+    material: Material
+    threshold: float
+
+
+class Controls(NamedTuple):
+    """time_step [s]; local damping [-]; alpha [1/s], beta [s] of mass- and stiffness-proportional damping; adaptive
+    damping: the share of the change of kinetic energy that it takes [-]."""
+
+    time_step: float
+    local: float
+    alpha: float
+    beta: float
+    adaptive: float
+
+
+class Scratch(NamedTuple):
+    """Room for a step: others: (interfaces,) indices; sums: (5, PARTS)."""
+
+    others: np.ndarray
+    sums: np.ndarray

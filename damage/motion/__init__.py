@@ -1,1 +1,1 @@
-"""What drives a wall: ground-motion records, their intensity, loadings."""
+"""Input of a run: ground-motion records, their intensity, loadings."""

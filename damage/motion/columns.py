@@ -42,7 +42,7 @@ def read_columns(path, lines: list[str]) -> tuple[list[int], np.ndarray]:
 
 
 def _separator(line: str) -> str | None:
-    """What stands between the columns of a data line; None: blanks.
+    """The separator of the columns of a data line; None: blanks.
 
     >>> [_separator(line) for line in ("0.01,0.2", "0.01, 0.2", "0,01;0,2", "0,01 0,2", " 0.01  .2 ")]
     [',', ',', ';', None, None]

@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Drive:
-    """What moves a wall; None of what the loading leaves alone.
+    """Prescribed motion of a wall; None where the loading prescribes nothing.
 
     base: time_s (n,) -> (n, 2), acceleration along x and z of the frame in which the wall and all supports are
         computed [m/s2];

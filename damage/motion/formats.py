@@ -94,7 +94,7 @@ def read_record(path, response=None) -> Record:
 
 @lru_cache(maxsize=2)  # both components of a motion, which the members of a study ask for again and again
 def _read_text(path, data: bytes) -> Record:
-    """The record that the text of a CSV or AT2 file says."""
+    """The record in the text of a CSV or AT2 file."""
     suffix = Path(path).suffix.lower()
     # a comment may be in any encoding; a binary file fails as a line that is not numeric
     lines = text_lines(path, data, MOST_LINES, errors="replace")
@@ -251,7 +251,7 @@ def _sensitivity(obspy, station_xml: Path, trace) -> tuple[float, str]:
 def without_entities(xml: bytes) -> bytes:
     """XML as it is, if it declares no document type: entities could stand for other files or for any length.
 
-    It is read in parts, the first of which that is wrong is the last: lxml notes a million faults before it tells one.
+    It is read in parts up to the first faulty one: lxml collects a million faults before it reports one.
     """
     from lxml import etree  # obspy brings it
 
@@ -264,9 +264,9 @@ def without_entities(xml: bytes) -> bytes:
 
 
 def _quietly(path, wanted, read):
-    """What `read()` makes of a file by obspy; InputError of what it raises, prints or only warns of."""
-    told, hook = [], sys.unraisablehook
-    sys.unraisablehook = lambda problem: told.append(problem.exc_value)  # in what its C code calls
+    """The result of `read()`, which uses obspy; its errors, printed errors and warnings become an InputError."""
+    problems, hook = [], sys.unraisablehook
+    sys.unraisablehook = lambda problem: problems.append(problem.exc_value)  # in what its C code calls
     try:
         with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always")
@@ -275,9 +275,9 @@ def _quietly(path, wanted, read):
         raise InputError(f"{path}: obspy says {_shown(error)}; expected {wanted}") from error
     finally:
         sys.unraisablehook = hook
-    told += [one.message for one in warned if issubclass(one.category, UserWarning)]  # what obspy warns of
-    if told:
-        raise InputError(f"{path}: obspy says {_shown(told[0])}; expected {wanted}")
+    problems += [one.message for one in warned if issubclass(one.category, UserWarning)]  # what obspy warns of
+    if problems:
+        raise InputError(f"{path}: obspy says {_shown(problems[0])}; expected {wanted}")
     return found
 
 

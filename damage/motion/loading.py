@@ -1,4 +1,4 @@
-"""What drives a run: a harmonic base motion, a record, or a push into free vibration.
+"""Loadings of a run: a harmonic base motion, a record, a push, or an initial velocity.
 
 Each is a `Loading` with a `name` fit for a file name; `as_dict` is what a history keeps of it, `loading_from_dict`
 makes the record again.
@@ -156,7 +156,7 @@ class Recorded(Loading):
                 raise InputError(f"{key} of {len(pair)} numbers; expected two, start and end")
         if self.vertical is not None:
             _check_simultaneous(self.record, self.vertical)
-        self.motion  # noqa: B018, prepared now so that a bad parameter is told at once
+        self.motion  # noqa: B018, prepared now so that a bad parameter is reported at once
 
     @cached_property
     def motion(self) -> tuple[Record, ...]:
@@ -229,7 +229,7 @@ class Recorded(Loading):
 
 @dataclass(frozen=True)
 class RecordedMotion(Loading):
-    """What a history keeps of a `Recorded`: all but the samples, which stay in the record's file.
+    """A `Recorded` as read from a history: without the samples, which stay in the record's file.
 
     horizontal, vertical: {"record": its name, "file": without its folder, "sha256", "start_utc"} of the components;
     time_step_s: of the record [s]; pga_g, sa_02_s_g: of the motion as it was used [g]; the rest as in `Recorded`.
@@ -342,7 +342,7 @@ class TopDisplacement(Loading):
         return Drive(top=self.top_displacement, top_rotates=self.boundary != "fixed", local_damping=self.local_damping)
 
     def turning_points(self, height: float) -> np.ndarray:
-        """Top displacements [m] at which the motion turns round, for a wall of that height [m]."""
+        """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
         if self.cycles == 0:
             return np.array([self.amplitudes_pct[0]]) / 100 * height
         signs = [sign for _ in range(self.cycles) for sign in (1.0, -1.0)]
@@ -400,18 +400,18 @@ def loading_from_dict(table: dict) -> Loading:
 def _check_simultaneous(record: Record, vertical: Record) -> None:
     """Both components must hold the same instants."""
     kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, vertical)]
-    mend = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
+    correction = "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
     if kinds[0] != kinds[1]:
         raise InputError(f"vertical {vertical.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
-                         f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {mend}")
+                         f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {correction}")
     if record.start_utc and vertical.start_utc:
         late_s = prepare.start_difference_s(vertical, record)
         if abs(late_s) > 0.5 * record.time_step_s:
-            raise InputError(f"{vertical.name} starts {late_s:g} s after {record.name}; {mend}")
+            raise InputError(f"{vertical.name} starts {late_s:g} s after {record.name}; {correction}")
 
 
 def _origin(record: Record) -> dict:
-    """Where a record comes from; the file's name without its folder, which differs by machine."""
+    """Origin of a record: the file's name without its folder, which differs by machine."""
     return {
         "record": record.name,
         "file": Path(record.source).name,

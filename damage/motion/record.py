@@ -1,4 +1,4 @@
-"""A ground-motion record, and what prepares one: every function returns a new `Record` and leaves the old one."""
+"""A ground-motion record and its operations: every function returns a new `Record`."""
 
 import math
 from dataclasses import dataclass, replace
@@ -71,7 +71,7 @@ class Record:
 
 
 def scaled(record: Record, factor: float) -> Record:
-    """The record times a factor; a negative one turns its direction."""
+    """The record times a factor; a negative one reverses its direction."""
     check_range("scale factor", factor, -MOST_SCALE, MOST_SCALE)
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
 

@@ -1,4 +1,4 @@
-"""What the paper states, and by which numbers a claim of it holds: data only, `damage.paper.verdict` judges.
+"""Statements of the paper and the criteria of its claims: data only, `damage.paper.verdict` judges.
 
 Paper: V. Sarhosis, D. Dais, E. Smyrou, I. E. Bal, A. Drougkas (2021), Engineering Structures 243, 112529,
 doi:10.1016/j.engstruct.2021.112529.  Its statements P1 to P17 are split into claims that one number each can
@@ -28,7 +28,7 @@ SCALES = (0.5, 0.75, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0)
 
 NEGLIGIBLE_DI = 0.02
 """Damage is negligible up to this DI: 2 % of the joints, or a fiftieth of the near-collapse drift; in the
-paper's figures, whose axes reach 0.15 and more, it can hardly be told from zero."""
+paper's figures, whose axes reach 0.15 and more, it can hardly be distinguished from zero."""
 SLIGHT_DI = 0.05
 """Damage is slight up to this DI: below half of the smallest DI (0.10) that the paper calls limited only."""
 INSIGNIFICANT_DI_DRIFT = 0.01

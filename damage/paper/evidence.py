@@ -13,8 +13,8 @@ from damage.wall.parameters import USUAL_MODEL
 
 SHAPE = {name: value for name, value in USUAL_MODEL.items() if name != "lintel"} \
     | {"shocks": 1, "alpha_1_s": 0.0, "vertical": 0}
-"""Parameters of the runs that are held against the paper; a table without one of these columns has none other.
-Lintels are held against it one by one."""
+"""Parameters of the runs that are compared with the paper; a table without one of these columns has these values.
+Lintels are compared one by one."""
 LEAST_STEP_S = 2e-5
 """Runs with smaller steps are studies of the step [s]."""
 BETA_S = 1e-6
@@ -33,7 +33,7 @@ RECORDS = {"zeerijp": r"BGAR.*HGE", "huizinge": r"(?i:MID1|huizinge)"}
 
 
 class NotThere(Exception):
-    """A claim lacks runs; the text says which."""
+    """A claim cannot be judged for lack of runs; the message names them."""
 
 
 class Fell(Exception):
@@ -132,7 +132,7 @@ def _table_of(path, time_ns):
 
 @dataclass(frozen=True)
 class Evidence:
-    """What one solver has to say with one lintel and one slip criterion.
+    """Evidence from one solver with one lintel and one slip criterion.
 
     runs: comparable runs of one solver, all lintels; points: theirs, of `gather`; records: {name: Record} of
     the paper's two; usual_cycles: of the harmonic motions, where a claim does not say.

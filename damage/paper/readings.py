@@ -1,4 +1,4 @@
-"""What moves the paper's claims: each of them by one modelling choice at a time, which its text leaves open.
+"""Sensitivity of the paper's claims to modelling choices that its text leaves open, one at a time.
 
 A reading is the model as it is by default but for one choice; `studies/readings.toml` runs them, on the symmetric wall
 whole, on the others what the claims about them need.  Criteria are those of the verdict.

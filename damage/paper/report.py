@@ -47,7 +47,7 @@ def merged(findings):
     """(solver, variants in words, value, verdict) of one claim, variants with the same outcome together."""
     lines = []
     for solver, members in _by(findings, "solver"):
-        outcomes, lintels = {}, _told(members, "lintel")
+        outcomes, lintels = {}, _distinct(members, "lintel")
         for finding in members:
             outcomes.setdefault((finding.value, _outcome(finding)), set()).add((finding.lintel, finding.slip))
         lines += [(solver, variants_in_words(pairs, lintels), *outcome) for outcome, pairs in outcomes.items()]
@@ -104,7 +104,7 @@ def _without_offsets(findings):
 
 
 def before_offsets(solver):
-    """What is said of a solver whose runs, or some of them, lack the offsets that `displacement` needs."""
+    """Notes on solvers some of whose runs lack the offsets that `displacement` needs."""
     return (f"{SOLVER_NAMES[solver]}: some histories are older than the joint offsets; their slip by displacement is "
             "judged by accumulated slip")
 
@@ -117,11 +117,11 @@ def tallies(findings):
     head = ["predictions that hold", *_SLIPS.values(), "by any of these", "differ by all", "cannot be judged",
             "built to meet", "borderline"]
     lines = ["| " + " | ".join(head) + " |", "| --- " * len(head) + "|"]
-    for solver, lintel in _told(findings, "solver", "lintel"):
+    for solver, lintel in _distinct(findings, "solver", "lintel"):
         mine = [finding for finding in findings if (finding.solver, finding.lintel) == (solver, lintel)]
         predicted, built = ([one for one in mine if one.claim.predicted == which] for which in (True, False))
         best = _best(predicted)
-        edge = _told([one for one in mine if one.on_edge], "claim.id")
+        edge = _distinct([one for one in mine if one.on_edge], "claim.id")
         cells = [f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}", *(
                      sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
                  f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
@@ -137,8 +137,8 @@ def _best(findings):
             for _, members in _by(findings, "claim")]
 
 
-def _told(findings, *names):
-    """What the findings have of these attributes, each once, in their order."""
+def _distinct(findings, *names):
+    """The distinct values of these attributes of the findings, in their order."""
     return list(dict.fromkeys(map(attrgetter(*names), findings)))
 
 
@@ -152,7 +152,7 @@ def as_json(findings):
     statements = [{"statement": statement, "text": STATEMENTS[statement],
                    "verdicts": [{"solver": solver, "lintel": lintel, "slip": slip,
                                  "verdict": statement_verdict(_variant(members, solver, lintel, slip))}
-                                for solver, lintel, slip in _told(findings, "solver", "lintel", "slip")]}
+                                for solver, lintel, slip in _distinct(findings, "solver", "lintel", "slip")]}
                   for statement, members in _by(findings, "claim.statement")]
     return {"statements": statements, "claims": claims}
 
@@ -206,12 +206,12 @@ def overview(findings):
 
 def overview_table(findings):
     """(heads of solvers and lintels, rows) of a table with a row a statement: its name, its words, outcomes."""
-    told = _told(findings, "solver", "lintel")
+    variants = _distinct(findings, "solver", "lintel")
     rows = [[statement, STATEMENTS[statement], *(
                  _cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
-                 for solver, lintel in told)]
+                 for solver, lintel in variants)]
             for statement, members in _by(findings, "claim.statement")]
-    return [f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}" for solver, lintel in told], rows
+    return [f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}" for solver, lintel in variants], rows
 
 
 def _cell(outcomes):

@@ -1,4 +1,4 @@
-"""The verdict on the paper: each of its claims held against the tables of studies.
+"""The verdict on the paper: each of its claims compared with the tables of studies.
 
 `damage.paper.criteria` says what is claimed and when it holds, `damage.paper.evidence` picks the runs, and here
 one small function a claim decides, by how much its value is inside of its criterion or outside (`margins`).  A claim
@@ -27,7 +27,7 @@ RECORD_NAMES = {"zeerijp": "BGAR_HGE", "huizinge": "MID1_N_synthetic"}
 
 @dataclass(frozen=True)
 class Finding:
-    """What one solver says to one claim with one lintel and one slip criterion."""
+    """Finding of one solver on one claim with one lintel and one slip criterion."""
 
     claim: Claim
     solver: str
@@ -43,7 +43,7 @@ class Finding:
 
     @property
     def on_edge(self):
-        """Whether hardly more or less would turn the verdict."""
+        """Whether the verdict is borderline: a change of 5 % of the limit would reverse it."""
         return self.margin is not None and abs(self.margin) <= EDGE
 
 

@@ -8,18 +8,22 @@ read, changed and run alone at any time.  Lanes are made anew where the walls th
 last time, so that a wall that has ended is simply left out.
 """
 
+import hashlib
 import math
 
 import numpy as np
 
 from damage.index import THRESHOLD
 from damage.mechanics import tables
-from damage.reference.fast import step as fast
+from damage.reference.fast import alone, together
 from damage.reference.fast.blocks import make_blocks
+from damage.reference.fast.step import Law
 from damage.reference.plain import Alone
 
 MOST_LANES = 8
 """Walls that one block holds; more are moved in groups of so many."""
+SHARED = ("interfaces", tables.SHARED), ("contacts", ("offset", "kn", "ks", "area"))
+"""Columns of the tables that are equal in all walls of a block."""
 
 
 def run_together(walls, *steps):
@@ -27,14 +31,22 @@ def run_together(walls, *steps):
 
     ValueError where they are not of the same bricks and stiffnesses.
     """
-    most = MOST_LANES if all(wall.fast for wall in walls) else 1
-    for first in range(0, len(walls), most):
-        group = walls[first:first + most]
-        lanes = group[0].lanes
-        if lanes is None or not lanes.are_of(group):
-            lanes = bind(group)
+    return advance_together([(wall, steps) for wall in walls])
+
+
+def advance_together(asked):
+    """Advance walls by steps of their own, which are as many for all; returns as `run_together`.
+
+    asked: (wall, numbers of steps) of each.
+    """
+    most = MOST_LANES if all(wall.fast for wall, _ in asked) else 1
+    for first in range(0, len(asked), most):
+        walls, steps = zip(*asked[first:first + most])
+        lanes = walls[0].lanes
+        if lanes is None or not lanes.are_of(walls):
+            lanes = bind(walls)
         lanes.run(*steps)
-    return [_failure(wall) for wall in walls]
+    return [_failure(wall) for wall, _ in asked]
 
 
 def bind(walls):
@@ -63,7 +75,7 @@ class Lanes:
         for lane, wall in enumerate(self.walls):
             wall.system, wall.lanes = _lane(self.tables, lane), self
         self._width = 1 if len(self.walls) == 1 else MOST_LANES
-        self._law = fast.Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
+        self._law = Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
         self._columns = self.tables.states.view(tables.REAL).reshape(*self.tables.states.shape, tables.STATE_FIELDS)
         self._blocks = make_blocks(self.tables.interfaces[0], self.tables.place.shape[1],
                                    self.tables.contacts.shape[1], self._width)
@@ -75,17 +87,26 @@ class Lanes:
             one is other and one.lanes is self and one.fast for one, other in zip(walls, self.walls))
 
     def run(self, *steps):
-        """Advance all walls by these numbers of steps, one after the other; `samples_of` gives what was after each."""
+        """Advance the walls by their numbers of steps, a sequence of each; `samples_of` gives what was after each."""
         for wall in self.walls:
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
-        if len(steps) > self._samples.totals.shape[1]:
-            self._samples = self.room(len(steps))
-        ends = np.cumsum(steps)
-        fast.run(self.tables, self._columns, self._blocks, self._width, self._law, self._controls(),
-                 self._field(ends[-1] + 1), self._clock(), ends, self.walls[0].stiffness, self._samples)
+        if (longest := max(map(len, steps))) > self._samples.totals.shape[1]:
+            self._samples = self.room(longest)
+        ends = [np.cumsum(of_wall) for of_wall in steps]
+        last = int(ends[0][-1])
+        if any(of_wall[-1] != last for of_wall in ends):
+            raise ValueError(f"walls asked to go {sorted({int(one[-1]) for one in ends})} steps together: expected "
+                             "equally many")
+        how = self._law, self._controls(), self._field(last + 1)
+        if self._width == 1:
+            alone.run(self.tables, self._blocks, *how, self._clock()[0], ends[0], self.walls[0].stiffness,
+                      self._samples)
+        else:
+            together.run(self.tables, self._columns, self._blocks, *how, self._clock(), *_in_turn(ends),
+                         self.walls[0].stiffness, self._samples, np.zeros(len(self.walls), int))
         for wall in self.walls:
-            wall.step += int(ends[-1])
+            wall.step += last
 
     def room(self, n_samples):
         """Samples of all walls, empty."""
@@ -97,8 +118,7 @@ class Lanes:
 
     def find_forces(self, singly):
         """Forces at the present places without damping; and, if `singly`, stresses: then each contact by itself."""
-        fast.find_forces(self.tables, self._columns, self._blocks, self._width, self._law, self._clock(), 0, singly,
-                         False)
+        alone.find_forces(self.tables, self._blocks, self._law, self._clock()[0], singly, False)
 
     def _controls(self):
         return np.array([wall.controls for wall in self.walls], float)
@@ -116,8 +136,20 @@ def are_alike(wall, other):
     one, two = wall.system, other.system
     return wall.material == other.material and len(one.contacts) == len(two.contacts) and all(
         np.array_equal(getattr(one, table)[name], getattr(two, table)[name], equal_nan=True)
-        for table, names in (("interfaces", tables.SHARED), ("contacts", ("offset", "kn", "ks", "area")))
-        for name in names)
+        for table, names in SHARED for name in names)
+
+
+def kind_of(wall):
+    """What walls have in common that are `are_alike`, in short."""
+    parts = [np.ascontiguousarray(getattr(wall.system, table)[name]).tobytes()
+             for table, names in SHARED for name in names]
+    return wall.fast, wall.material, hashlib.sha256(b"".join(parts)).digest()
+
+
+def _in_turn(ends):
+    """The steps at which any wall ends, and the walls that do (bits)."""
+    steps = np.unique(np.concatenate(ends))
+    return steps, sum(np.isin(steps, of_wall) << lane for lane, of_wall in enumerate(ends)).astype(np.int64)
 
 
 def _is_plain(system):

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.measure.members import members_path, write_members
-from damage.reference.companies import Companies
+from damage.reference.ensembles import Ensemble
 from damage.reference.lanes import MOST_LANES
 from damage.run.options import free_name
 from damage.run.report import report
-from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, telling
+from damage.run.session import EXIT_INTERRUPTED, EXIT_OK, attended, prepare, simulate, with_errors_reported
 from damage.run.turns import take_turns
 
 
@@ -33,8 +33,9 @@ def run_members(backend, wall_file, make_wall, settings):
         if first == 0:
             members_path(out).unlink(missing_ok=True)  # that of the run that this one replaces
         with attended(f"{group[0].layout.wall.name}, {len(members)} members", quiet=settings.quiet) as keep_going:
-            statuses += take_turns([telling(f"member of seed {one.settings.seed}: ", simulate(one, keep_going))
-                                    for one in group], Companies().move)
+            statuses += take_turns([with_errors_reported(f"member of seed {one.settings.seed}: ",
+                                                         simulate(one, keep_going))
+                                    for one in group], Ensemble().move)
         ended |= {one.writer.path: one.writer.history() for one, status in zip(group, statuses[first:])
                   if status == EXIT_OK}
         if EXIT_INTERRUPTED in statuses:

@@ -13,10 +13,11 @@ from damage.errors import InputError, did_you_mean
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
-from damage.mechanics.compiled import COMPILING, is_cached
-from damage.motion.loading import Harmonic, Loading, Recorded
+from damage.mechanics.compiled import COMPILING
+from damage.motion.loading import Loading, Recorded
 from damage.motion.record import Record
 from damage.provenance import shown_path
+from damage.reference.fast.compiled import is_cached
 from damage.reference.session import BACKEND, PROG
 from damage.run.options import free_name, make_parser, parse_run, pictures_folder
 from damage.run.session import EXIT_INTERRUPTED, attended, prepare, simulate
@@ -82,7 +83,7 @@ def _driven_by(loading, settings):
     """The settings with a Loading in place of the motion of the options, which are to name none."""
     if settings.loading != parse_run([], prog="", solver=BACKEND.name).loading:
         raise InputError(f"the motion {loading.name} and options of another: expected one of them; leave one out")
-    if settings.sequence != (1.0,) and not isinstance(loading, (Harmonic, Recorded)):
+    if settings.sequence != (1.0,) and loading.drive.base is None:
         raise InputError(f"sequence with the motion {loading.name}: expected a harmonic or recorded one; leave it out")
     return replace(settings, loading=loading, command=f"{settings.command} driven by {loading.name}")
 

@@ -9,7 +9,7 @@ from damage.errors import one_line
 from damage.provenance import shown_path
 from damage.reference.members import run_members
 from damage.reference.solver import ReferenceSolver
-from damage.run.session import EXIT_INPUT, Backend, run_session, told
+from damage.run.session import EXIT_INPUT, Backend, reported, run_session
 from damage.run.settings import Softening
 from damage.wall.file import load_wall, wall_path
 
@@ -29,5 +29,5 @@ def run_reference(arguments):
         return EXIT_INPUT
     if wall.startswith("-"):
         return run_session(BACKEND, "", lambda: None, ["--help"], prog=f"{PROG} WALL")
-    return told(lambda: run_session(BACKEND, wall_path(wall), lambda: load_wall(wall), options,
+    return reported(lambda: run_session(BACKEND, wall_path(wall), lambda: load_wall(wall), options,
                                     prog=f"{PROG} {shown_path(wall)}"))

@@ -15,11 +15,10 @@ class SettledWalls:
     def __init__(self):
         self._kept = OrderedDict()  # {digest of all that a wall is until then: its state}
 
-    def of_group(self, prepared):
-        """A Settled of each of these Prepared runs.  All find their wall or none does: lanes begin together."""
-        digests = [_digest(one) for one in prepared]
-        known = all(digest in self._kept for digest in digests)
-        return [Settled(self, digest, known) for digest in digests]
+    def of(self, prepared):
+        """A Settled of a Prepared run."""
+        digest = _digest(prepared)
+        return Settled(self, digest, digest in self._kept)
 
     def take(self, digest):
         """What was kept."""

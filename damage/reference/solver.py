@@ -5,7 +5,7 @@ import numpy as np
 from damage.mechanics.samples import KINETIC
 from damage.mechanics.tables import OPENED, SLIPPED, X, Z
 from damage.reference.wall import ReferenceWall
-from damage.run.solver import Instants, Solver
+from damage.run.solver import LOOK_STEPS, Instants, Solver
 from damage.wall.joint_law import SHEAR, TENSION
 
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
@@ -13,6 +13,8 @@ EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "s
 
 class ReferenceSolver(ReferenceWall, Solver):
     """A ReferenceWall that a Run can move; `Solver` says what each verb does."""
+
+    stretch_samples = 28  # some two thousand steps
 
     @property
     def clock(self):
@@ -34,31 +36,41 @@ class ReferenceSolver(ReferenceWall, Solver):
     def set_velocities(self, velocities):
         self.velocity = velocities
 
-    def advance(self, n_steps, sample_steps=None, on_samples=None):
+    def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
+        end = self.clock + n_steps
         if on_samples is None:
-            yield self, n_steps
+            while self.clock < end:
+                yield self, end - self.clock
             return
-        end, goes_on = self.clock + n_steps, self.clock > 0 or on_samples(self.instants())
+        goes_on = self.clock > 0 or on_samples(self.instants())
         while goes_on and self.clock < end:
-            ends = self._next_ends(sample_steps, end)
-            samples = [step for step in ends if step % sample_steps == 0]  # all, or all but the last
+            ends = self._next_ends(sample_steps, end, self.clock if since is None else since)
             try:
                 yield self, *np.diff(ends, prepend=self.clock).tolist()
             except ArithmeticError:
-                if len(samples) > 1:  # some may be of before it blew up
+                if len(samples := self._taken(ends, sample_steps)) > 1:  # some may be of before it blew up
                     on_samples(self._instants_at(samples))
                 raise
+            samples = self._taken(ends, sample_steps)
             goes_on = not samples or on_samples(self._instants_at(samples))
 
-    def _next_ends(self, sample_steps, end):
-        """The next samples, and the end; only the next of these where a sample has to be looked at there and then."""
-        ends = [*range(self.clock - self.clock % sample_steps + sample_steps, end, sample_steps), end]
+    def _taken(self, ends, sample_steps):
+        """Which of these ends were samples, of those that the wall has come to: maybe fewer than it asked for."""
+        return {k: step for k, step in enumerate(ends) if step <= self.clock and step % sample_steps == 0}
+
+    def _next_ends(self, sample_steps, end, since):
+        """The next samples and looks, and the end; only the next of these where a sample has to be looked at there and
+        then."""
+        def steps_of(first, interval):
+            return range(self.clock - (self.clock - first) % interval + interval, end, interval)
+
+        ends = sorted({*steps_of(0, sample_steps), *steps_of(since, LOOK_STEPS), end})
         # Prescribed velocities change at every sample; events of parallel elements are known at the sample alone.
         return ends[:1] if self._is_driven or self.layout.fibres is not None else ends
 
     def _instants_at(self, samples):
-        """Instants of the first ends of the last `run`, which are these samples."""
-        return self._instants(np.array(samples), self.lanes.samples_of(self, slice(len(samples))))
+        """Instants of those ends of the last `run` that are samples, {number of the end: step}."""
+        return self._instants(np.array([*samples.values()]), self.lanes.samples_of(self, list(samples)))
 
     def instants(self):
         return self._instants(np.array([self.clock]), self.sample_now())

@@ -11,7 +11,7 @@ from damage.index import THRESHOLD
 from damage.mechanics import tables
 from damage.mechanics.build import CAPACITY, build, contact_rows, sum_springs
 from damage.mechanics.samples import FIELD_NAMES, KINETIC, Samples, Stiffness, observe
-from damage.mechanics.tables import ROTATION, X
+from damage.mechanics.tables import RIGID, ROTATION, X
 from damage.reference.lanes import bind, run_together
 from damage.units import GRAVITY
 from damage.wall.joint_law import material_of
@@ -43,7 +43,7 @@ class ReferenceWall:
     @property
     def displacement(self):
         """(n_bodies, 3) [m, m, rad] since the wall was built; can be assigned."""
-        return self.system.place[:len(self.layout.bodies)].copy()
+        return self.system.place[:len(self.layout.bodies), :RIGID].copy()
 
     @displacement.setter
     def displacement(self, values):
@@ -53,23 +53,23 @@ class ReferenceWall:
     def place_bodies(self, values):
         """Give the bodies displacements (n_bodies, 3) [m, m, rad], without their forces."""
         bodies = slice(len(self.layout.bodies))
-        self.system.place[bodies] = values
+        self.system.place[bodies, :RIGID] = values
         angle = self.system.place[bodies, ROTATION]
         self.system.trig[bodies, 0], self.system.trig[bodies, 1] = -2 * np.sin(angle / 2)**2, np.sin(angle)
 
     @property
     def velocity(self):
         """(n_bodies, 3) [m/s, m/s, rad/s] half a step ago; can be assigned."""
-        return self.system.velocity[:len(self.layout.bodies)].copy()
+        return self.system.velocity[:len(self.layout.bodies), :RIGID].copy()
 
     @velocity.setter
     def velocity(self, values):
-        self.system.velocity[:len(self.layout.bodies)] = values
+        self.system.velocity[:len(self.layout.bodies), :RIGID] = values
 
     @property
     def force(self):
         """Of the contacts on each body, the supports last: (n_bodies + supports, 3) [N, N, N m]."""
-        return self.system.force.copy()
+        return self.system.force[:, :RIGID].copy()
 
     @property
     def opening(self):
@@ -112,8 +112,7 @@ class ReferenceWall:
 
     def room(self, n_walls, n_samples):
         """Samples of so many walls like this, zero."""
-        return Samples.none(n_walls, n_samples, len(self.system.contacts), len(self.layout.bodies),
-                            len(self.layout.supports))
+        return Samples.none(n_walls, n_samples, self.system, len(self.layout.supports))
 
     def field(self, n_steps):
         """Acceleration of the base along x and z, zero beyond its end, and gravity, whose last value holds beyond its
@@ -225,12 +224,12 @@ class ReferenceWall:
         """Prescribe the velocity of the supports, (n_supports, 3) or one of all [m/s, m/s, rad/s]; their work on the
         wall is input."""
         self._is_driven = True
-        self.system.velocity[len(self.layout.bodies):] = velocity
+        self.system.velocity[len(self.layout.bodies):, :RIGID] = velocity
 
     @property
     def support_force(self):
         """Of the wall on each support, (n_supports, 3) [N, N, N m]; moments about the support's reference point."""
-        return self.system.force[len(self.layout.bodies):].copy()
+        return self.system.force[len(self.layout.bodies):, :RIGID].copy()
 
     def push_force(self):
         """Horizontal force that moves the held bodies [N], NaN where none are held."""
@@ -242,7 +241,7 @@ class ReferenceWall:
 
     def base_force(self):
         """Horizontal and downward force of the wall on its supports [N]."""
-        fx, fz, _ = self.system.force[len(self.layout.bodies):].sum(axis=0)
+        fx, fz, _ = self.support_force.sum(axis=0)
         return float(fx), -float(fz)
 
     def kinetic_energy(self):

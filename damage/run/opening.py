@@ -1,4 +1,4 @@
-"""What a run is, in lines for people at its start: sizes, masses in t, strengths in MPa, the first period."""
+"""Lines at the start of a run: sizes, masses in t, strengths in MPa, the first period."""
 
 import math
 

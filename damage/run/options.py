@@ -46,7 +46,7 @@ def number_from(least, most, kind=float):
     def convert(word):
         value = kind(word)
         if not least <= value <= most:
-            raise argparse.ArgumentTypeError(f"{word}: expected a number from {least:g} to {most:g}; mend it")
+            raise argparse.ArgumentTypeError(f"{word}: expected a number from {least:g} to {most:g}; correct it")
         return value
 
     convert.__name__ = kind.__name__  # for what argparse says of a word that is none
@@ -114,12 +114,12 @@ def _add_push(group):
 def add_model_options(group, names):
     """Add the named fields of ModelOptions to a parser, or a group of one."""
     for one in fields(ModelOptions):
-        metavar, told = one.metadata["metavar"], one.metadata["help"]
+        metavar, text = one.metadata["metavar"], one.metadata["help"]
         usual = one.default if isinstance(one.default, str) else f"{one.default:g}"
         if one.name in names:
             group.add_argument(f"--{one.name.replace('_', '-')}", default=one.default, type=type(one.default),
                                choices=one.metadata["choices"], metavar=metavar,
-                               help=f"{told} (default {usual})")
+                               help=f"{text} (default {usual})")
 
 
 def model_of(parsed):
@@ -239,7 +239,7 @@ def _pushed(parsed):
     if parsed.pushover is not None:
         return TopDisplacement((parsed.pushover,), cycles=0, **more)
     if parsed.cycles is not None and parsed.cycles < 1:
-        raise InputError(f"--cycles {parsed.cycles}: expected at least one cycle at each drift; mend it")
+        raise InputError(f"--cycles {parsed.cycles}: expected at least one cycle at each drift; correct it")
     return TopDisplacement(_numbers("--cyclic", parsed.cyclic, "drifts in percent", "0.05,0.1,0.2"),
                            **_given(cycles=parsed.cycles), **more)
 

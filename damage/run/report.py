@@ -1,9 +1,9 @@
-"""What a finished run leaves beside its history: a summary on the screen, tables and pictures."""
+"""Output of a finished run beside its history: a printed summary, tables and pictures."""
 
 from damage.errors import InputError, one_line, warn
-from damage.measure.doubts import static_doubts
 from damage.measure.members import describe_spread, members_of, spread
 from damage.measure.summary import summarise
+from damage.measure.warnings import static_warnings
 from damage.run.options import pictures_folder
 from damage.units import rounded
 from damage.wall.lintel import ElasticShare, describe_share
@@ -12,11 +12,11 @@ from damage.wall.lintel import ElasticShare, describe_share
 def report(history, pictures=True):
     """Print the summary of a History; write its pictures beside it.
 
-    The history is complete by then: whatever fails here is told and loses nothing.
+    The history is complete by then: whatever fails here is reported and loses nothing.
     """
     path = history.path
     if len(history.series) == 0:
-        warn(*static_doubts(history))
+        warn(*static_warnings(history))
         print(f"{history.status}: no sample was written")
         return
     summary = with_members(summarise(history), history)

@@ -1,4 +1,4 @@
-"""One wall under one loading, whichever solver moves it: static stage, shocks or a push, samples into a history."""
+"""One wall under one loading, with any solver: static stage, events or a push, samples into a history."""
 
 import math
 
@@ -6,16 +6,13 @@ import numpy as np
 
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
-from damage.measure.doubts import AT_REST
 from damage.measure.energy import Balance, noise_j
+from damage.measure.warnings import AT_REST
 from damage.run import schedule
 from damage.run.settings import ADAPTIVE_DAMPING, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
-from damage.run.solver import NO_MOTION
+from damage.run.solver import LOOK_STEPS, NO_MOTION
 from damage.run.watch import have_fallen, index_now, lowest_places, unbalanced_force
 from damage.units import GRAVITY
-
-LOOK_STEPS = 500
-"""Steps between two looks at the static criterion, at progress and interrupts."""
 
 
 class Run:
@@ -147,9 +144,14 @@ class Run:
             while solver.clock < stage.end_step:
                 if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
                     return False
-                yield from self._advance(min(stage.end_step - solver.clock, LOOK_STEPS), self.sample_steps,
-                                         self.take_samples)
+                yield from self._advance(min(stage.end_step - solver.clock, self._stretch()), self.sample_steps,
+                                         self.take_samples, stage.start_step)
         return True
+
+    def _stretch(self):
+        """Steps to ask for at once: to the next look, or to a sample of several more."""
+        samples = self.solver.stretch_samples
+        return samples * self.sample_steps - self.solver.clock % self.sample_steps if samples else LOOK_STEPS
 
     def _advance(self, *how):
         """Let the solver advance; a run that blows up ends at once."""
@@ -232,19 +234,18 @@ class Run:
         """What is not finite at the first sample where anything is not, and which that is: None and their number where
         all is.  rows: {name: (n,)}; arrays: {name: (n, ...)}."""
         count = len(rows["time_s"])
-        # A sum, of an array that of squares, is finite where all of it is, unless it is beyond all sense.
-        sums = [float(np.add.reduce(values)) for values in rows.values()]
-        sums += [float(np.vdot(values, values)) for values in arrays.values()]
+        # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads for its product.
+        sums = [float(np.add.reduce(values, axis=None)) for values in (rows | arrays).values()]
         if math.isfinite(sum(sums)):
             return None, count
         for k in range(count):
             for name, values in (rows | arrays).items():
-                if not math.isfinite(float(np.vdot(values[k], values[k]))):
+                if not math.isfinite(float(np.add.reduce(values[k], axis=None))):
                     return name, k
         return None, count
 
     def _energies(self, now, motion):
-        """Energies since time zero (n,) [J].  Damping that the solver cannot tell is what is missing in the balance
+        """Energies since time zero (n,) [J].  Damping that the solver does not compute is the remainder of the balance
         while the wall settles or is pushed; in any other stage there is none."""
         zero, mass = self._zero, self.layout.bodies.mass
         energies = {

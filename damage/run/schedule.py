@@ -53,14 +53,14 @@ def choose_time_step(settings, critical_s, softens=False):
 def softening_warnings(settings, time_step, critical_s, softening):
     """What of a run's step and damping is outside of what softening joints were shown to need in a solver, by its
     Softening: a list of lines."""
-    told = []
+    found = []
     if time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
-        told.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
+        found.append(f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected at most "
                     f"{SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out")
     if settings.beta_s < softening.beta_s and not settings.loading.drive.quasi_static:
-        told.append(f"--beta {settings.beta_s:g} s: expected at least {softening.beta_s:g} where joints soften, or "
+        found.append(f"--beta {settings.beta_s:g} s: expected at least {softening.beta_s:g} where joints soften, or "
                     "cracks follow rounding and step; leave --beta out")
-    return told
+    return found
 
 
 def sample_steps(time_step):

@@ -14,7 +14,7 @@ from pathlib import Path
 from damage.errors import InputError, RunError, WriteError, warn
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
-from damage.measure.doubts import ENERGY_FAILURE
+from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures
 from damage.provenance import file_origin, versions
@@ -58,12 +58,12 @@ class Backend:
 def run_session(backend, wall_file, make_wall, arguments, prog):
     """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command line; the exit status:
     0 done, 1 failed, 2 bad input, 130 interrupted."""
-    return told(lambda: _run(backend, wall_file, make_wall, arguments, prog))
+    return reported(lambda: _run(backend, wall_file, make_wall, arguments, prog))
 
 
-def told(work, of=""):
-    """The exit status of `work()`, which returns one; what it raises is said, in one line where it is no fault of this
-    software, with the words `of` before it.  A WriteError ends this process."""
+def reported(work, of=""):
+    """The exit status of `work()`, which returns one; its errors are printed, in one line where they are no fault of
+    this software, with the words `of` before it.  A WriteError ends this process."""
     try:
         return work()
     except SystemExit as exit_:  # --help
@@ -72,11 +72,11 @@ def told(work, of=""):
         print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except Exception as error:
-        return tell(error, of)
+        return report_error(error, of)
 
 
-def tell(error, of):
-    """Say what went wrong, as `told` does; the exit status."""
+def report_error(error, of):
+    """Print an error, as `reported` does; returns the exit status."""
     if isinstance(error, WriteError):
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
@@ -87,7 +87,7 @@ def tell(error, of):
     elif isinstance(error, OSError) and is_of_output(error):
         return EXIT_FAILED
     elif isinstance(error, OSError):
-        error = InputError(f"{error}: expected what this user may read and write; mend that")
+        error = InputError(f"{error}: expected what this user may read and write; correct that")
     if not isinstance(error, InputError | RunError):
         traceback.print_exception(error)
         return EXIT_FAILED
@@ -95,12 +95,12 @@ def tell(error, of):
     return EXIT_INPUT if isinstance(error, InputError) else EXIT_FAILED
 
 
-def telling(name, run):
-    """A run, as of `simulate`, whose errors are told with its name and end no other; it returns the exit status."""
+def with_errors_reported(name, run):
+    """A run, as of `simulate`, whose errors are printed with its name and end no other; it returns the exit status."""
     try:
         return (yield from run)
     except Exception as error:
-        return tell(error, name)
+        return report_error(error, name)
 
 
 def _run(backend, wall_file, make_wall, arguments, prog):

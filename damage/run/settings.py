@@ -125,8 +125,8 @@ class RunSettings:
         if self.accept_implausible:
             return
         check_plausible(wall)
-        if told := implausible_peak(self.peak_g):
-            raise InputError(f"{told}. Correct the unit, or accept all values as given: {ACCEPT}")
+        if message := implausible_peak(self.peak_g):
+            raise InputError(f"{message}. Correct the unit, or accept all values as given: {ACCEPT}")
 
     def check_offsets(self, contacts):
         """InputError where the bricks' offsets come near what breaks a joint of a damage.wall.layout.Contacts."""

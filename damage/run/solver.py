@@ -1,4 +1,4 @@
-"""What a run asks of a solver: a few verbs, and instants."""
+"""Interface of a solver: the methods that a run calls, and the instants that it returns."""
 
 from typing import NamedTuple, Protocol
 
@@ -6,6 +6,11 @@ import numpy as np
 
 NO_MOTION = np.zeros((0, 2))
 """Acceleration of a base that stands still."""
+
+
+LOOK_STEPS = 500
+"""Steps between two looks at the static criterion, at progress and interrupts; a solver whose forces depend, in their
+last digits, on where it stops, stops there."""
 
 
 class Instants(NamedTuple):
@@ -18,7 +23,7 @@ class Instants(NamedTuple):
     (n, n_active)} of these, zero in all others; a solver leaves out a column that it does not know;
     top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
     that came in or were dissipated since `start`;
-    damping_j: None where the solver cannot tell it: then the run infers it from the balance.
+    damping_j: None where the solver does not compute it: the run then infers it from the balance.
     """
 
     clock: np.ndarray
@@ -52,6 +57,8 @@ class Solver(Protocol):
 
     time_step: float
     clock: int
+    stretch_samples = 0
+    """Samples for which a run asks at once; none: up to its next look."""
 
     def start(self, base, gravity):
         """From this step on move the base by `base` (k, 2) under `gravity` (k,) [m/s2], whose last value stays."""
@@ -75,9 +82,10 @@ class Solver(Protocol):
     def move_supports(self, velocities):
         """Prescribe the velocities of the supports (n_supports, 3) [m/s, m/s, rad/s]."""
 
-    def advance(self, n_steps, sample_steps=None, on_samples=None):
-        """Take steps, or hand them out: returns an iterable of (self, *numbers of steps), to be taken by `run` before
-        the next is asked for.  A solver that moves by itself takes all at once and returns ().
+    def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
+        """Take steps, or hand them out: returns an iterable of (self, *numbers of steps), of which at least the first
+        is to be taken by `run` before the next is asked for.  A solver that moves by itself takes all at once and
+        returns ().  since: step from which looks are counted, that of now without it.
 
         `on_samples(Instants)` is called of time zero and of every `sample_steps` steps, of one or of several at once,
         until it returns False: late, then, but not where a velocity is prescribed, which it may change.

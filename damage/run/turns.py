@@ -1,6 +1,12 @@
-"""Runs go on in turns: each up to the steps that its solver is to take; then the solvers take them."""
+"""Runs that step together: each yields the steps that its solver has to take; then the solvers take them."""
+
+import itertools
+import math
 
 import numpy as np
+
+WAITED = "waited"
+"""Of steps that were not taken yet: they are to be asked for again."""
 
 
 def run_each(asked):
@@ -19,18 +25,34 @@ def run_each(asked):
 
 @np.errstate(over="ignore", invalid="ignore")  # a run that blows up says so itself
 def take_turns(runs, move=run_each):
-    """Let runs go on until all have ended; returns what each of them returned.
+    """Let runs go on until all have ended; returns what each of them returned; arguments as of `as_they_end`."""
+    return [value for _, value in sorted(as_they_end(runs, move), key=lambda end: end[0])]
+
+
+def as_they_end(runs, move=run_each, most=math.inf):
+    """Let runs go on, so many at once, the next where one has ended; yields (number, what it returned) of each.
 
     runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run goes
-    on; an error in it is raised there.  move: as `run_each`, takes the steps of all that have not ended.
+    on, at least the first number of steps; an error in it is raised there.  move: as `run_each`, takes steps of those
+    that are under way; or WAITED, where it leaves one for later.
     """
-    ended, failures = {}, dict.fromkeys(runs)
-    while failures:
-        asked = {}
-        for run, failure in failures.items():
-            try:
-                asked[run] = next(run) if failure is None else run.throw(failure)
-            except StopIteration as end:
-                ended[run] = end.value
-        failures = dict(zip(asked, move(list(asked.values()))))
-    return [ended[run] for run in runs]
+    waiting, asked = enumerate(runs), {}  # {(number, run): what it asks for}
+    while True:
+        for begun in itertools.islice(waiting, max(0, most - len(asked)) if most < math.inf else None):
+            asked[begun] = None
+            yield from _go_on(asked, begun, None)
+        if not asked:
+            return
+        for one, failure in zip(list(asked), move(list(asked.values()))):
+            if failure is not WAITED:
+                yield from _go_on(asked, one, failure)
+
+
+def _go_on(asked, one, failure):
+    """Let one run go on up to what it asks for next; yields its end where it has come to it."""
+    number, run = one
+    try:
+        asked[one] = next(run) if failure is None else run.throw(failure)
+    except StopIteration as end:
+        del asked[one]
+        yield number, end.value

@@ -1,4 +1,4 @@
-"""What a run looks at while it goes on: the index of this instant, whether a wall is at rest, whether a brick fell."""
+"""What a run watches: the index of this instant, whether the wall is at rest, whether a brick fell."""
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from damage.units import GRAVITY
 
 def index_now(layout, drift_ratio, joints, opening, offset):
     """The damage index of one instant, slip by displacement; opening, offset: [m] of these joints, zero elsewhere."""
-    told, length = np.zeros((2, layout.n_joints), bool), layout.joint_length
-    told[:, joints] = opening > THRESHOLD, np.abs(offset) > THRESHOLD
-    return float(combine(min(1.0, drift_component(drift_ratio)), *(length_fraction(over, length) for over in told)))
+    exceeded, length = np.zeros((2, layout.n_joints), bool), layout.joint_length
+    exceeded[:, joints] = opening > THRESHOLD, np.abs(offset) > THRESHOLD
+    return float(combine(min(1.0, drift_component(drift_ratio)), *(length_fraction(over, length) for over in exceeded)))
 
 
 def lowest_places(layout):

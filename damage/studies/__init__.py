@@ -1,1 +1,1 @@
-"""Studies: what they run, the tables and figures of what they left, fragility."""
+"""Studies: definition, tables and figures of their results, fragility."""

@@ -1,6 +1,6 @@
-"""Fragility by the damage that was there before: each shock of a sequence as a run of its own.
+"""Fragility by the damage before an event: each event of a sequence as a run of its own.
 
-A wall comes into its second shock with the cracks of the first one, and Psi counts them; so shocks are told apart by
+A wall comes into its second shock with the cracks of the first one, and Psi counts them; so shocks are distinguished by
 Psi at rest before them.  P. A. Korswagen's curves for walls with damage before are of that kind
 (docs/paper/published-fragility.md).
 """

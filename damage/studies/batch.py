@@ -56,7 +56,7 @@ def _check_yade():
 
 
 def _python_path():
-    """PYTHONPATH for the programs: this package, then what the user had."""
+    """PYTHONPATH for the programs: this package, then the user's."""
     package = str(Path(__file__).resolve().parents[2])
     given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     return os.pathsep.join(dict.fromkeys([package, *(os.path.abspath(folder) for folder in given if folder)]))

@@ -53,7 +53,7 @@ def choices(points):
 
 
 def choice(point):
-    """What a point does otherwise than the default, in words.
+    """The differences of a point from the default, in words.
 
     >>> choice({"cycles": 5, "top": "piers"})
     '5 cycles'

@@ -75,7 +75,7 @@ ENTRY_KEYS = {
 GRID_KEYS = {
     "vary": "of a grid: lists of values by name; {name} in a string stands for the value",
     "rows": "of a grid: a CSV table of values that belong together, as records and windows; its columns are names"}
-"""What stands in a study file, and what it is for; `damage.studies.schema` tells editors."""
+"""The keys of a study file and their meanings; `damage.studies.schema` passes them to editors."""
 
 ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 LONGEST_ID = 120  # characters; file names end at 255 and tables add theirs
@@ -103,7 +103,7 @@ class StudyRun:
     def __post_init__(self):
         if not ID.fullmatch(self.id) or len(self.id) > LONGEST_ID:
             raise InputError(f"run id {self.id!r}: expected at most {LONGEST_ID} letters, digits, '.', '_' "
-                             "or '-', since it names files; mend it")
+                             "or '-', since it names files; correct it")
 
     @property
     def id(self):
@@ -154,10 +154,10 @@ class Study:
             raise InputError(f"{self.path}: name = {self.name!r}; expected letters, digits, '.', '_' or '-', "
                              "since it names a folder; rename the study")
         if self.pictures not in PICTURES:
-            raise InputError(f"{self.path}: pictures = {self.pictures!r}; expected {' or '.join(PICTURES)}; mend it")
+            raise InputError(f"{self.path}: pictures = {self.pictures!r}; expected {' or '.join(PICTURES)}; correct it")
         if self.conclusion not in (None, *CONCLUSIONS):
             raise InputError(f"{self.path}: conclusion = {self.conclusion!r}; expected {' or '.join(CONCLUSIONS)}; "
-                             "mend it, or leave it out")
+                             "correct it, or leave it out")
         if not self.of_both:
             raise InputError(f"{self.path}: no runs; expected at least one table [[runs]] or [[grid]]; add one")
         if not self.runs:
@@ -175,7 +175,7 @@ def load_study(path, solver="yade", root=None):
 
     solver: "yade", "reference", or "both", which makes every run twice; root: the repository, where walls and records
     are that do not lie beside the study file, None for the working folder.
-    Raises InputError, which says what came, what was expected and how to mend it.
+    Raises InputError, which says what came, what was expected and how to correct it.
     """
     path, root = Path(path).absolute(), Path(root or ".").resolve()
     check_file(path, "a study file (.toml)", 10)
@@ -184,7 +184,7 @@ def load_study(path, solver="yade", root=None):
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}; give the path of a study file (.toml)") from error
     except (ValueError, RecursionError) as error:  # of TOML or of UTF-8
-        raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, mend it") from error
+        raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, correct it") from error
     _check_depth(table, path)
     _check_keys(table, set(KEYS), f"{path}")
     check_choices(path, table.get("states", []), table.get("intensity"))
@@ -213,15 +213,15 @@ def _check_depth(table, path):
         parts = [part for one in parts for part in (one.values() if isinstance(one, dict) else one)
                  if isinstance(part, (dict, list))]
     if parts:
-        raise InputError(f"{path}: tables or lists more than {DEEPEST} deep in each other; expected a study file, mend "
-                         "it")
+        raise InputError(f"{path}: tables or lists more than {DEEPEST} deep in each other; expected a study file, "
+                         "correct it")
 
 
 def _check_keys(table, known, where):
     unknown = sorted(set(table) - known)
     if unknown:
         raise InputError(f"{where}: unknown key {unknown[0]!r}; expected {', '.join(sorted(known))}; "
-                         "take it out or mend its spelling")
+                         "take it out or correct its spelling")
 
 
 def _entries(table, path, root):
@@ -242,7 +242,7 @@ def _points(grid, where, folder, root):
     if "rows" not in grid:
         return expand(grid, where)
     if not isinstance(grid["rows"], str):
-        raise InputError(f"{where}: rows = {grid['rows']!r}; expected the path of a CSV table; mend it")
+        raise InputError(f"{where}: rows = {grid['rows']!r}; expected the path of a CSV table; correct it")
     return expand(grid, where, read_rows(root / _find(grid["rows"], where, folder, root), where))
 
 
@@ -253,7 +253,7 @@ def _load_entry(table, where, folder, root):
                          '"walls/symmetric.py"; give one')
     solvers = table.get("solvers", list(SOLVERS))
     if not isinstance(solvers, list) or not solvers or not set(solvers) <= set(SOLVERS):
-        raise InputError(f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; mend it")
+        raise InputError(f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; correct it")
     words = option_words(_existing_files(table.get("options", {}), where, folder, root), where)
     reserved = [word for word in words if word in RESERVED_OPTIONS]
     if reserved:
@@ -272,7 +272,7 @@ def _load_entry(table, where, folder, root):
 
 
 def _ensemble(table, where):
-    """What makes a StudyRun an ensemble, as its `members` or `samples` ask for; empty without."""
+    """The ensemble of a StudyRun, by its `members` or `samples`; empty without."""
     if "members" in table and "samples" in table:
         raise InputError(f"{where}: members and samples given together; choose one kind of ensemble")
     kinds = [kind for kind in ("scatter", "perturb") if kind in table]
@@ -288,7 +288,7 @@ def _ensemble(table, where):
         size = table.get(kind, SCATTER)
         if type(size) not in (int, float) or not size > 0:
             raise InputError(f"{where}: {kind} = {size!r}; expected a number above zero, like 0.001 of scatter or "
-                             "1e-9 m of perturb; mend it")
+                             "1e-9 m of perturb; correct it")
         return {"varied": (f"--{kind}", f"{size:g}", "--seed"), "members": table["members"], "adaptive": True}
     return {"varied": ("--strength-seed",), "members": table["samples"]} if "samples" in table else {}
 
@@ -305,7 +305,7 @@ def _existing_files(options, where, folder, root):
                      and any(map(is_there, _candidates(path, folder, root)))]
             if not there:
                 raise InputError(f"{where}: none of the files {name} = {paths!r} is there; expected one beside the "
-                                 "study or in the repository; mend a path")
+                                 "study or in the repository; correct a path")
             chosen[name] = there[0]
     return chosen
 
@@ -334,7 +334,7 @@ def _option(name, value, where):
 
 def _word(value, name, where):
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise InputError(f"{where}: {name} holds {value!r}; expected numbers and strings; mend it")
+        raise InputError(f"{where}: {name} holds {value!r}; expected numbers and strings; correct it")
     return str(value)
 
 

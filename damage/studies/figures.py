@@ -43,7 +43,7 @@ def make_figures(results, folder):
 
 
 def _made_by(points):
-    """What made the runs of these points, for a picture's own data."""
+    """Origin of the runs of these points, for the metadata of a picture."""
     return f"studies {', '.join(sorted({folder.name for folder in points['folder']}))}; {made_by_words(points)}"
 
 
@@ -108,5 +108,5 @@ def _having(results, study, *columns):
 
 
 def _repeated(points):
-    """Which points are sequences of shocks."""
+    """Which points are sequences of events."""
     return points["shocks"] > 1 if "shocks" in points else pd.Series(False, points.index)

@@ -142,10 +142,10 @@ class Fragility:
 
 
 def stretch(n):
-    """By how much bootstrap samples of n tell too little: samples of n scatter less than n new ones, by
+    """By how much bootstrap intervals of n samples are too narrow: resamples scatter less than n new ones, by
     sqrt((n - 1) / n), and Student's quantile is further out than the normal one, as their scatter is itself
     uncertain.  After T. C. Hesterberg (2015), What teachers should know about the bootstrap, The American Statistician
-    69(4), doi:10.1080/00031305.2015.1089789, whose narrowness bias this mends.
+    69(4), doi:10.1080/00031305.2015.1089789, whose narrowness bias this corrects.
 
     >>> [round(float(stretch(n)), 2) for n in (2, 5, 25, 1000)]
     [5.43, 1.45, 1.06, 1.0]
@@ -206,7 +206,7 @@ def exceeding(runs, measure, level):
 def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=1, over=OVER, name=""):
     """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every level.
 
-    The runs' walls are told apart by `strength_seed`; intensity: None for the first that they have; over: names of OVER
+    Walls differ by `strength_seed`; intensity: None for the first that they have; over: names of OVER
     of what is drawn anew; name: of the damage state.
     """
     intensity = intensity or leading(runs)
@@ -318,7 +318,7 @@ def _ends(name, bounds):
 def efficiency_table(runs, states=STATES, intensity=None):
     """Which intensity serves best: a DataFrame with a row for each wall, State and intensity, best first.
 
-    dispersion: of the fitted curve, 0 where the intensity tells those that exceed from the others; NaN where no run or
+    dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN where no run or
     every run exceeds.  scatter: standard deviation of ln(measure) about a straight line over ln(intensity), of the runs
     that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
     intensity efficient where it is small.  median: in `unit`.  intensity: one more than INTENSITIES.

@@ -129,11 +129,11 @@ def _draw_after(ax, x, shocks, row, style, intensity):
     mine, median = shocks[shocks["before"] == row["before"]], row[in_unit("median", intensity)]
     shares = exceeding(mine, row["measure"], row["level"]).groupby(mine[intensity].round(6)).mean()
     ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
-    told = f"{row['before']}: {row['exceeding']} of {row['runs']} shocks"
+    text = f"{row['before']}: {row['exceeding']} of {row['runs']} shocks"
     if np.isfinite(median):
         ax.plot(x, curve(x, median, row["dispersion"]), color=colour, ls=line)
         unit = unit_of(intensity)[1]
         low, high = (row[in_unit(f"median_walls_{end}", intensity)] for end in ("low", "high"))
-        told = f"{row['before']}: " + (f"median {median:#.3g} {unit}, dispersion {row['dispersion']:.2f}" if
+        text = f"{row['before']}: " + (f"median {median:#.3g} {unit}, dispersion {row['dispersion']:.2f}" if
                                        row["dispersion"] > 0 else f"between {low:#.3g} and {high:#.3g} {unit}")
-    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=told.replace("Psi", r"$\Psi$"))
+    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=text.replace("Psi", r"$\Psi$"))

@@ -59,17 +59,17 @@ def read_rows(path, where):
     try:
         lines = [line for line in csv.reader(path.read_text(encoding="utf-8-sig").splitlines()) if any(line)]
     except (OSError, ValueError, csv.Error) as error:
-        raise InputError(f"{where}: rows: {path} is no table of text ({error}); expected CSV in UTF-8, mend "
+        raise InputError(f"{where}: rows: {path} is no table of text ({error}); expected CSV in UTF-8, correct "
                          "it") from error
     names, *values = lines or [[]]
     for name in names:
         if not _NAME.fullmatch(f"{{{name}}}") or names.count(name) > 1:
             raise InputError(f"{where}: rows: {path} has a column {name!r}; expected names like record or scale, each "
-                             "once, in its first line; mend it")
+                             "once, in its first line; correct it")
     for number, line in enumerate(values, start=1):
         if len(line) != len(names) or not all(line):
             raise InputError(f"{where}: rows: row {number} of {path} has {len(line)} values, or an empty one; expected "
-                             f"{len(names)}, of {', '.join(names)}; mend it")
+                             f"{len(names)}, of {', '.join(names)}; correct it")
     if not values:
         raise InputError(f"{where}: rows: {path} has no rows; expected a line of names and one for each point; "
                          "add some")
@@ -92,7 +92,7 @@ def _values(name, values, where):
         values = range(values["from"], min(values["to"], values["from"] + MOST_POINTS) + 1)
     if not isinstance(values, list | range) or not values:
         raise InputError(f"{where}: vary holds {name} = {values!r}; expected a list with values, or "
-                         "{ from = 1, to = 25 }; mend it")
+                         "{ from = 1, to = 25 }; correct it")
     return values
 
 
@@ -114,6 +114,6 @@ def _replaced(value, chosen, where):
     unknown = sorted(_names(value) - set(chosen))
     if unknown:
         raise InputError(f"{where}: {value!r} names {unknown[0]!r}, which vary does not; expected one of "
-                         f"{', '.join(chosen)}; mend its spelling")
+                         f"{', '.join(chosen)}; correct its spelling")
     whole = _NAME.fullmatch(value)
     return chosen[whole[1]] if whole else _NAME.sub(lambda found: str(chosen[found[1]]), value)

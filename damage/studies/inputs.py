@@ -1,6 +1,6 @@
-"""What the runs of a point are made from: the wall as built, every option as parsed, every file that was read.
+"""Inputs of the runs of a point: the wall as built, every option as parsed, every file that was read.
 
-A study keeps a note of it for each point (DIR/runs/.inputs/RUN) and compares it before it goes on.  The wall file
+A study keeps a note of them for each point (DIR/runs/.inputs/RUN) and compares it before it continues.  The wall file
 counts by the Wall that it makes, so that a module that it imports counts and a comment does not; options count by the
 values that a run gets, defaults included.
 """
@@ -37,7 +37,7 @@ def as_note(inputs):
 
 
 def differences(note, inputs):
-    """What differs between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty where they agree.
+    """Differences between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty where they agree.
 
     note: of `as_note`, read as JSON.  A field that the note lacks came with a later version and agrees at its default.
     """

@@ -52,7 +52,7 @@ def _compare(runs, left, states, intensities):
 
 
 def _rows(others, of_record, state, intensity):
-    """Rows of one record that the curve of the others does not know."""
+    """Rows of one record that the curve of the others was not fitted to."""
     if others.empty:
         return
     one = fragility(others, state.measure, state.level, intensity, replicates=0, name=state.name)

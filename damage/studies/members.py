@@ -6,7 +6,7 @@ HEAVY = 0.1
 """Range of the first members' values over their median from which as many again are run: the median of five is then
 uncertain by some percent, and a sixth member lies outside of their range in one case out of three."""
 LEAST = 5
-"""Fewer members tell nothing of tails."""
+"""Least number of members for a statement on tails."""
 JUDGED = ("max_DI", "max_drift_ratio")
 
 
@@ -19,7 +19,7 @@ def most_members(run):
 
 
 def runs_needed(run, records):
-    """How many runs a point needs, by what is known of it.
+    """Number of runs that a point needs, from the results so far.
 
     run: a damage.studies.definition.StudyRun; records: {number from 1: record (`damage.studies.records`)} of its runs
     so far.  Of an adaptive ensemble the first is the only one where it breaks no joint: the wall was linear, and

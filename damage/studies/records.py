@@ -1,4 +1,4 @@
-"""What every run of a study leaves, whether its history is kept or not: a line of JSON in the file of its shard.
+"""Records of the runs of a study, whether a history is kept or not: a line of JSON in the file of its shard.
 
 DIR/shards/NUMBER.rows holds a line a run, written whole as soon as the run is: {"run": its name, "intact": whether no
 joint broke or reached its limit, "row": that of the summary, "cycles" and "shocks": the rows of these tables, "sha256":
@@ -44,7 +44,7 @@ def line_of(record):
 
 
 def add_record(file, record):
-    """Write a record as the next line of an open file, whatever stands before it."""
+    """Write a record as the next line of an open file, even after an incomplete line."""
     file.write(line_of(record))
     file.flush()
 
@@ -101,8 +101,8 @@ def _believed(line):
         raise ValueError("it is no JSON") from None
     if not isinstance(record, dict) or any(not isinstance(record.get(name), kind) for name, kind in _PARTS.items()):
         raise ValueError(f"it lacks one of {', '.join(_PARTS)}")
-    told = record.pop(SUM, None)
-    if told is not None and told != _sum(record):
+    total = record.pop(SUM, None)
+    if total is not None and total != _sum(record):
         raise ValueError("its checksum is wrong")
     if (wrong := _wrong_number(record)) is not None:
         raise ValueError(f"its {wrong}")

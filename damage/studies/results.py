@@ -1,4 +1,4 @@
-"""What studies left in their folders: a row for each point, its runs, their histories.
+"""Results of studies in their folders: a row for each point, its runs, their histories.
 
 A study's folder holds `tables/points.csv`, a row for each point and solver, with the median of its
 members, runs that differ in their perturbation alone, under a measure's NAME and their range under
@@ -94,7 +94,7 @@ class Results:
 class Variant:
     """Points of one wall modelled in one way: those of the reference solver, those of YADE.
 
-    differs: {column: value} that tells it from the wall's main variant, the one with most points.
+    differs: {column: value} that distinguishes it from the wall's main variant, the one with most points.
     """
 
     wall: str
@@ -136,7 +136,7 @@ def load_results(folder, records=Path("records")):
 def variants(points):
     """The points of each wall by the way they were modelled, the main variant of each wall first.
 
-    The reference solver's damping tells variants apart, too; YADE's points go with every damping.
+    The reference solver's damping distinguishes variants, too; YADE's points match every damping.
     """
     shared = [name for name in MODEL if name in points]
     keys = points[[*shared, "beta_s"]] if "beta_s" in points else points[shared]

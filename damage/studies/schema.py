@@ -32,7 +32,7 @@ def study_schema():
     return {
         "$schema": DRAFT, "title": "A study of masonry-damage", "type": "object", "additionalProperties": False,
         "required": ["name"], "anyOf": [{"required": ["runs"]}, {"required": ["grid"]}],
-        "properties": _told(KEYS, {
+        "properties": _described(KEYS, {
             "name": _identifier(), "title": {"type": "string"}, "pictures": {"enum": list(PICTURES)},
             "conclusion": {"enum": list(CONCLUSIONS)},
             "states": {"type": "array", "items": {"type": "string", "pattern": ">"}}, "intensity": {"type": "string"},
@@ -62,7 +62,7 @@ def _entry(grid):
     positive = _varied({"type": "number", "exclusiveMinimum": 0}, grid)
     entry = {
         "type": "object", "additionalProperties": False, "required": ["wall"],
-        "properties": _told(ENTRY_KEYS, {
+        "properties": _described(ENTRY_KEYS, {
             "id": _varied(_identifier(LONGEST_ID), grid), "wall": {"type": "string"}, "options": _options(grid),
             "solvers": {"type": "array", "items": {"enum": list(SOLVERS)}, "minItems": 1},
             "members": whole, "scatter": positive, "perturb": positive, "samples": whole}),
@@ -73,13 +73,13 @@ def _entry(grid):
         values = {"type": ["array", "object"], "minItems": 1, "required": ["from", "to"],
                   "additionalProperties": False, "properties": {"from": whole_number, "to": whole_number}}
         entry["anyOf"] = [{"required": [name]} for name in GRID_KEYS]
-        entry["properties"] |= _told(GRID_KEYS, {
+        entry["properties"] |= _described(GRID_KEYS, {
             "vary": {"type": "object", "minProperties": 1, "additionalProperties": values},
             "rows": {"type": "string"}})
     return entry
 
 
-def _told(meanings, schemas):
+def _described(meanings, schemas):
     """Schemas with what each is for; one for each of the meanings, or it is a fault of this module."""
     return {name: {"description": meaning, **schemas[name]} for name, meaning in meanings.items()}
 

@@ -1,4 +1,4 @@
-"""The same wall shaken again and again: its damage index after each shock, from a study's histories."""
+"""Figure of sequences: the damage index of a wall after each event, from a study's histories."""
 
 import numpy as np
 import pandas as pd
@@ -40,8 +40,8 @@ def sequences(results, points):
     for number, (ax, (_, point)) in enumerate(zip(axes.flat, points.iterrows())):
         tables = pd.concat([shocks_table(history) for history in results.histories(point)])
         factors = list(tables.groupby("shock")["factor"].first())
-        told = f"{len(factors)} times" if len(set(factors)) == 1 else "times " + ", ".join(f"{f:g}" for f in factors)
-        letter(ax, number, f"{motion_label(point)}, {told}")
+        text = f"{len(factors)} times" if len(set(factors)) == 1 else "times " + ", ".join(f"{f:g}" for f in factors)
+        letter(ax, number, f"{motion_label(point)}, {text}")
         _draw(ax, tables)
         ax.set_ylabel("damage index [-]")
         ax.set_xlabel("shock")

@@ -162,6 +162,6 @@ def in_unit(name, column):
 
 
 def label(column):
-    """What an axis of an intensity says."""
+    """The label of an axis of an intensity."""
     unit = unit_of(column)[1]
     return INTENSITIES.get(column, f"{column} [{'-' if unit == '1' else unit}]")

@@ -1,4 +1,4 @@
-"""What stands on a wall's top, for people and files: its caps, and the stress in what carries them."""
+"""Rigid top masses (caps) of a wall and the stress in the piers below, as text and as tables."""
 
 from damage.units import GRAVITY
 
@@ -27,7 +27,7 @@ def describe_cap(cap):
 
 
 def describe_top(layout):
-    """Lines of a damage.wall.layout.Layout: the stress in its piers by what stands on top, and each cap."""
+    """Lines on a damage.wall.layout.Layout: the stress in its piers by the load on top, and each cap."""
     of, bodies, wall = layout.options, layout.bodies, layout.wall
     if layout.top_mass == 0:
         return ["no mass on top: no precompression"]

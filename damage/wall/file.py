@@ -44,20 +44,20 @@ def wall_of(make_wall, path):
     try:
         wall = make_wall()
     except (Exception, SystemExit) as error:
-        told = str(error) if isinstance(error, InputError) else f"failed with {_told(error)}; mend the file"
-        raise InputError(f"{path}{_line(error, path)}: {told}") from error
+        message = str(error) if isinstance(error, InputError) else f"failed with {_message_of(error)}; correct the file"
+        raise InputError(f"{path}{_line(error, path)}: {message}") from error
     if not isinstance(wall, Wall):
         raise InputError(f"{path} has no function wall() that returns a damage.Wall; copy walls/symmetric.py")
     return wall
 
 
-def _told(error):
-    """What an error of a wall file says; of a keyword that no record of a wall has, also which ones it has."""
-    told = f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
-    found = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", told)
+def _message_of(error):
+    """Message of an error in a wall file; for an unknown keyword also the known ones."""
+    message = f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
+    found = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", message)
     kind = found and next((one for one in (Wall, Opening, Brick, Joint) if one.__name__ == found[1]), None)
     if not kind:
-        return told
+        return message
     names = [one.name for one in fields(kind)]
     near = get_close_matches(found[2], names, n=1)
     return (f"{kind.__name__}({found[2]}=...): expected " + (f"{near[0]}; it has " if near else "one of ")

@@ -1,4 +1,4 @@
-"""The joint law: the definition that every solver is held against.
+"""The joint law: the definition that every solver is compared with.
 
 A contact of unit area with normal opening u_n (tension positive) and shear displacement u_s:
 linear springs, a tension cut-off, Mohr-Coulomb slip, and a bond.  A brittle bond goes at once: exceeding
@@ -9,14 +9,14 @@ doi:10.1016/j.engstruct.2021.112529, with tension positive, so that equation (11
 
     (S1)  sigma <= f_t exp(-kappa)
     (S2)  |tau| <= c exp(-kappa) - sigma tan(phi), never below zero
-    (S3)  d kappa = (1 - GONE) (f_t dw / G_I + c ds / G_II),  kappa = 0 at first, the bond is gone at -ln(GONE)
+    (S3)  d kappa = (1 - GONE) (f_t dw / G_I + c ds / G_II),  kappa = 0 at first, the bond fails at -ln(GONE)
     (S4)  sigma = k_n u_n while closed; f_t exp(-kappa) u_n / u_max while 0 < u_n <= u_max = w + f_t exp(-kappa) / k_n
     (S5)  d tau = k_s (d u_s - ds)
 
 w: the largest inelastic opening so far; ds >= 0: inelastic slip.  Tension unloads to the origin, shear with its
 stiffness; friction is there from the start and does not soften.  G -> 0 is the brittle bond.  Cohesion that
 decays exponentially and shear that unloads elastically are Lourenço and Rots (1997, J. Eng. Mech. 123(7),
-660-668); the last hundredth of the bond goes at once, and 1 - GONE makes up for the energy that its tail had.
+660-668); the last hundredth of the bond fails at once, and 1 - GONE makes up for the energy that its tail had.
 
 A joint that crushes is perfectly plastic in compression, whatever its bond:
 
@@ -38,11 +38,11 @@ from numba.extending import register_jitable
 INTACT, TENSION, SHEAR = 0, 1, 2
 """What `advance` reports of a step: no break, the bond broke in tension, or in shear."""
 GONE = 0.01
-"""Share of its strengths [-] at which a softening bond is gone."""
+"""Share of its strengths [-] at which a softening bond fails."""
 
 
 class Material(NamedTuple):
-    """What all contacts of a wall share: friction = tan(phi) [-], the same before and after the bond breaks."""
+    """Parameters common to all contacts of a wall: friction = tan(phi) [-], equal before and after the bond fails."""
 
     friction: float
 
@@ -69,7 +69,7 @@ class LawParameters(NamedTuple):
 
 class ContactState(NamedTuple):
     """normal_stress, shear_stress [Pa]; slip [m]: plastic, signed, of the closed contact;
-    broken: the bond is gone; at_limit: has failed in shear or slid without a bond, ever;
+    broken: the bond has failed; at_limit: has failed in shear or slid without a bond, ever;
     friction_work, fracture_work [J/m2]: dissipated so far, of the latter by crushing, too; kappa [-], gap [m]: of a
     bond that softens, how far, and its largest inelastic opening w; closure [m]: by how much it is crushed, d."""
 
@@ -87,11 +87,12 @@ class ContactState(NamedTuple):
 
 class ElasticRange(NamedTuple):
     """What is left of a contact's elastic range: tensile_strength, cohesion [Pa]; tension_stiffness [Pa/m] while it is
-    open."""
+    open; friction: its coefficient [-]."""
 
     tensile_strength: float
     cohesion: float
     tension_stiffness: float
+    friction: float
 
 
 @register_jitable
@@ -122,7 +123,7 @@ def elastic_range(parameters):
 
 @register_jitable
 def strength_left(broken, parameters, kappa=0.0):
-    """Tensile strength and cohesion that are left [Pa]: none once the bond is gone, else those of (S1), (S2)."""
+    """Tensile strength and cohesion that are left [Pa]: none once the bond has failed, else those of (S1), (S2)."""
     if broken:
         return 0.0, 0.0
     if kappa == 0.0:
@@ -146,12 +147,12 @@ def tension_stiffness(tensile_strength, gap, normal_stiffness):
 
 @register_jitable
 def range_left(state, parameters):
-    """The ElasticRange that a ContactState leaves."""
+    """The ElasticRange that a ContactState leaves; parameters may be arrays of contacts that share the state."""
     strength, cohesion = strength_left(state.broken, parameters, state.kappa)
     stiffness = parameters.normal_stiffness
     if state.kappa > 0.0 and not state.broken:
         stiffness = tension_stiffness(strength, state.gap, stiffness)
-    return ElasticRange(strength, cohesion, stiffness)
+    return ElasticRange(strength, cohesion, stiffness, friction_left(state.broken, parameters.material))
 
 
 @register_jitable
@@ -296,10 +297,11 @@ def on_the_envelope(share, opening, trial, gap, parameters):
 @register_jitable
 def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffness):
     """Elastic energy of a contact per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s."""
-    return 0.5 * normal_stress**2 / normal_stiffness + 0.5 * shear_stress**2 / shear_stiffness
+    return (0.5 * normal_stress * normal_stress / normal_stiffness
+            + 0.5 * shear_stress * shear_stress / shear_stiffness)
 
 
 @register_jitable
 def inelastic_opening(opening, normal_stress, normal_stiffness):
-    """What of an opening [m] is no strain of the bond: all of it once the bond is gone, nothing while it is whole."""
+    """Inelastic part of an opening [m]: all of it once the bond has failed, none while it is intact."""
     return opening - normal_stress / normal_stiffness if opening > 0.0 else 0.0

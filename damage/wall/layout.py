@@ -243,7 +243,7 @@ def _lay_segment(wall, course, left, right):
 
 
 def _find_piers(wall):
-    """What carries the top: the parts of the length where no opening of the top storey stands, left to right."""
+    """Piers that carry the top: parts of the length without an opening of the top storey, left to right."""
     piers, start = [], 0.0
     for opening in sorted(_top_storey(wall), key=lambda o: o.left):
         if opening.left > start + _TINY:
@@ -375,7 +375,7 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     normal, shear = lumped_stiffness(wall, bodies, kind, first, second)
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
-    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie on the edges of its courses
+    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses
     elastic = (kind == CAP) | in_lintel(wall, options.lintel, middle_x, middle_z)
     strengths = [np.where(elastic, np.inf, strength) for strength in (
         wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]

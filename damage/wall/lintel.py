@@ -1,4 +1,4 @@
-"""Lintels over openings: which joints they keep elastic, and what share of a wall's joints cannot fail for it."""
+"""Lintels over openings: the joints that they keep elastic, and the share of a wall's joints that cannot fail."""
 
 from typing import NamedTuple
 
@@ -54,7 +54,7 @@ def elastic_share(wall, joints, bodies):
     kind = joints["kind"].to_numpy()
     length = np.where(kind == "brick", 0.0, joints["length_m"])
     elastic = length * joints["elastic"].to_numpy()
-    # A contact point at the end of a head joint lies on the edge of its course: the brick beside it lies inside.
+    # A contact point at the end of a head joint lies at the boundary of its course: the brick beside it lies inside.
     z = np.where(kind == "head", bodies["z_m"].to_numpy()[joints["second_body"]], joints["z_m"])
     above = np.zeros(len(z), bool)
     for opening in wall.openings:
@@ -76,7 +76,7 @@ def describe_share(share):
 
 
 def warn_of_share(share):
-    """What is odd about an ElasticShare, a list of at most one line."""
+    """Warnings of an ElasticShare: a list of at most one line."""
     if share.of_all <= LARGE_SHARE:
         return []
     return [f"{describe_share(share)}: above {100 * LARGE_SHARE:g} % the choice of the lintel may decide the result; "

@@ -110,4 +110,4 @@ def _natural_modes(layout, n_modes):
 def _no_modes(layout, problem):
     return InputError(f"wall {layout.wall.name} has no natural modes ({problem}): expected stiffnesses and masses of "
                       "masonry, and no part that can move freely, as bricks do that stand on one contact point each; "
-                      "mend the wall, or give more --cells")
+                      "correct the wall, or give more --cells")

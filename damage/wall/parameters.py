@@ -63,7 +63,7 @@ class Joint:
 
     normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa];
     friction_angle [rad], the same before and after the bond breaks; dilation is zero.
-    mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the bond is gone;
+    mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the bond fails;
         None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and 102 to 353
         (Korswagen, dissertation, TU Delft, 2022); `softening_energies` gives a rule.
     compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not, as in the paper.
@@ -84,7 +84,7 @@ class Joint:
                      **_given(self, "compressive_strength"))
         if self.compressive_strength == 0:
             raise InputError("Joint.compressive_strength = 0 Pa: expected above zero, or None for joints that do not "
-                             "crush; mend it")
+                             "crush; correct it")
         check_not_negative("Joint.friction_angle", self.friction_angle)
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
@@ -321,7 +321,7 @@ class ModelOptions:
         check_whole("fibres", self.fibres, 0, 64)
 
     def tags(self):
-        """What tells this model from the default in a file's name, a list of words."""
+        """The differences of this model from the default in a file's name: a list of words."""
         return [one.metadata["tag"].format(**asdict(self)) for one in fields(self)
                 if one.metadata["tag"] and getattr(self, one.name) != one.default]
 
@@ -343,4 +343,4 @@ def _lintel_word(lintel):
 
 
 USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]} | {"joints": "face"}
-"""{column: default} of the choices that tell one model from another; joints: `History.joint_normals`."""
+"""{column: default} of the choices that distinguish models; joints: `History.joint_normals`."""

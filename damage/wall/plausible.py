@@ -76,7 +76,7 @@ def check_plausible(wall):
 
 
 def implausible(wall):
-    """What is implausible of a damage.Wall, a list of str, each with what was probably meant.
+    """Implausible values of a damage.Wall: a list of str, each with the unit that was probably meant.
 
     >>> from damage.wall.parameters import Joint, Wall
     >>> implausible(Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.0)))
@@ -84,12 +84,12 @@ def implausible(wall):
     """
     given = [(f"{type(record).__name__}.{name}", value) for record in (wall, *wall.openings, wall.brick, wall.joint)
              for name, value in vars(record).items() if value]
-    found = [_told(name, value) for name, value in given
+    found = [_message_of(name, value) for name, value in given
              if name in RANGES and not RANGES[name].least <= value <= RANGES[name].most]
     return list(dict.fromkeys(found))  # several openings may have the same fault
 
 
-def _told(name, value):
+def _message_of(name, value):
     """An implausible value, what was expected, and in which units it would be plausible."""
     least, most, unit, others, _, zero = RANGES[name]
     meant = [f"{short(value)} {other} is {_in_si(value, size)} {unit}" for other, size in others.items()

@@ -1,4 +1,4 @@
-"""Bricks that can split: every whole brick is two halves that hang together across a cut in its middle.
+"""Bricks that can split: every whole brick is two halves, bonded across a cut in its middle.
 
 A cut is of the brick's own stiffness and has n contact points in the middles of n equal parts of its height h, so that
 under a moment M and an axial force N the outermost bears, at (n - 1) / (2 n) h from the middle,

@@ -41,14 +41,14 @@ def main():
 
 
 def attack(worker, reader, asked):
-    """The Tally of one reader; what is not as it should be is told at once."""
+    """The Tally of one reader; what is not as it should be is reported at once."""
     tally, end = Tally(), None
     for number in itertools.count() if asked.only is None else [asked.only]:
         outcome = worker(reader, number)
         tally.add(outcome)
         if asked.only is not None or not outcome.good:
             print(f"{reader} {number} ({outcome.done}): {outcome.word}, {outcome.seconds:.1f} s, "
-                  f"{outcome.bytes / 1e6:.0f} MB: {outcome.told}", flush=True)
+                  f"{outcome.bytes / 1e6:.0f} MB: {outcome.message}", flush=True)
         end = end or time.monotonic() + asked.seconds  # the first one waits for the undamaged files to be made
         if time.monotonic() > end:
             break

@@ -23,13 +23,13 @@ GOOD = ("refused", "read")
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of one damaged file: reader, number, what was done to it, word, what was told, seconds, bytes of memory."""
+    """Of one damaged file: reader, number, what was done to it, word, what was reported, seconds, bytes of memory."""
 
     reader: str
     number: int
     done: str
     word: str
-    told: str
+    message: str
     seconds: float
     bytes: int
 
@@ -63,7 +63,7 @@ class Worker:
         self.process.stdin.write(f"{number} {self.seed} {reader}\n".encode())
         made = self._answer(START_S)
         if "word" in made:
-            raise RuntimeError(f"the worker could not make {reader} {number}: {made['told']}")
+            raise RuntimeError(f"the worker could not make {reader} {number}: {made['message']}")
         came = self._answer(SECONDS)
         outcome = Outcome(reader, number, made["done"], **came)
         if self.keep and not outcome.good:
@@ -86,11 +86,11 @@ class Worker:
         while b"\n" not in self.unread:
             if not select.select([self.process.stdout], [], [], seconds)[0]:
                 self._end()
-                return {"word": "hang", "told": f"no end in {seconds} s", "seconds": seconds, "bytes": 0}
+                return {"word": "hang", "message": f"no end in {seconds} s", "seconds": seconds, "bytes": 0}
             part = os.read(self.process.stdout.fileno(), 65536)
             if not part:
-                told = (self.folder / "printed").read_text(errors="replace")[-600:]
-                return {"word": "crash", "told": f"status {self._end()}: {told}", "seconds": 0.0, "bytes": 0}
+                message = (self.folder / "printed").read_text(errors="replace")[-600:]
+                return {"word": "crash", "message": f"status {self._end()}: {message}", "seconds": 0.0, "bytes": 0}
             self.unread += part
         line, _, self.unread = self.unread.partition(b"\n")
         return json.loads(line)

@@ -114,8 +114,8 @@ def change(path, random_):
         with h5py.File(path, "r+", libver="latest") as file:
             return kind(file, random.Random(seed))
 
-    told, signal_ = in_a_child(work)
-    return told or f"HDF5 crashed (signal {signal_}) of {kind.__name__.strip('_').replace('_', ' ')}"
+    message, signal_ = in_a_child(work)
+    return message or f"HDF5 crashed (signal {signal_}) of {kind.__name__.strip('_').replace('_', ' ')}"
 
 
 def in_a_child(work):
@@ -127,15 +127,15 @@ def in_a_child(work):
         signal.alarm(SECONDS)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         try:
-            told = work()
+            message = work()
         except BaseException as error:
-            told = f"exception\n{type(error).__name__}: {error}"
-        os.write(send, told[:4000].encode(errors="replace"))
+            message = f"exception\n{type(error).__name__}: {error}"
+        os.write(send, message[:4000].encode(errors="replace"))
         os._exit(0)
     os.close(send)
     with os.fdopen(receive, "rb") as answer:
-        told = b"".join(answer).decode()
-    return told, os.WTERMSIG(os.waitpid(child, 0)[1])
+        message = b"".join(answer).decode()
+    return message, os.WTERMSIG(os.waitpid(child, 0)[1])
 
 
 def _datasets(file):

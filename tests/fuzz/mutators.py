@@ -17,14 +17,14 @@ LONGEST = 400_000  # bytes of a part that is put in by the thousand
 def mutate(data, random, others, kinds, largest=10**6):
     """(data after one to three changes of `kinds`, what they are); one file in sixty grows to as many as `largest`
     bytes."""
-    told = []
+    done = []
     for change in random.choices(kinds, k=random.choice((1, 1, 1, 2, 3))):
         data = change(data, random, others)
-        told.append(change.__name__)
+        done.append(change.__name__)
     if random.random() < 1 / 60:
         data = swell(data, random, int(largest * 10 ** random.uniform(-2, 0.05)))
-        told.append(f"swell to {len(data)} bytes")
-    return data, ", ".join(told)
+        done.append(f"swell to {len(data)} bytes")
+    return data, ", ".join(done)
 
 
 def _stretch(data, random):

@@ -33,12 +33,12 @@ def make(name, seed, number, folder):
 
 
 def read(name, path):
-    """(a word, what is told) of reading a file."""
+    """(a word, what is reported) of reading a file."""
     try:
         READERS[name].use(path)
     except InputError as error:
-        told = str(error)
-        return "refused" if told.isprintable() and 0 < len(told) < LONGEST_MESSAGE else "unfit words", told
+        message = str(error)
+        return "refused" if message.isprintable() and 0 < len(message) < LONGEST_MESSAGE else "unfit words", message
     except Exception as error:
         line = error.__traceback__
         while line.tb_next:
@@ -60,20 +60,20 @@ def peak_bytes():
 
 
 def judged(name, path, printed):
-    """What came of one file: word, told, seconds, bytes."""
+    """What came of one file: word, message, seconds, bytes."""
     sys.stdout.flush()
     os.ftruncate(printed, 0)
     forget_peak()
     began = time.monotonic()
-    word, told = read(name, path)
+    word, message = read(name, path)
     took_s, most = time.monotonic() - began, peak_bytes()
     sys.stdout.flush()
     noise = os.pread(printed, 300, 0).decode(errors="replace")
     if word in ("read", "refused") and noise:
-        word, told = "printed", noise
+        word, message = "printed", noise
     if most > MOST_BYTES:
         word = "memory"
-    return {"word": word, "told": told, "seconds": took_s, "bytes": most}
+    return {"word": word, "message": message, "seconds": took_s, "bytes": most}
 
 
 def main(folder):

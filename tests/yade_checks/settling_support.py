@@ -47,7 +47,8 @@ def settle(solver):
     solver.move_supports(0.0 * velocities)
     advance(solver, every * round(RESTS_S / dt / every), every)
     now = solver.instants()
-    return {"moved": now.displacement[0] - before.displacement[0], "supports": now.support_displacement[0],
+    return {"moved": now.displacement[0] - before.displacement[0],
+            "supports": now.support_displacement[0] - before.support_displacement[0],
             "reactions": now.support_force[0], "input_j": now.input_j - before.input_j,
             "elastic_j": now.elastic_j - before.elastic_j,
             "damping_j": np.nan if now.damping_j is None else now.damping_j - before.damping_j}

@@ -2,7 +2,8 @@
 
 A slot is a row of a table of one wall.  One wall alone has its rows as slots; several walls w have slot = 8 row + w.
 Either way eight slots are a block, whose fields lie one after the other, eight numbers each: what is done to all
-elements alike is done to eight numbers as one value (`damage.mechanics.eight`), of eight walls or of eight rows.
+elements alike is done to eight numbers as one value (`damage.mechanics.eight`), or as two of four, of eight walls or
+of eight rows.
 """
 
 from typing import NamedTuple
@@ -10,8 +11,10 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from damage.mechanics.compiled import compiled
+from damage.mechanics import eight
+from damage.mechanics.eight import load, store
 from damage.mechanics.tables import STATE
+from damage.reference.fast.compiled import compiled
 
 # Unsigned, as a signed index might count from an array's end: to look costs time.  Where numba is switched off, plain
 # integers and unsigned ones would add to floats.
@@ -23,8 +26,8 @@ def _fields(first, n, step=8):
     return [INDEX(step * (first + k)) for k in range(n)]
 
 
-WIDTH, ONE, NONE = INDEX(8), INDEX(1), INDEX(0)
-"""Elements of a block; and indices to count with."""
+WIDTH, VALUE, ONE, NONE = INDEX(8), INDEX(eight.WIDTH), INDEX(1), INDEX(0)
+"""Elements of a block, and those of a value; and indices to count with."""
 # Where fields begin in a block of bodies;
 X, Z, COS1, SIN, FX, FZ, MOMENT, ROTATION, VX, VZ, VROTATION, MASS, INERTIA, INVERSE_X, INVERSE_Z, INVERSE_ROTATION, \
     BODY = _fields(0, 17)
@@ -36,17 +39,18 @@ OPENING, SLIDE, LIMITS = _fields(0, 3)
 MIDDLE, SHEAR, ROTATED, NORMAL, ALONG, COUPLE, LAST = _fields(0, 7)
 # of what a failed interface does until its turn comes;
 PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B, WORK, WAITING = _fields(0, 6)
+# of what a sample reads of a contact point, in the order of `readings`;
+OPENED, SHEARED, SIGMA, TAU, READ = _fields(0, 5)
 # and of the bench, where one block is worked on.
-BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE = _fields(0, 6)
-OPENED, SHEARED, SIGMA, TAU, BENCH = _fields(6, 5)
+BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(0, 7)
 # Sums are taken in eight parts, the first of rows 0, 8, 16 and so on: those of one wall are the elements of a block.
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
 # Of a contact of a failed interface: fields of its state, by name, and its compressive strength.
 COPIED = ("shear_stress", "shear0", "normal_stress", "idle", "elastic_tensile_strength", "elastic_cohesion",
-          "elastic_tension_stiffness", "closure", "kappa")
+          "elastic_friction", "elastic_tension_stiffness", "closure", "kappa")
 COLUMNS, CHANGED = tuple(STATE.names.index(name) for name in COPIED), 3
 """Columns of STATE in this order; how many of them, the first ones, a step without the law changes."""
-SHEAR_STRESS, SHEAR0, NORMAL_STRESS, IDLE, TENSILE, COHESION, KT, CLOSURE, KAPPA, COMPRESSIVE, LOOSE = \
+SHEAR_STRESS, SHEAR0, NORMAL_STRESS, IDLE, TENSILE, COHESION, FRICTION, KT, CLOSURE, KAPPA, COMPRESSIVE, LOOSE = \
     _fields(0, len(COPIED) + 2)
 
 
@@ -57,7 +61,7 @@ class Blocks(NamedTuple):
     rows: of one wall alone, where places and forces of a body lie side by side, eight numbers in this order; starts:
     (bodies,) where they begin; others: a byte a block of interfaces, whose bits are those that do not stay intact;
     loose: a byte an interface, whose bits are the walls whose contacts are in `contacts`, and waits, those of them that
-    stay springs and whose forces are in `waiting`.
+    stay springs and whose forces are in `waiting`; readings: of all contacts of several walls.
     """
 
     bodies: np.ndarray
@@ -73,6 +77,7 @@ class Blocks(NamedTuple):
     waits: np.ndarray
     waiting: np.ndarray
     contacts: np.ndarray
+    readings: np.ndarray
     first: np.ndarray
     second: np.ndarray
 
@@ -98,6 +103,7 @@ def make_blocks(interfaces, n_bodies, n_contacts, lanes):
         waits=np.zeros(len(interfaces), np.uint8),
         waiting=_zeros(blocks_of(len(interfaces) * lanes, WAITING) if lanes > 1 else 0),
         contacts=_zeros(blocks_of(n_contacts * lanes, LOOSE) if lanes > 1 else 0),
+        readings=_zeros(blocks_of(n_contacts * lanes, READ) if lanes > 1 else 0),
         first=_first(a, lanes), second=_first(b, lanes))
 
 
@@ -169,3 +175,30 @@ def pack_limits(tables, blocks, lanes):
             interface, k = tables.interfaces[w, p], place_of(INDEX(p * lanes + w), LIMITS)
             blocks.limits[k + OPENING] = -np.inf if interface.failed else interface.largest_opening
             blocks.limits[k + SLIDE] = interface.largest_slide
+
+
+@compiled
+def clear(sums, start, stop):
+    """Zero the sums from one to before another."""
+    while start < stop:
+        store(sums, start, 0.0)
+        start += VALUE
+
+
+@compiled
+def total(sums, first, lanes):
+    """Take the eight parts of a sum together: that of wall w is then at `first` + w."""
+    if lanes == 1:
+        value = 0.0
+        for part in range(8):
+            value += sums[first + INDEX(part)]
+        sums[first] = value
+        return
+    half = NONE
+    while half < WIDTH:
+        values, part = eight.spread(0.0), NONE
+        while part < WIDTH:
+            values = values + load(sums, first + part * WIDTH + half)
+            part += ONE
+        store(sums, first + half, values)
+        half += VALUE

@@ -3,11 +3,15 @@
 import numpy as np
 
 from damage.mechanics import bodies as mechanics
-from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics import eight
 from damage.mechanics.eight import add, bits, load, store
 from damage.mechanics.tables import DAMPING, INPUT
 from damage.reference.fast import blocks as at
-from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH
+from damage.reference.fast.blocks import INDEX, NONE, ONE, VALUE, WIDTH, clear, total
+from damage.reference.fast.compiled import compiled, inlined
+
+ALL = 2**eight.WIDTH - 1
+"""All flags of a value, as bits."""
 
 
 @compiled
@@ -18,26 +22,36 @@ def move(energy, relaxation, blocks, lanes, controls, field, step):
     """
     bench, bodies, sums = blocks.bench, blocks.bodies, blocks.sums
     clear(sums, at.SWEPT_X, at.DAMPED)
+    damped = set_all(bench, relaxation, lanes, controls, field, step)
+    block = NONE
+    while block < INDEX(len(bodies)) // at.BODY:
+        part, half = NONE if lanes == 1 else block % WIDTH * WIDTH, NONE
+        while half < WIDTH:
+            if damped:
+                move_damped(bodies, block * at.BODY + half, bench, half, sums, part + half)
+            else:
+                move_free(bodies, block * at.BODY + half, bench, half, sums, part + half)
+            half += VALUE
+        block += ONE
+    for first in (at.SWEPT_X, at.SWEPT_Z, at.DRIVEN, at.TAKEN):
+        total(sums, first, lanes)
+    for w in range(controls.shape[0]):
+        dt, k = controls[w, 0], INDEX(w)
+        swept = field[w, step, 0] * sums[at.SWEPT_X + k] + field[w, step, 1] * sums[at.SWEPT_Z + k]
+        energy[w, INPUT] += (sums[at.DRIVEN + k] - 0.5 * swept) * dt
+        if damped:
+            energy[w, DAMPING] += sums[at.TAKEN + k] * dt
+
+
+@compiled
+def set_all(bench, relaxation, lanes, controls, field, step):
+    """Put what acts on all bodies on the bench; returns whether anything damps them."""
     damped = False
     for w in range(controls.shape[0]):
         alpha = controls[w, 2] + relaxation[w, 0]
         damped |= alpha > 0.0 or controls[w, 1] > 0.0
         set_bench(bench, w, lanes, field[w, step], controls[w], alpha)
-    block = NONE
-    while block < INDEX(len(bodies)) // at.BODY:
-        part = NONE if lanes == 1 else block % WIDTH * WIDTH
-        if damped:
-            move_damped(bodies, block * at.BODY, bench, sums, part)
-        else:
-            move_free(bodies, block * at.BODY, bench, sums, part)
-        block += ONE
-    for w in range(controls.shape[0]):
-        dt = controls[w, 0]
-        swept = (field[w, step, 0] * total(sums, at.SWEPT_X, w, lanes)
-                 + field[w, step, 1] * total(sums, at.SWEPT_Z, w, lanes))
-        energy[w, INPUT] += (total(sums, at.DRIVEN, w, lanes) - 0.5 * swept) * dt
-        if damped:
-            energy[w, DAMPING] += total(sums, at.TAKEN, w, lanes) * dt
+    return damped
 
 
 @compiled
@@ -50,54 +64,40 @@ def set_bench(bench, w, lanes, field, controls, alpha):
         bench[at.ALPHA + k], bench[at.LOCAL + k], bench[at.RATE + k] = alpha, local, rate
 
 
-@compiled
-def total(sums, first, w, lanes):
-    """The eight parts of a sum together, of one wall."""
-    value, step = 0.0, ONE if lanes == 1 else WIDTH
-    for part in range(8):
-        value += sums[first + INDEX(part) * step + INDEX(w)]
-    return value
-
-
-@compiled
-def clear(sums, start, stop):
-    """Zero the sums from one to before another."""
-    while start < stop:
-        sums[start] = 0.0
-        start += ONE
-
-
 @inlined
-def accelerations(bodies, k, bench):
-    """Acceleration of eight bodies along their three coordinates [m/s2, rad/s2]."""
-    return (mechanics.acceleration(load(bodies, k + at.FX), load(bodies, k + at.INVERSE_X), load(bench, at.BASE_X)),
-            mechanics.acceleration(load(bodies, k + at.FZ), load(bodies, k + at.INVERSE_Z), load(bench, at.BASE_Z)),
+def accelerations(bodies, k, bench, half):
+    """Acceleration of bodies along their three coordinates [m/s2, rad/s2]."""
+    return (mechanics.acceleration(load(bodies, k + at.FX), load(bodies, k + at.INVERSE_X),
+                                   load(bench, at.BASE_X + half)),
+            mechanics.acceleration(load(bodies, k + at.FZ), load(bodies, k + at.INVERSE_Z),
+                                   load(bench, at.BASE_Z + half)),
             mechanics.acceleration(load(bodies, k + at.MOMENT), load(bodies, k + at.INVERSE_ROTATION), 0.0))
 
 
 @compiled
-def move_free(bodies, k, bench, sums, part):
-    """Move eight bodies whose fields begin at k by a step, undamped."""
-    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
-    advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_rotation, sums, part)
+def move_free(bodies, k, bench, half, sums, part):
+    """Move bodies whose fields begin at k by a step, undamped; half: where their numbers on the bench begin."""
+    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench, half)
+    advance(bodies, k, load(bench, at.STEP + half), rate_x, rate_z, rate_rotation, sums, part)
 
 
 @compiled
-def move_damped(bodies, k, bench, sums, part):
+def move_damped(bodies, k, bench, half, sums, part):
     """The same with damping."""
-    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
-    rate_x, power_x = damp(bodies, k, at.VX, at.MASS, at.INVERSE_X, rate_x, bench)
-    rate_z, power_z = damp(bodies, k, at.VZ, at.MASS, at.INVERSE_Z, rate_z, bench)
-    rate_rotation, power = damp(bodies, k, at.VROTATION, at.INERTIA, at.INVERSE_ROTATION, rate_rotation, bench)
+    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench, half)
+    rate_x, power_x = damp(bodies, k, at.VX, at.MASS, at.INVERSE_X, rate_x, bench, half)
+    rate_z, power_z = damp(bodies, k, at.VZ, at.MASS, at.INVERSE_Z, rate_z, bench, half)
+    rate_rotation, power = damp(bodies, k, at.VROTATION, at.INERTIA, at.INVERSE_ROTATION, rate_rotation, bench, half)
     add(sums, at.TAKEN + part, power_x + power_z + power)
-    advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_rotation, sums, part)
+    advance(bodies, k, load(bench, at.STEP + half), rate_x, rate_z, rate_rotation, sums, part)
 
 
 @inlined
-def damp(bodies, k, velocity, mass, inverse, rate, bench):
+def damp(bodies, k, velocity, mass, inverse, rate, bench, half):
     """Acceleration along one coordinate less its damping, and the power of that."""
-    dt, old = load(bench, at.STEP), load(bodies, k + velocity)
-    taken = mechanics.damping(old, rate, load(bodies, k + inverse), load(bench, at.ALPHA), load(bench, at.LOCAL))
+    dt, old = load(bench, at.STEP + half), load(bodies, k + velocity)
+    taken = mechanics.damping(old, rate, load(bodies, k + inverse), load(bench, at.ALPHA + half),
+                              load(bench, at.LOCAL + half))
     rate = rate - taken
     return rate, load(bodies, k + mass) * taken * (old + 0.5 * dt * rate)
 
@@ -127,14 +127,14 @@ def advance(bodies, k, dt, rate_x, rate_z, rate_rotation, sums, part):
     cos1, sin = mechanics.small_rotation(angle)
     store(bodies, k + at.COS1, cos1)
     store(bodies, k + at.SIN, sin)
-    if bits(abs(angle) < mechanics.SMALL) != 255:
+    if bits(abs(angle) < mechanics.SMALL) != ALL:
         rotate_far(bodies, k)
 
 
 @inlined
 def rotate_far(bodies, k):
-    """Cosine less one and sine of those of eight bodies whose rotation is not small."""
-    for _ in range(8):
+    """Cosine less one and sine of those of the bodies whose rotation is not small."""
+    for _ in range(eight.WIDTH):
         angle = bodies[k + at.ROTATION]
         if abs(angle) >= mechanics.SMALL:
             bodies[k + at.COS1], bodies[k + at.SIN] = np.cos(angle) - 1.0, np.sin(angle)
@@ -148,17 +148,21 @@ def adapt(relaxation, blocks, lanes, controls):
     clear(sums, at.KINETIC, at.SUMS)
     block = NONE
     while block < INDEX(len(bodies)) // at.BODY:
-        add_kinetic_energy(bodies, block * at.BODY, sums, NONE if lanes == 1 else block % WIDTH * WIDTH)
+        part, half = NONE if lanes == 1 else block % WIDTH * WIDTH, NONE
+        while half < WIDTH:
+            add_kinetic_energy(bodies, block * at.BODY + half, sums, part + half)
+            half += VALUE
         block += ONE
+    total(sums, at.KINETIC, lanes)
     for w in range(controls.shape[0]):
-        dt, share, kinetic = controls[w, 0], controls[w, 4], total(sums, at.KINETIC, w, lanes)
+        dt, share, kinetic = controls[w, 0], controls[w, 4], sums[at.KINETIC + INDEX(w)]
         relaxation[w, 0] = mechanics.adaptive_damping(kinetic, relaxation[w, 1], share, dt)
         relaxation[w, 1] = kinetic
 
 
 @compiled
 def add_kinetic_energy(bodies, k, sums, part):
-    """Add the kinetic energy [J] of eight bodies."""
+    """Add the kinetic energy [J] of bodies."""
     mass, inertia = load(bodies, k + at.MASS), load(bodies, k + at.INERTIA)
     add(sums, at.KINETIC + part, mechanics.kinetic_energy(
         (mass, mass, inertia), (load(bodies, k + at.VX), load(bodies, k + at.VZ), load(bodies, k + at.VROTATION))))

@@ -1,17 +1,17 @@
 """Contacts of an interface in eight walls at once, to the same bits as `damage.mechanics.contacts` one by one.
 
 Those of a failed interface are copied into a block, change there while all of them stay elastic, and are copied back
-where the joint law is asked and where a sample is taken.
+where the joint law is asked and where a wall is left.
 """
 
 import numpy as np
 
-from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, bits, either, flags_of, load, spread, store
 from damage.mechanics.interfaces import BodyForces, Resultant, parted
 from damage.mechanics.tables import FAILED, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
 from damage.reference.fast import blocks as at
-from damage.reference.fast.blocks import INDEX
+from damage.reference.fast.blocks import INDEX, NONE, VALUE, WIDTH
+from damage.reference.fast.compiled import compiled, inlined
 from damage.reference.fast.interfaces import damp_eight, forces_where, push_in_lanes
 from damage.wall import joint_law
 
@@ -27,11 +27,11 @@ def loosen(tables, columns, blocks):
 
 
 @compiled
-def fasten(tables, columns, blocks):
-    """Copy them back."""
+def fasten(tables, columns, blocks, which):
+    """Copy what has changed of those of these walls (bits) back."""
     for p in range(tables.interfaces.shape[1]):
         for w in range(tables.interfaces.shape[0]):
-            if blocks.loose[p] >> w & 1:
+            if blocks.loose[p] & which & 1 << w:
                 give(tables, columns, blocks, w, p)
 
 
@@ -53,7 +53,6 @@ def give(tables, columns, blocks, w, p):
         k = INDEX(i) * at.LOOSE + INDEX(w)
         for n in range(at.CHANGED):
             columns[w, i, at.COLUMNS[n]] = blocks.contacts[k + INDEX(8 * n)]
-    blocks.loose[p] &= 255 - (1 << w)
 
 
 @inlined
@@ -70,57 +69,88 @@ def intact_springs(contacts, start, stop, motion):
 
 
 @inlined
-def read_intact(tables, bench, start, stop, motion, intact):
-    """`damage.mechanics.contacts.read` of an interface in those walls where it is intact (bits), by the bench."""
-    readings = tables.readings
+def read_intact(contacts, readings, start, stop, motion, half):
+    """`damage.mechanics.contacts.read` of an interface that is intact, into blocks."""
     for i in range(start, stop):
-        contact = tables.contacts[0, i]
+        contact, k = contacts[0, i], INDEX(i) * at.READ + half
         # Zero is added as a closure and a force of before would be: it takes the sign from what is zero.
         opening = motion.opening + contact.offset * motion.rotation + 0.0
-        store(bench, at.OPENED, opening)
-        store(bench, at.SHEARED, motion.shear)
-        store(bench, at.SIGMA, contact.kn * opening / contact.area)
-        store(bench, at.TAU, (contact.ks * motion.shear + 0.0) / contact.area)
-        for w in range(tables.contacts.shape[0]):
-            if intact >> w & 1:
-                k = INDEX(w)
-                readings[w, READ_OPENING, i] = bench[at.OPENED + k]
-                readings[w, READ_SHEAR, i] = bench[at.SHEARED + k]
-                readings[w, READ_SIGMA, i] = bench[at.SIGMA + k]
-                readings[w, READ_TAU, i] = bench[at.TAU + k]
+        store(readings, k + at.OPENED, opening)
+        store(readings, k + at.SHEARED, motion.shear)
+        store(readings, k + at.SIGMA, contact.kn * opening / contact.area)
+        store(readings, k + at.TAU, (contact.ks * motion.shear + 0.0) / contact.area)
 
 
 @inlined
-def forces_of_loose(tables, blocks, law, p, held, frame, motion, damped):
-    """What an interface does in those walls that are held (bits), where its contacts stay springs: it waits until the
-    intact interfaces have pushed their bodies."""
-    waiting, k, m = blocks.waiting, p * at.WAITING, p * at.LAST
+def read_loose(contacts, blocks, law, start, stop, motion, half, which):
+    """The same of one that has failed, in these walls (flags)."""
+    for i in range(start, stop):
+        contact, k, r = contacts[0, i], INDEX(i) * at.LOOSE + half, INDEX(i) * at.READ + half
+        opening, sigma, tau, is_open = loose_trial(contact, blocks.contacts, k, motion, law.plain)
+        sigma, tau = either(is_open, 0.0, sigma), either(is_open, 0.0, tau)
+        for field, value in ((at.OPENED, opening), (at.SHEARED, motion.shear), (at.SIGMA, sigma / contact.area),
+                             (at.TAU, tau / contact.area)):
+            store(blocks.readings, r + field, either(which, value, load(blocks.readings, r + field)))
+
+
+@compiled
+def keep_readings(tables, blocks, w, p):
+    """Copy the readings of an interface of one wall into their blocks."""
+    for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
+        k = INDEX(i) * at.READ + INDEX(w)
+        for field, row in ((at.OPENED, READ_OPENING), (at.SHEARED, READ_SHEAR), (at.SIGMA, READ_SIGMA),
+                           (at.TAU, READ_TAU)):
+            blocks.readings[k + field] = tables.readings[w, row, i]
+
+
+@compiled
+def give_readings(tables, blocks, w, start, stop):
+    """Copy the readings of contacts of one wall back."""
+    for i in range(start, stop):
+        k = INDEX(i) * at.READ + INDEX(w)
+        for field, row in ((at.OPENED, READ_OPENING), (at.SHEARED, READ_SHEAR), (at.SIGMA, READ_SIGMA),
+                           (at.TAU, READ_TAU)):
+            tables.readings[w, row, i] = blocks.readings[k + field]
+
+
+@inlined
+def parted_in(tables, p, motion):
+    """Lanes (bits) in which the faces of an interface no longer overlap at this RelativeMotion."""
+    return int(bits(parted(motion, tables.interfaces[0, p].slide_least, tables.interfaces[0, p].slide_most)))
+
+
+@inlined
+def forces_of_loose(tables, blocks, law, p, half, held, frame, motion, damped):
+    """What an interface does in those walls that are held (bits), where its contacts stay springs, which are returned:
+    it waits until the intact interfaces have pushed their bodies."""
+    waiting, k, m = blocks.waiting, p * at.WAITING + half, p * at.LAST + half
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
-    ends = int(bits(parted(motion, tables.interfaces[0, p].slide_least, tables.interfaces[0, p].slide_most)))
-    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law, start, stop, motion,
-                                       flags_of(held & ~ends))
-    remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, elastic)
+    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half,
+                                       flags_of(held & ~parted_in(tables, p, motion)))
+    remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half, elastic)
     if damped:
-        resultant, work = damp_eight(blocks.last, m, load(blocks.bench, at.RATE), motion, resultant, elastic)
+        resultant, work = damp_eight(blocks.last, m, load(blocks.bench, at.RATE + half), motion, resultant, elastic)
         store(waiting, k + at.WORK, work)
     forces = forces_where(elastic, frame, resultant)
     store(waiting, k + at.PUSH_X, forces.x)
     store(waiting, k + at.PUSH_Z, forces.z)
     store(waiting, k + at.MOMENT_A, forces.moment_a)
     store(waiting, k + at.MOMENT_B, forces.moment_b)
-    blocks.waits[p] = bits(elastic)
+    return int(bits(elastic))
 
 
 @inlined
 def push_waiting(blocks, p, flags, damped):
     """Add to its bodies what an interface does in those walls (bits) that wait, which are returned."""
-    waits, waiting, k = flags & int(blocks.loose[p]) & int(blocks.waits[p]), blocks.waiting, INDEX(p) * at.WAITING
-    if waits:
-        push_in_lanes(blocks.bodies, blocks.first[p], blocks.second[p], BodyForces(
+    waits, half = flags & int(blocks.loose[p]) & int(blocks.waits[p]), NONE
+    while waits and half < WIDTH:
+        waiting, k = blocks.waiting, INDEX(p) * at.WAITING + half
+        push_in_lanes(blocks.bodies, blocks.first[p] + half, blocks.second[p] + half, BodyForces(
             load(waiting, k + at.PUSH_X), load(waiting, k + at.PUSH_Z), load(waiting, k + at.MOMENT_A),
             load(waiting, k + at.MOMENT_B)))
         if damped:
-            add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), load(waiting, k + at.WORK))
+            add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8) + half, load(waiting, k + at.WORK))
+        half += VALUE
     return waits
 
 
@@ -137,21 +167,27 @@ def loose_spring(contact, loose, k, motion, plain):
 
 
 @inlined
-def loose_springs(contacts, loose, law, start, stop, motion, elastic):
+def loose_trial(contact, loose, k, motion, plain):
+    """The same with the shear force [N], and where the contact is open and needs no law."""
+    opening, sigma = loose_spring(contact, loose, k, motion, plain)
+    tau0 = load(loose, k + at.SHEAR_STRESS)
+    tau = tau0 + contact.ks * (motion.shear - load(loose, k + at.SHEAR0))
+    return opening, sigma, tau, (opening > 0.0) & (opening <= load(loose, k + at.IDLE)) & (tau0 == 0.0)
+
+
+@inlined
+def loose_springs(contacts, loose, plain, start, stop, motion, half, elastic):
     """`damage.mechanics.contacts.elastic_resultant` in eight walls, of which it leaves those elastic whose contacts all
     are."""
     held = elastic
     normal, shear, couple = spread(0.0), spread(0.0), spread(0.0)
     for i in range(start, stop):
-        contact, k = contacts[0, i], INDEX(i) * at.LOOSE
-        opening, sigma = loose_spring(contact, loose, k, motion, law.plain)
-        tau0, shear0, idle = load(loose, k + at.SHEAR_STRESS), load(loose, k + at.SHEAR0), load(loose, k + at.IDLE)
-        tau = tau0 + contact.ks * (motion.shear - shear0)
-        is_open = (opening > 0.0) & (opening <= idle) & (tau0 == 0.0)
-        store(loose, k + at.SHEAR0, either(held & is_open, motion.shear, shear0))
+        contact, k = contacts[0, i], INDEX(i) * at.LOOSE + half
+        _, sigma, tau, is_open = loose_trial(contact, loose, k, motion, plain)
+        store(loose, k + at.SHEAR0, either(held & is_open, motion.shear, load(loose, k + at.SHEAR0)))
         within = joint_law.stays_elastic(sigma, tau, load(loose, k + at.TENSILE), load(loose, k + at.COHESION),
-                                         joint_law.friction_left(idle >= 0.0, law.material))
-        if not law.plain:
+                                         load(loose, k + at.FRICTION))
+        if not plain:
             within = within & joint_law.withstands(sigma, load(loose, k + at.COMPRESSIVE))
         elastic = elastic & (within | is_open)
         normal = normal + either(is_open, 0.0, sigma)
@@ -161,10 +197,10 @@ def loose_springs(contacts, loose, law, start, stop, motion, elastic):
 
 
 @inlined
-def remember_loose(contacts, loose, plain, start, stop, motion, elastic):
+def remember_loose(contacts, loose, plain, start, stop, motion, half, elastic):
     """`damage.mechanics.contacts.remember` in the walls that are elastic."""
     for i in range(start, stop):
-        contact, k = contacts[0, i], INDEX(i) * at.LOOSE
+        contact, k = contacts[0, i], INDEX(i) * at.LOOSE + half
         moves = elastic & (load(loose, k + at.IDLE) >= 0.0)
         if not plain:
             compressive, before = load(loose, k + at.COMPRESSIVE), load(loose, k + at.NORMAL_STRESS)

@@ -1,10 +1,10 @@
 """Interfaces in blocks: eight at once, of one wall or one of each of eight walls, and single ones among them."""
 
 from damage.mechanics import interfaces
-from damage.mechanics.compiled import inlined
 from damage.mechanics.eight import add, either, load, store
 from damage.mechanics.interfaces import BodyForces, Line, Pose, RelativeMotion, Resultant, Springs
 from damage.reference.fast import blocks as at
+from damage.reference.fast.compiled import inlined
 
 
 @inlined
@@ -42,7 +42,7 @@ def pose_of(bodies, k, apart):
 
 @inlined
 def poses_in_lanes(bodies, k):
-    """Pose of a body in eight walls."""
+    """Pose of a body in several walls."""
     return Pose(load(bodies, k + at.X), load(bodies, k + at.Z), load(bodies, k + at.COS1), load(bodies, k + at.SIN))
 
 

@@ -1,7 +1,7 @@
-"""Rows of four numbers, here and there in an array, as four values of eight numbers and back: turned in the
+"""Rows of four numbers, here and there in an array, as four values of WIDTH numbers and back: turned in the
 processor's registers, where to fetch each number by itself would cost more than what is done with it.
 
-    x, z, cos1, sin = rows_of(bodies, places, i, 0)      # of the eight rows at places[i] to places[i + 7]
+    x, z, cos1, sin = rows_of(bodies, places, i, 0)      # of the rows at places[i] to places[i + WIDTH - 1]
     set_rows(bodies, places, i, 4, x, z, cos1, sin)      # and back, four numbers further on
     add_rows(bodies, first, second, i, 4, (x, z, turn), (x, z, other_turn))
 """
@@ -12,17 +12,18 @@ from numba.extending import lower_builtin
 
 from damage.mechanics.eight import NUMBERS, WIDTH, teach_type
 
-_FIRST, _LAST = (list(range(start, start + 4)) for start in (0, 4))
 # Of two values in turns, within each pair of numbers: the first ones, and the second ones.
-_EVEN, _ODD = [0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]
-# Of two values of pairs: the first pair of each half, and the second one.
-_FRONT, _BACK = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+_EVEN, _ODD = ([k + of for pair in range(0, WIDTH, 2) for of in (pair, WIDTH + pair)] for k in (0, 1))
+# Of two values of pairs: the first pair of each four, and the second one.
+_FRONT, _BACK = ([four + k + i for four in range(0, WIDTH, 4) for k in (pair, WIDTH + pair) for i in (0, 1)]
+                 for pair in (0, 2))
+_FOURS = [list(range(four, four + 4)) for four in range(0, WIDTH, 4)]
 _INT, _LONG = ir.IntType(32), ir.IntType(64)
-_ROW, _EIGHT = ir.VectorType(ir.DoubleType(), 4), ir.VectorType(ir.DoubleType(), WIDTH)
+_ROW, _VALUE = ir.VectorType(ir.DoubleType(), 4), ir.VectorType(ir.DoubleType(), WIDTH)
 
 
 def rows_of(array, places, i, offset):
-    """Four values: the numbers from `offset` on of rows that begin at places[i] to places[i + 7]."""
+    """Four values: the numbers from `offset` on of rows that begin at places[i] to places[i + WIDTH - 1]."""
     return tuple(array[places[i:i + WIDTH] + offset + k] for k in range(4))
 
 
@@ -51,23 +52,23 @@ def _mixed(builder, x, y, order):
 
 
 def _as_rows(builder, a, b, c, d):
-    """Eight rows of four, of four values."""
+    """Rows of four, of four values."""
     low = [_mixed(builder, a, b, order) for order in (_EVEN, _ODD)]
     high = [_mixed(builder, c, d, order) for order in (_EVEN, _ODD)]
     both = [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]
-    return [_mixed(builder, pair, pair, half) for half in (_FIRST, _LAST) for pair in both]
+    return [_mixed(builder, pair, pair, four) for four in _FOURS for pair in both]
 
 
 def _as_columns(builder, rows):
-    """Four values, of eight rows of four."""
-    both = [_mixed(builder, rows[k], rows[k + 4], _FIRST + _LAST) for k in range(4)]
+    """Four values, of rows of four."""
+    both = rows if WIDTH == 4 else [_mixed(builder, rows[k], rows[k + 4], list(range(8))) for k in range(4)]
     low = [_mixed(builder, both[0], both[1], order) for order in (_EVEN, _ODD)]
     high = [_mixed(builder, both[2], both[3], order) for order in (_EVEN, _ODD)]
     return [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]
 
 
 def _pointers(context, builder, signature, array, places, i, offset):
-    """To the eight rows; arguments: values, their types the first of the signature's."""
+    """To the rows; arguments: values, their types the first of the signature's."""
     kinds = signature.args
     numbers = context.make_array(kinds[0])(context, builder, array).data
     wheres = context.make_array(kinds[1])(context, builder, places).data
@@ -92,7 +93,7 @@ def _set_rows(context, builder, signature, values):
 @lower_builtin(add_rows, types.Array, types.Array, types.Array, types.Integer, types.Integer, _THREE, _THREE)
 def _add_rows(context, builder, signature, values):
     array, first, second, i, offset, *added = values
-    none = ir.Constant(_EIGHT, [0.0] * WIDTH)
+    none = ir.Constant(_VALUE, [0.0] * WIDTH)
     rows = [_as_rows(builder, *(builder.extract_value(three, k) for k in range(3)), none) for three in added]
     pointers = [_pointers(context, builder, signature, array, places, i, offset) for places in (first, second)]
     for row, other, *pair in zip(*rows, *pointers):

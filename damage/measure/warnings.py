@@ -1,4 +1,4 @@
-"""What is odd about a run, so that a reader may doubt its numbers: a line each."""
+"""Warnings of a run: conditions under which its numbers are doubtful, a line each."""
 
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.lintel import warn_of_share
@@ -13,15 +13,17 @@ up to 0.25 and 0.016; the bounds lie above the standing walls, and where the err
 """
 
 
-def doubts(history, energy_error, share):
-    """What is odd about a History, whose energy error, None where it has none, and damage.wall.lintel.ElasticShare are
-    given: a list of str."""
-    return [*static_doubts(history), *energy_doubts(energy_error), *offset_doubts(history), *normal_doubts(history),
-            *warn_of_share(share), *warn_of_ends(history)]
+def warnings_of(history, energy_error, share):
+    """All warnings of a History: a list of str.
+
+    energy_error: of its energy balance [-], None where it has none; share: its damage.wall.lintel.ElasticShare.
+    """
+    return [*static_warnings(history), *energy_warnings(energy_error), *offset_warnings(history),
+            *normal_warnings(history), *warn_of_share(share), *warn_of_ends(history)]
 
 
-def static_doubts(history):
-    """What is odd about the start of a run: broken joints, or a wall not at rest."""
+def static_warnings(history):
+    """Warnings of the static stage: broken joints, or a wall not at rest."""
     static, found = history.static, []
     if static["broken_joints"] > 0:
         found.append(f"{static['broken_joints']:.0f} contact points broke under gravity, before the motion")
@@ -31,17 +33,17 @@ def static_doubts(history):
     return found
 
 
-def energy_doubts(error):
-    """What is odd about a run's energy error [-], None where there is none."""
+def energy_warnings(error):
+    """Warnings of a run's energy balance error [-], None where it has none."""
     if error is None or error <= ENERGY_ERROR:
         return []
     return [f"energy error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not trust "
             "this run; give a smaller --dt"]
 
 
-def offset_doubts(history):
-    """What is said of a run whose file has no offsets: everywhere where slip by displacement is shown."""
-    if history.told.offset_m is not None:
+def offset_warnings(history):
+    """The warning of a run whose file has no offsets; shown wherever slip by displacement is."""
+    if history.active.offset_m is not None:
         return []
     return ["the history has no offsets of its joints (schema version 1 or 2): slip by displacement is judged by "
             "accumulated, in crack widths and Psi, too; for offsets run the wall again"]
@@ -69,8 +71,8 @@ def _at(history, row, sample):
     return f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m (t = {time_s:.2f} s)"
 
 
-def normal_doubts(history):
-    """What is said of a run in YADE whose joints leant."""
+def normal_warnings(history):
+    """The warning of a run in YADE whose joints leant."""
     if history.joint_normals == "face":
         return []
     return ["joints between the centres of cells, as in YADE before version 0.2: a joint that slides leans; this "

@@ -1,0 +1,147 @@
+"""The fast step of one wall: eight of its bodies, or of its interfaces, at once."""
+
+from damage.mechanics import interfaces
+from damage.mechanics.eight import add, bits, load, spread, store
+from damage.mechanics.samples import observe
+from damage.mechanics.tables import DAMPING
+from damage.reference.fast import blocks as at
+from damage.reference.fast.blocks import INDEX, NONE, ONE, VALUE, WIDTH, clear, pack, total, unpack
+from damage.reference.fast.bodies import adapt, move
+from damage.reference.fast.compiled import compiled, inlined
+from damage.reference.fast.interfaces import (
+    damp_eight,
+    evaluate,
+    forces_where,
+    lines_of,
+    poses_in_lanes,
+    springs_of_eight,
+)
+from damage.reference.fast.rows import add_rows, rows_of, set_rows
+from damage.reference.fast.step import any_above_zero, forces_by_contacts, remember_last, wall_of
+
+FORCES = INDEX(4)
+"""Where the forces of a body begin in its row, after its pose."""
+
+
+@compiled
+def run(tables, blocks, law, controls, field, clock, ends, stiffness, samples):
+    """Advance from places whose forces are known to each of these ends, where forces and readings are known again and a
+    sample is written.
+
+    tables: of the wall, with an axis of length one before all others; controls: (1, 5) as of
+    `damage.mechanics.tables.Controls`; field: (1, steps + 1, 3) acceleration of the base along x and z and gravity, of
+    each step and the one after them [m/s2]; clock: steps that came before; ends: steps from here to each; stiffness,
+    samples: as of `damage.mechanics.samples`.  Call `find_forces` once before the first run.
+    """
+    pack(tables, blocks, 1)
+    damped, adaptive, step = any_above_zero(controls, 3), any_above_zero(controls, 4), 0
+    for k in range(len(ends)):
+        if damped:
+            poses_to_rows(blocks)
+            remember_last(tables, blocks, 1, 1)
+        while step < ends[k]:
+            move(tables.energy, tables.relaxation, blocks, 1, controls, field, step)
+            if adaptive:
+                adapt(tables.relaxation, blocks, 1, controls)
+            step += 1
+            all_forces(tables, blocks, law, clock + step, step == ends[k], damped)
+        unpack(tables, blocks, 1)
+        observe(wall_of(tables, 0), stiffness, field[0, step], controls[0, 0], samples, 0, k)
+
+
+@compiled
+def find_forces(tables, blocks, law, clock, at_end, damped):
+    """Forces [N, N m] on every body at the present places; calling it twice changes nothing.  As `all_forces`, with
+    damped false: constants from within would have it compiled once more."""
+    pack(tables, blocks, 1)
+    all_forces(tables, blocks, law, clock, at_end, damped)
+    unpack(tables, blocks, 1)
+
+
+@compiled
+def all_forces(tables, blocks, law, step, at_end, damped):
+    """Forces of the contacts on all bodies, into the blocks; at_end: as `singly` of
+    `damage.mechanics.step.find_forces`."""
+    clear(blocks.sums, at.DAMPED, at.KINETIC)
+    poses_to_rows(blocks)
+    if at_end or (forces_of_damped(blocks) if damped else forces_of_undamped(blocks)):
+        forces_of_others(tables, blocks, law, step, at_end, damped)
+    forces_from_rows(blocks)
+    if damped:
+        total(blocks.sums, at.DAMPED, 1)
+        tables.energy[0, DAMPING] += blocks.sums[at.DAMPED]
+
+
+@compiled
+def forces_of_undamped(blocks):
+    """`forces_of_intact` without damping: apart, as what a branch would need leaves no room in registers."""
+    return forces_of_intact(blocks, False)
+
+
+@compiled
+def forces_of_damped(blocks):
+    """The same with damping."""
+    return forces_of_intact(blocks, True)
+
+
+@inlined
+def forces_of_intact(blocks, damped):
+    """Forces of the intact interfaces: eight of them are a block.  Returns whether there are others."""
+    rows, first, second, any_other = blocks.rows, blocks.first, blocks.second, 0
+    block = NONE
+    while block < INDEX(len(blocks.others)):
+        others, half = 0, NONE
+        while half < WIDTH:
+            row, p = block * WIDTH + half, block * at.INTERFACE + half
+            a, b = interfaces.Pose(*rows_of(rows, first, row, NONE)), interfaces.Pose(*rows_of(rows, second, row, NONE))
+            frame, motion, resultant, intact = evaluate(
+                lines_of(blocks.interfaces, p), springs_of_eight(blocks.interfaces, p), a, b, blocks.limits,
+                block * at.LIMITS + half)
+            if damped:
+                resultant, work = damp_eight(blocks.last, block * at.LAST + half, load(blocks.bench, at.RATE), motion,
+                                             resultant, intact)
+                add(blocks.sums, at.DAMPED + half, work)
+            others |= int(bits(intact)) << int(half)
+            forces = forces_where(intact, frame, resultant)
+            add_rows(rows, first, second, row, FORCES, (forces.x, forces.z, forces.moment_a),
+                     (-forces.x, -forces.z, -forces.moment_b))
+            half += VALUE
+        blocks.others[block] = others = 255 - others
+        any_other |= others
+        block += ONE
+    return any_other > 0
+
+
+@compiled
+def forces_of_others(tables, blocks, law, step, at_end, damped):
+    """Forces of the interfaces that do not stay intact, contact by contact, after all others; at the end of all."""
+    for block in range(len(blocks.others)):
+        flags, p = 255 if at_end else int(blocks.others[block]), 8 * block
+        while flags:
+            if flags & 1 and p < tables.interfaces.shape[1]:
+                forces_by_contacts(tables, blocks, 1, law, step, 0, p, at_end, damped)
+            flags, p = flags >> 1, p + 1
+
+
+@compiled
+def poses_to_rows(blocks):
+    """Copy the poses of the bodies into their rows, and set their forces to zero."""
+    bodies, rows, starts, row = blocks.bodies, blocks.rows, blocks.starts, NONE
+    while row < INDEX(len(starts)):
+        pose, zero = poses_in_lanes(bodies, at.place_of(row, at.BODY)), spread(0.0)
+        set_rows(rows, starts, row, NONE, pose.x, pose.z, pose.cos1, pose.sin)
+        set_rows(rows, starts, row, FORCES, zero, zero, zero, zero)
+        row += VALUE
+
+
+@compiled
+def forces_from_rows(blocks):
+    """Copy the forces on the bodies from their rows."""
+    bodies, row = blocks.bodies, NONE
+    while row < INDEX(len(blocks.starts)):
+        k = at.place_of(row, at.BODY)
+        fx, fz, moment, _ = rows_of(blocks.rows, blocks.starts, row, FORCES)
+        store(bodies, k + at.FX, fx)
+        store(bodies, k + at.FZ, fz)
+        store(bodies, k + at.MOMENT, moment)
+        row += VALUE
