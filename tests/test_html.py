@@ -18,6 +18,7 @@ from conftest import REPOSITORY, one_line_error
 from small_history import as_version_2, make_history, small_layout
 
 from damage.__main__ import main
+from damage.draw.words import run_title
 from damage.errors import InputError
 from damage.history.moments import joint_states
 from damage.measure.columns import read_table
@@ -36,6 +37,7 @@ from damage.html.packing import quantised, unpack_arrays
 from damage.html.report import page, write_report
 from damage.html.run_part import still
 from damage.html.study_part import figures
+from damage.html.tables import digits_of
 
 VOID = {"meta", "link", "img", "input", "br", "wbr"}
 RAMP = np.linspace(0, 1, 21)
@@ -130,6 +132,29 @@ class TestOneRun:
         assert drawn["settling"] == [[series["time_s"].iloc[16], series["time_s"].iloc[20]]]
         assert np.flatnonzero(arrays["settles"]).tolist() == [16, 17, 18, 19, 20]
 
+    def test_energies_are_supplied_stored_dissipated_and_damped(self, tmp_path):
+        parts = {f"{name}_energy_j": factor * RAMP for factor, name in enumerate(
+            ("kinetic", "elastic", "gravity", "friction", "fracture", "damping"), start=1)}
+        told = Page(page([damaged(tmp_path / "energy.h5", row=parts | {"input_energy_j": 21 * RAMP}).path], [])).data
+        names = {line["series"]: line["name"] for line in told["states"]["energies"]}
+        assert names == {"input_energy_j": "supplied", "stored_energy_j": "stored",
+                         "dissipated_energy_j": "dissipated in joints", "damping_energy_j": "damped"}
+        arrays = unpack_arrays(told["runs"][0])
+        for name, factor in zip(names, (21, 1 + 2 + 3, 4 + 5, 6)):
+            assert arrays[name] == pytest.approx(factor * RAMP, rel=1e-6)
+
+    def test_lines_of_cracks_are_no_wider_than_half_of_a_brick(self, tmp_path):
+        large = make_history(tmp_path / "large.h5", lay_out(Wall("large", 4.05, 2.7)), stages=("motion",) * 2)
+        widest = {name: max(width["pixels"] for width in Page(page([path], [])).data["states"]["widths"])
+                  for name, path in (("small", damaged(tmp_path / "small.h5").path), ("large", large.path))}
+        assert widest["small"] > 8
+        assert 0.4 < widest["large"] / (0.075 * 480 / 4.05) <= 0.5  # of the height of a brick that is drawn so wide
+
+    def test_it_is_titled_in_words_and_has_a_dark_mode(self, one):
+        text = page([one.path], [])
+        assert "<h1>Small wall, harmonic motion of 0.2 s and 0.05 g, three cycles</h1>" in text
+        assert "@media screen and (prefers-color-scheme: dark)" in text
+
     def test_joints_are_in_the_states_of_the_history(self, one, page_of_one):
         arrays = unpack_arrays(page_of_one.data["runs"][0])
         states = arrays["state"].reshape(len(arrays["instant"]), -1)
@@ -160,6 +185,11 @@ class TestOneRun:
             assert value in told
         for words in ("max_crack_width_mm", "Korswagen's damage parameter", "largest absolute drift ratio", "put in"):
             assert words in page_of_one.text
+
+    def test_results_have_three_digits_and_what_was_given_has_all(self, one, page_of_one, tmp_path):
+        assert digits_of("max_DI") == digits_of("input_energy_j") == 3 < digits_of("amplitude_g") == digits_of("scale")
+        text = page([damaged(tmp_path / "digits.h5", row={"input_energy_j": 1234.5678 * RAMP}).path], [])
+        assert re.search(r'<data value="1234\.5\d+">1230</data>', text) and "1234.6" not in text
 
     def test_command_versions_and_parameters_are_there(self, one, page_of_one):
         assert one.command in page_of_one.text
@@ -455,7 +485,7 @@ def test_a_report_begins_with_the_words_of_its_author(one, tmp_path):
     assert [each["content"] for each in told.all("meta") if each.get("name") == "author"] == ["N. N."]
     assert not told.all("b") and not told.all("i")
     words = "".join(told.words)
-    assert words.index("House 7 <b>") < words.index(one.wall) < words.index("N. N.") < words.index("First & <i>.")
+    assert words.index("House 7 <b>") < words.index(run_title(one)) < words.index("N. N.") < words.index("First & <i>.")
     assert '<p class="text">Second.</p>' in text
 
 

@@ -113,9 +113,9 @@ def test_what_is_reported_is_what_the_history_holds(opened, reports):
     by_id(opened, "to-end").click()
     last = history.index().iloc[-1]
     told = by_id(opened, "told-A").text
-    assert f"DI {last['DI']:.4f} (drift {last['DI_drift']:.4f}, open {last['DI_open']:.4f}" in told
+    assert f"DI {last['DI']:.3f} (drift {last['DI_drift']:.3f}, open {last['DI_open']:.3f}" in told
     by_id(opened, "to-max").click()
-    assert f"DI {history.index()['DI'].max():.4f}" in by_id(opened, "told-A").text
+    assert f"DI {history.index()['DI'].max():.3f}" in by_id(opened, "told-A").text
 
 
 @of("two")
@@ -168,6 +168,46 @@ def test_the_table_of_points_sorts(opened):
         assert heads[number - 1].get_attribute("aria-sort") == order
         assert column(number) == sorted(column(number), reverse=not rising)
     assert column(number)[0] > column(number)[-1]
+
+
+@of("one")
+def test_a_dark_screen_has_light_words_on_dark_and_paper_has_not(opened):
+    def lightness(kind="screen"):
+        opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+            "media": kind, "features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+        words = opened.execute_script("const style = getComputedStyle(document.body);"
+                                      "return [style.color, style.backgroundColor]")
+        return [sum(map(int, re.findall(r"\d+", one)[:3])) / 3 for one in words]
+
+    try:
+        ink, paper = lightness()
+        assert ink > 200 and paper < 50
+        assert "invert" in opened.execute_script("return getComputedStyle(document.querySelector('.plot')).filter")
+        ink, paper = lightness("print")
+        assert ink < 50 and paper > 200
+        assert opened.execute_script("return getComputedStyle(document.querySelector('.plot')).filter") == "none"
+    finally:
+        opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
+
+
+@of("one", "two")
+def test_drawings_have_the_width_of_the_printed_page_from_any_screen(opened):
+    def widths(of="querySelector('svg.main-svg')."):
+        return opened.execute_script("return Array.from(document.querySelectorAll('.plot'), (plot) => "
+                                     f"plot.{of}clientWidth)")
+
+    size = opened.get_window_size()
+    opened.set_window_size(700, 900)
+    try:
+        opened.execute_script("dispatchEvent(new Event('beforeprint'))")
+        page_px = 695 / 0.62  # A4 less margins, at 96 px an inch and the zoom of drawings on paper
+        assert widths()[-1] == pytest.approx(page_px, abs=1)
+        single = len(widths()) == 4
+        assert widths()[0] == pytest.approx((0.6 if single else 0.5) * (page_px - 16 / 0.62), abs=1)
+        opened.execute_script("dispatchEvent(new Event('afterprint'))")
+        assert widths() == widths(of="")  # those of their places
+    finally:
+        opened.set_window_size(size["width"], size["height"])
 
 
 @of("two")

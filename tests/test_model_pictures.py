@@ -8,7 +8,9 @@ from small_history import make_history, small_layout
 from damage.__main__ import main
 from damage.draw.compare import JOINTS, compare_picture, joint_agreement, run_labels
 from damage.draw.modes import modes_picture
+from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
+from damage.wall.parameters import Opening, Wall
 
 
 def test_agreement_of_joints(tmp_path):
@@ -24,6 +26,18 @@ def test_agreement_of_joints(tmp_path):
     assert set(agreement) == set(JOINTS)
     figure = compare_picture(first, second)
     assert len(figure.axes) == 2
+
+
+def test_elastic_joints_are_drawn_as_such(tmp_path):
+    layout = lay_out(Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)]))
+    first, second = (make_history(tmp_path / f"{name}.h5", layout) for name in "ab")
+    figure = compare_picture(first, second)
+    drawn, = (lines for lines in figure.axes[1].collections if lines.get_label() == "elastic")
+    n = int(first.joints["elastic"].sum())
+    assert len(drawn.get_segments()) == n > 0 and drawn.get_linestyle()[0][1] is not None  # dashed
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert f"elastic, cannot fail: {n} points" in texts
+    assert f"intact in both: {layout.n_joints - n} points" in texts
 
 
 def test_two_runs_never_carry_one_label(tmp_path):

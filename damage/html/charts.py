@@ -4,12 +4,14 @@ import numpy as np
 
 from damage.draw.run import ENERGIES, JOINT_COLOURS
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, drift_scale
-from damage.draw.wall import LEGEND_WIDTHS_MM, line_width
+from damage.draw.wall import LEGEND_WIDTHS_MM, WIDEST_PT, line_width, widest_line
 from damage.history.moments import STATES
 from damage.units import MILLIMETRE
 
 PIXELS = 1.8
 """Of a point of a picture's line: a third wider than it is in print, so that it is seen."""
+DRAWING_PX = 480, 320
+"""Width and height that a wall fills in a page as wide as a common screen, without labels."""
 DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
 RUN_STYLES = ((BLUE, "solid"), (VERMILLION, "dash"), (GREEN, "dashdot"), (PURPLE, "dot"), (BLACK, "longdash"),
               (ORANGE, "longdashdot"))
@@ -69,14 +71,22 @@ def energy_lines():
             for name, (label, colour, line) in ENERGIES.items()]
 
 
-def states_legend():
+def states_legend(runs=()):
     """How joints and energies are drawn: {"states": [{"code", "name", "colour", "dash"}] of cracked ones, the gravest
     last, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's
-    width}."""
+    width, the widest of them no more than half of the lowest brick of the runs}."""
     words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [{"code": STATES.index(name), "name": label, "colour": CRACK_COLOURS[name], "dash": CRACK_DASHES[name]}
               for name, label in words.items()]
+    widest_pt = min([_widest_pt(run["history"]) for run in runs], default=WIDEST_PT)
     uppers = (*LEGEND_WIDTHS_MM[1:], LEGEND_WIDTHS_MM[-1])
     return {"states": states, "elastic": ELASTIC, "energies": energy_lines(), "widths": [
-        {"from_mm": low, "pixels": round(float(PIXELS * line_width(MILLIMETRE * (low * high) ** 0.5)), 2)}
+        {"from_mm": low, "pixels": round(float(PIXELS * line_width(MILLIMETRE * (low * high) ** 0.5, widest_pt)), 2)}
         for low, high in zip(LEGEND_WIDTHS_MM, uppers)]}
+
+
+def _widest_pt(history):
+    """Width of the line of the widest cracks of a History's wall [pt], of PIXELS each."""
+    brick_m = history.bodies["height_m"][history.bodies["course"] >= 0].min()
+    span_m = history.attributes["length_m"], history.attributes["height_m"]
+    return widest_line(brick_m, span_m, [pixels / PIXELS for pixels in DRAWING_PX])

@@ -126,5 +126,5 @@ def _title(runs, studies):
 def _for_program(runs):
     """What the program of the page needs, as JSON that is safe inside of HTML."""
     told = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
-            "threshold_mm": THRESHOLD / MILLIMETRE, "states": states_legend()}
+            "threshold_mm": THRESHOLD / MILLIMETRE, "states": states_legend(runs)}
     return htmlsafe_json_dumps(told, dumps=json_text)

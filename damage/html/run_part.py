@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.draw.run import wall_picture
+from damage.draw.run import ENERGIES, wall_picture
 from damage.draw.style import drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
@@ -11,7 +11,7 @@ from damage.history.moments import STATES, joint_states, nearest_snapshot
 from damage.html.instants import instants, points
 from damage.html.packing import as_png, pack_arrays, quantised
 from damage.index import COMPONENTS
-from damage.measure.energy import DISSIPATED, STORED
+from damage.measure.energy import energy_groups
 from damage.measure.members import in_words as members_in_words
 from damage.measure.members import members_of, spread
 from damage.measure.summary import summarise
@@ -20,7 +20,7 @@ from damage.units import GRAVITY, rounded
 from damage.wall.geometry import tributary_ends
 
 MICROMETRE = 1e-6
-SERIES = (*COMPONENTS, "drift_ratio", "base_shear_kn", "base_x_g", "base_z_g", "input_energy_j", *STORED, *DISSIPATED)
+SERIES = (*COMPONENTS, "drift_ratio", "base_shear_kn", "base_x_g", "base_z_g", *ENERGIES)
 """Lines over time that the file holds of each run."""
 
 
@@ -111,9 +111,10 @@ def _lines(history, index):
     """{"time_s" and names of SERIES: (n_times,)} in the units of the drawings."""
     series = history.series
     found = {"time_s": series["time_s"], "base_shear_kn": series["base_shear_n"] / 1e3,
-             **{f"base_{axis}_g": series[f"base_acceleration_{axis}_m_s2"] / GRAVITY for axis in "xz"}}
+             **{f"base_{axis}_g": series[f"base_acceleration_{axis}_m_s2"] / GRAVITY for axis in "xz"},
+             **energy_groups(series)}
     found |= {name: index[name] if name in index else series[name] for name in SERIES if name not in found}
-    return {name: values.to_numpy() for name, values in found.items()}
+    return {name: np.asarray(values) for name, values in found.items()}
 
 
 def _moving_wall(history, chosen):
@@ -161,15 +162,15 @@ def in_words(part):
     series = history.series
     shear_kn = series["base_shear_n"] / 1e3
     drift_pct = 100 * series["drift_ratio"]
-    spans = (f"drift from {drift_pct.min():.4g} to {drift_pct.max():.4g} %, base shear from {shear_kn.min():.4g} to "
-             f"{shear_kn.max():.4g} kN")
+    spans = (f"drift from {drift_pct.min():.3g} to {drift_pct.max():.3g} %, base shear from {shear_kn.min():.3g} to "
+             f"{shear_kn.max():.3g} kN")
     return {
         "wall": f"Moving drawing of the {history.wall} wall, {history.attributes['length_m']:g} m long and "
                 f"{history.attributes['height_m']:g} m high. Of its {shown['n_joints']} contact points "
                 f"{shown['n_ever']} break in this run, {shown['n_elastic']} are elastic and cannot fail; the widest "
-                f"crack has {summary['max_crack_width_mm']:.3g} mm; the maximum DI is {summary['max']['DI']:.4f} at "
+                f"crack has {summary['max_crack_width_mm']:.3g} mm; the maximum DI is {summary['max']['DI']:.3f} at "
                 f"{shown['at_max']:.3f} s. The line below says what it shows.",
         "hysteresis": f"Base shear against drift ratio: {spans}.",
-        "energy": f"Energies over time: input {summary['input_energy_j']:.4g} J at the end, friction took "
-                  f"{summary['friction_energy_j']:.4g} J, fracture {summary['fracture_energy_j']:.4g} J, damping "
-                  f"before settling {summary['damping_energy_j']:.4g} J."}
+        "energy": f"Energies over time: supplied {summary['input_energy_j']:.3g} J at the end, friction took "
+                  f"{summary['friction_energy_j']:.3g} J, fracture {summary['fracture_energy_j']:.3g} J, damping "
+                  f"before settling {summary['damping_energy_j']:.3g} J."}

@@ -13,7 +13,7 @@ from damage.errors import InputError
 from damage.files import shipped_files
 from damage.html.packing import as_png
 from damage.html.tables import COLUMNS as MEANING
-from damage.html.tables import cell
+from damage.html.tables import cell, digits_of
 from damage.measure.columns import read_table, slip_criteria
 from damage.paper.report import overview_table
 from damage.paper.verdict import HOLDS, UNJUDGED, judge
@@ -75,7 +75,7 @@ def study_part(folder, letters):
              for name in told]
     about = _about(folder)
     return {"name": str(about.get("name") or folder.resolve().name), "title": str(about.get("title") or ""),
-            "folder": shown_path(folder), "shared": [(name, cell(_plain(points[name].iloc[0]))[0]) for name in shared],
+            "folder": shown_path(folder), "shared": [(name, _cell(points.iloc[0], name)[0]) for name in shared],
             "first": said_first(folder, summary, points), "heads": heads,
             "rows": [_point(row, told, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
             "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder)}
@@ -122,8 +122,13 @@ def _point(row, told, summary, letters):
     """One row of the table: its point, its runs with the letters of their parts, its cells with their range."""
     same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
     runs = [(str(name), letters.get(str(name))) for name in summary.loc[same, "run"]]
-    return {"point": str(row["point"]), "runs": runs, "cells": [(*cell(_plain(row[name])), _range(row, name))
+    return {"point": str(row["point"]), "runs": runs, "cells": [(*_cell(row, name), _range(row, name))
                                                                 for name in told]}
+
+
+def _cell(row, name):
+    """(text, number or None) of a column in one row."""
+    return cell(_plain(row[name]), digits_of(name))
 
 
 def _plain(value):

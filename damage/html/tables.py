@@ -6,15 +6,21 @@ from numbers import Number
 from damage.history.info import flat, given
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN
 from damage.measure.energy import DISSIPATED, STORED, imbalance
+from damage.units import rounded
 from damage.wall.caps import describe_cap
 
 SECTIONS = {**MEASURES, "What ran": RUN | PARAMETERS, "What made it": MADE_BY}
-DIGITS = 5
+DIGITS, GIVEN_DIGITS = 3, 5
+"""Significant digits of results, as on the screen, and of what a run was given."""
 ENERGIES = {
     "input_energy_j": "put in", "kinetic_energy_j": "kinetic, stored", "elastic_energy_j": "elastic, stored",
     "gravity_energy_j": "lifted, stored", "friction_energy_j": "taken by friction",
     "fracture_energy_j": "taken by fracture", "damping_energy_j": "taken by damping, that of settling included",
 }
+
+
+LEAST_PLAIN, MOST_PLAIN = 1e-4, 1e6
+"""Between them numbers are written without an exponent."""
 
 
 def _single(names, units):
@@ -27,19 +33,30 @@ def _single(names, units):
 COLUMNS = {name: (unit, column.meaning.replace("`", "")) for columns in SECTIONS.values()
            for several, column in columns.items() for name, unit in _single(several, column.unit)}
 """Of each single column: its unit, what it means."""
+_GIVEN = {name for several in RUN | PARAMETERS | MADE_BY for name in several.split(", ")}
 
 
-def in_short(value):
-    """A number with five digits, a word as it is, nothing as a dash.
+def digits_of(name):
+    """How many significant digits a column's numbers are shown with."""
+    return GIVEN_DIGITS if name in _GIVEN else DIGITS
+
+
+def in_short(value, digits=DIGITS):
+    """A number with so many significant digits, a word as it is, nothing as a dash.
 
     >>> in_short(0.0940123456), in_short(1234567.0), in_short(None), in_short("complete"), in_short(3)
-    ('0.094012', '1.2346e+06', '–', 'complete', '3')
+    ('0.0940', '1.23e+06', '–', 'complete', '3')
     """
     if value is None or (isinstance(value, Number) and not math.isfinite(value)):
         return "–"
     if isinstance(value, bool) or not isinstance(value, Number):
         return str(value) or "–"
-    return str(value) if isinstance(value, int) else f"{value:.{DIGITS}g}"
+    return str(value) if isinstance(value, int) else _short(value, digits)
+
+
+def _short(value, digits):
+    """Significant digits of a number, with an exponent only where many zeros would stand in for it."""
+    return rounded(value, digits) if LEAST_PLAIN <= abs(value) < MOST_PLAIN or value == 0 else f"{value:.{digits}g}"
 
 
 def measures(parts):
@@ -58,14 +75,14 @@ def measures(parts):
 def _row(name, values):
     unit, meaning = COLUMNS[name]
     return {"name": name, "unit": unit, "meaning": meaning,
-            "cells": [cell(value) for value in values],
+            "cells": [cell(value, digits_of(name)) for value in values],
             "differences": [_difference(values[0], value) for value in values[1:]]}
 
 
-def cell(value):
-    """(text, number or None) of a value."""
+def cell(value, digits=DIGITS):
+    """(text, number or None) of a value, with so many significant digits."""
     is_number = isinstance(value, Number) and not isinstance(value, bool) and math.isfinite(value)
-    return in_short(value), repr(float(value)) if is_number else None
+    return in_short(value, digits), repr(float(value)) if is_number else None
 
 
 def _difference(first, other):
@@ -74,7 +91,8 @@ def _difference(first, other):
         return ("", None) if first == other else ("differs", None)
     change = other - first
     share = f" ({100 * change / abs(first):+.3g} %)" if first and change else ""
-    return f"{change:+.{DIGITS}g}{share}" if change else "0", repr(float(change))
+    sign = "+" if change > 0 else ""
+    return f"{sign}{in_short(change)}{share}" if change else "0", repr(float(change))
 
 
 def energy_balance(parts):

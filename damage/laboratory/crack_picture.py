@@ -5,7 +5,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 
 from damage.draw import style
-from damage.draw.wall import line_width
+from damage.draw.wall import COLUMN_PT, line_width, widest_line
 from damage.index import THRESHOLD
 from damage.measure.cracks import ends_of
 from damage.units import MILLIMETRE
@@ -33,13 +33,14 @@ def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
     ax.add_collection(PolyCollection(bricks, facecolors=style.BRICK_COLOUR, edgecolors="none", zorder=1))
     ax.add_collection(LineCollection(tributary_ends(joint_table(layout)), colors="0.8", linewidths=0.25, zorder=2))
     states, table = joint_states(mapped.table, threshold), mapped.table
+    widest_pt = widest_line(layout.bodies.height[:layout.n_bricks].min(), (wall.length, wall.built_height), COLUMN_PT)
     drawn = pattern.stretches
     ax.add_collection(LineCollection(ends_of(drawn), colors=style.SKY, capstyle="round", zorder=2.5,
-                                     linewidths=line_width(drawn["width_m"].to_numpy(float)) + HALO))
+                                     linewidths=line_width(drawn["width_m"].to_numpy(float), widest_pt) + HALO))
     for state, (_, colour) in STATES.items():
         rows = table[states == state]
         ax.add_collection(LineCollection(ends_of(rows), colors=colour, capstyle="butt", zorder=3,
-                                         linewidths=line_width(rows["width_m"].to_numpy(float))))
+                                         linewidths=line_width(rows["width_m"].to_numpy(float), widest_pt)))
     margin = 0.02 * max(wall.length, wall.built_height)
     ax.axhspan(-margin, 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
     ax.set(xlim=(-margin, wall.length + margin), ylim=(-margin, wall.built_height + margin), aspect="equal",
@@ -47,7 +48,7 @@ def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
     drift = "unknown" if np.isnan(pattern.drift_ratio) else f"{100 * pattern.drift_ratio:.3g} %"
     figure.suptitle(f"{wall.name}, load level {pattern.level:g}, drift ratio {drift}\n{mapped.drawn_m:.2f} m drawn, "
                     f"{mapped.unmapped_m:.2f} m of them on no joint", x=0.02, ha="left")
-    style.legend_below(figure, _handles(states, threshold), columns=3)
+    style.legend_below(figure, _handles(states, threshold, widest_pt), columns=3)
     return figure
 
 
@@ -58,8 +59,8 @@ def joint_states(table, threshold=THRESHOLD):
     return np.select([undecided, opened & slipped, opened, slipped], ["undecided", "both", "opened", "slipped"], "fine")
 
 
-def _handles(states, threshold):
-    width = line_width(0.5 * MILLIMETRE)
+def _handles(states, threshold, widest_pt):
+    width = line_width(0.5 * MILLIMETRE, widest_pt)
     limit = f"{threshold / MILLIMETRE:g} mm"
     return [Line2D([], [], color=style.SKY, lw=width + HALO, label="as drawn"),
             *(Line2D([], [], color=colour, lw=width, label=label.format(limit=limit))

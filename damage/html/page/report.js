@@ -196,7 +196,7 @@ class Mark {
     const {element} = this, {margin, xaxis, yaxis} = this.div.layout;
     const share = (value, [low, high]) => (value - low) / (high - low);
     const x = share(this.x, xaxis.range), y = this.y === undefined ? 0.5 : share(this.y, yaxis.range);
-    const wide = this.div.clientWidth - margin.l - margin.r, tall = this.div.clientHeight - margin.t - margin.b;
+    const wide = (this.div.layout.width || this.div.clientWidth) - margin.l - margin.r, tall = this.div.clientHeight - margin.t - margin.b;
     element.hidden = !(x >= 0 && x <= 1 && y >= 0 && y <= 1);
     element.style.left = `${margin.l + x * wide}px`;
     element.style.top = `${this.y === undefined ? margin.t : margin.t + (1 - y) * tall}px`;
@@ -224,6 +224,24 @@ function printable(run, legend, onPaper) {
     "line.width": lines.map((one) => one.width)}, lines.map((_, number) => 4 + number));
   Plotly.restyle(byId(`wall-${run.letter}`), {"marker.size": (onPaper ? 1.8 : 1) * CROSS_PX,
     "marker.line.width": onPaper ? 1.6 : 1}, [4 + lines.length]);
+}
+
+// As the style of a printed page has it: its width without margins, gaps between columns [px], the size of drawings.
+const PRINT = {width: 695, gap: 16, zoom: 0.62};
+
+// Give a drawing the width that it has on paper, a share of the page less gaps, or on screen again that of its place.
+function fitWidth(id, onPaper, share, gaps) {
+  const width = (share * (PRINT.width - gaps * PRINT.gap)) / PRINT.zoom;
+  Plotly.relayout(byId(id), onPaper ? {width} : {width: null, autosize: true});
+}
+
+function fitPage(runs, onPaper) {
+  const single = runs.length === 1;
+  fitWidth("over-time", onPaper, 1, 0);
+  for (const {letter} of runs) {
+    fitWidth(`wall-${letter}`, onPaper, single ? 0.6 : 0.5, 1);
+    for (const kind of ["hysteresis", "energy"]) fitWidth(`${kind}-${letter}`, onPaper, single ? 0.4 : 0.5, 1);
+  }
 }
 
 function drawInto(id, traces, layout) {
@@ -402,9 +420,9 @@ class Player {
     const value = (name, digits) => run[name][point].toFixed(digits);
     const over = this.times[this.at] > run.times[run.times.length - 1] ? ", its end" : "";
     const told = states.states.map((one) => `${counts[one.code] || 0} ${one.name}`).join(", ");
-    return `${run.times[k].toFixed(3)} s${over}: DI ${value("DI", 4)} (drift ${value("DI_drift", 4)}, open `
-      + `${value("DI_open", 4)}, slip ${value("DI_slip", 4)}); `
-      + `drift ${(drift.factor * run.drift_ratio[point]).toPrecision(4)} ${drift.unit}, base shear `
+    return `${run.times[k].toFixed(3)} s${over}: DI ${value("DI", 3)} (drift ${value("DI_drift", 3)}, open `
+      + `${value("DI_open", 3)}, slip ${value("DI_slip", 3)}); `
+      + `drift ${(drift.factor * run.drift_ratio[point]).toPrecision(3)} ${drift.unit}, base shear `
       + `${value("base_shear_kn", 2)} kN. Contact points: ${told}, ${counts[BROKEN] || 0} broken up to `
       + `${threshold_mm} mm, of ${run.n_joints}. Displacements × ${MAGNIFICATIONS[this.magnification]}`
       + (run.snapshot[k] ? "." : ", but no place of the bricks was written near this time.");
@@ -445,7 +463,10 @@ async function start() {
   for (const id of ["over-time", ...page.runs.map((run) => `energy-${run.letter}`)])
     byId(id).on("plotly_click", (event) => { player.stop(); player.goTo(event.points[0].x + 1e-6); });
   for (const [event, onPaper] of [["beforeprint", true], ["afterprint", false]])
-    addEventListener(event, () => page.runs.forEach((run) => printable(run, page.states, onPaper)));
+    addEventListener(event, () => {
+      page.runs.forEach((run) => printable(run, page.states, onPaper));
+      fitPage(page.runs, onPaper);
+    });
   window.report = player;
   performance.mark("all-drawn");
 }
