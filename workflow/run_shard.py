@@ -263,8 +263,12 @@ def do_runs(lanes):
 
 
 def _lines(tasks, histories):
-    """(name, words) of the next runs, and what `do_runs` needs to know of them."""
-    while (task := _next_task()) is not None:
+    """(name, words) of the next runs, as `run_references` takes them, and what `do_runs` needs to know of them."""
+    while True:
+        task = _next_task()
+        if task is None:
+            yield None, None
+            continue
         if task.history.is_file():
             _ENDED.put((task, *conclude(task)))
             continue

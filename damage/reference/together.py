@@ -23,9 +23,10 @@ def run_references(lines, histories=None, settled=None, most=MOST_LANES):
     """Run command lines as `run_reference` does, the wall file first, so many at a time; what each ended with is in its
     history, of which no summary and no picture is made.
 
-    lines: (name, words) of each, with an --out of its own, asked for when a run begins; histories: {name:
-    HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory, each of which gets its own in place of
-    the class; settled: SettledWalls of runs before, for more to come.  Yields (name, exit status) of each as it ends;
+    lines: (name, words) of each, with an --out of its own, asked for when a run can begin; (None, None) where there is
+    none now, which ends all where none is under way; histories: {name: HistoryInMemory or HistoryKept} of runs whose
+    histories are wanted in memory, each of which gets its own in place of the class; settled: SettledWalls of runs
+    before, for more to come.  Yields (name, exit status) of each as it ends;
     none begins after one was interrupted.
     """
     histories, settled = {} if histories is None else histories, settled or SettledWalls()
@@ -33,10 +34,10 @@ def run_references(lines, histories=None, settled=None, most=MOST_LANES):
 
     def runs():
         for name, line in lines:
-            names.append(name)
-            yield _run(name, line, histories, settled, keep_going)
             if interrupted:
                 return
+            names.append(name)
+            yield line and _run(name, line, histories, settled, keep_going)
 
     hold_buffers()
     with attended("runs that step together" if most > 1 else "a run") as keep_going:

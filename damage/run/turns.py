@@ -1,6 +1,5 @@
 """Runs that step together: each yields the steps that its solver has to take; then the solvers take them."""
 
-import itertools
 import math
 
 import numpy as np
@@ -33,12 +32,13 @@ def as_they_end(runs, move=run_each, most=math.inf):
     """Let runs go on, so many at once, the next where one has ended; yields (number, what it returned) of each.
 
     runs: generators of what `run_each` takes, as `damage.run.session.simulate`: what is to be taken before a run goes
-    on, at least the first number of steps; an error in it is raised there.  move: as `run_each`, takes steps of those
-    that are under way; or WAITED, where it leaves one for later.
+    on, at least the first number of steps; an error in it is raised there.  Instead of a run None: there is none now,
+    which ends all where none is under way.  move: as `run_each`, takes steps of those that are under way; or WAITED,
+    where it leaves one for later.
     """
     waiting, asked = enumerate(runs), {}  # {(number, run): what it asks for}
     while True:
-        for begun in itertools.islice(waiting, max(0, most - len(asked)) if most < math.inf else None):
+        while len(asked) < most and (begun := next(waiting, (None, None)))[1] is not None:
             asked[begun] = None
             yield from _go_on(asked, begun, None)
         if not asked:
