@@ -10,7 +10,7 @@ from conftest import REPOSITORY
 from numba import njit
 
 from damage.mechanics.eight import add, bits, either, flags_of, load, spread, store
-from damage.reference.fast.blocks import INDEX, VALUE
+from damage.reference.fast.blocks import INDEX
 from damage.reference.fast.rows import add_rows, rows_of, set_rows
 
 ZERO, FOUR, EIGHT, NINE, WIDER, WIDEST = (INDEX(number) for number in (0, 4, 8, 9, 16, 24))
@@ -35,40 +35,25 @@ ROWS = np.random.default_rng(2).normal(0, 1, 17 * 8) * np.geomspace(1e-8, 1e8, 1
 
 
 def arithmetic(numbers, out):
-    flags, half = 0, ZERO
-    while half < EIGHT:
-        x, y = load(numbers, half), load(numbers, NINE + half)
-        store(out, half, either((abs(x) < y) | (x == 0.0), 0.5 * x + y * x, -(y - 1.0) / 3.0))
-        store(out, EIGHT + half, either(x >= y, spread(2.0), 7.0))
-        add(out, EIGHT + half, x)
-        flags |= int(bits((x > y) & (y <= 0.5))) << int(half)
-        half += VALUE
-    return flags
+    x, y = load(numbers, ZERO), load(numbers, NINE)
+    store(out, ZERO, either((abs(x) < y) | (x == 0.0), 0.5 * x + y * x, -(y - 1.0) / 3.0))
+    store(out, EIGHT, either(x >= y, spread(2.0), 7.0))
+    add(out, EIGHT, x)
+    return bits((x > y) & (y <= 0.5))
 
 
 def flagged(flags, out):
-    half = ZERO
-    while half < EIGHT:
-        store(out, half, 0.0)
-        store(out, EIGHT + half, either(flags_of(flags >> int(half)), 1.5, 0.0))
-        half += VALUE
+    store(out, ZERO, 0.0)
+    store(out, EIGHT, either(flags_of(flags), 1.5, 0.0))
 
 
 def turned(rows, first, second, out):
-    half = ZERO
-    while half < EIGHT:
-        a, b, c, d = rows_of(rows, first, half, ZERO)
-        store(out, half, a)
-        store(out, EIGHT + half, b)
-        store(out, WIDER + half, c)
-        store(out, WIDEST + half, d)
-        set_rows(rows, second, half, FOUR, d, c, b, a)
-        half += VALUE
-    half = ZERO
-    while half < EIGHT:
-        a, b, c, d = rows_of(rows, first, half, ZERO)
-        add_rows(rows, first, second, half, FOUR, (a, b, c), (-b, -c, -d))
-        half += VALUE
+    a, b, c, d = rows_of(rows, first, ZERO, ZERO)
+    for place, value in ((ZERO, a), (EIGHT, b), (WIDER, c), (WIDEST, d)):
+        store(out, place, value)
+    set_rows(rows, second, ZERO, FOUR, d, c, b, a)
+    a, b, c, d = rows_of(rows, first, ZERO, ZERO)
+    add_rows(rows, first, second, ZERO, FOUR, (a, b, c), (-b, -c, -d))
 
 
 def turned_one_by_one():

@@ -7,25 +7,18 @@ numba knows no such value, and makes vectors of loops only where it can show tha
 it is a vector of LLVM's, on whichever machine; where numba is switched off, an array.  Each operation is rounded by
 itself, as that of a single number is, so that bits are the same.
 
-A value has WIDTH numbers: eight where a register of the processor holds eight (AVX-512), else four.  Eight numbers are
-then two values, one after the other: of both at once most would not stay in registers.
+Where a register of the processor holds four numbers (AVX2), a value is two of them: two values of four, one after the
+other, would cost more.
 """
 
 import operator
 
 import numpy as np
-from llvmlite import binding, ir
-from numba import config, types
+from llvmlite import ir
+from numba import types
 from numba.extending import lower_builtin, models, register_model, type_callable
 
-
-def _register():
-    """How many numbers a register of the processor holds that numba compiles for: eight, or four at most."""
-    features = binding.get_host_cpu_features().flatten() if config.CPU_FEATURES is None else config.CPU_FEATURES
-    return 8 if "+avx512f" in features.split(",") else 4
-
-
-WIDTH = _register()
+WIDTH = 8
 
 
 def load(array, i):
@@ -154,8 +147,7 @@ def _abs(_context, builder, _signature, values):
 
 @lower_builtin(bits, FLAGS)
 def _bits(_context, builder, _signature, values):
-    whole = builder.bitcast(values[0], ir.IntType(WIDTH))
-    return whole if WIDTH == 8 else builder.zext(whole, ir.IntType(8))
+    return builder.bitcast(values[0], ir.IntType(WIDTH))
 
 
 @lower_builtin(flags_of, types.Integer)

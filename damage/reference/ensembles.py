@@ -7,13 +7,12 @@ elsewhere is moved by itself to where the others can follow.  Nothing of a wall 
 from itertools import accumulate
 from weakref import WeakKeyDictionary
 
-from damage.mechanics import eight
 from damage.reference.lanes import advance_together, kind_of
 from damage.run.turns import WAITED
 
-LEAST_LANES = 4 if eight.WIDTH == 8 else 6
+LEAST_LANES = 5
 """Fewer walls are faster one by one: a block is of eight, however many of its lanes are used.  One alone takes a
-quarter of the time of a block, cracked or not, where vectors have eight numbers, and up to a fifth where four."""
+quarter of the time of a block with AVX-512 and a fifth with AVX2."""
 
 
 class Ensemble:

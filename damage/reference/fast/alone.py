@@ -5,8 +5,8 @@ from damage.mechanics.eight import add, bits, load, spread, store
 from damage.mechanics.samples import observe
 from damage.mechanics.tables import DAMPING
 from damage.reference.fast import blocks as at
-from damage.reference.fast.blocks import INDEX, NONE, ONE, VALUE, WIDTH, clear, pack, total, unpack
-from damage.reference.fast.bodies import adapt, move
+from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH, clear, pack, total, unpack
+from damage.reference.fast.bodies import ALL, adapt, move
 from damage.reference.fast.compiled import compiled, inlined
 from damage.reference.fast.interfaces import (
     damp_eight,
@@ -90,23 +90,19 @@ def forces_of_intact(blocks, damped):
     rows, first, second, any_other = blocks.rows, blocks.first, blocks.second, 0
     block = NONE
     while block < INDEX(len(blocks.others)):
-        others, half = 0, NONE
-        while half < WIDTH:
-            row, p = block * WIDTH + half, block * at.INTERFACE + half
-            a, b = interfaces.Pose(*rows_of(rows, first, row, NONE)), interfaces.Pose(*rows_of(rows, second, row, NONE))
-            frame, motion, resultant, intact = evaluate(
-                lines_of(blocks.interfaces, p), springs_of_eight(blocks.interfaces, p), a, b, blocks.limits,
-                block * at.LIMITS + half)
-            if damped:
-                resultant, work = damp_eight(blocks.last, block * at.LAST + half, load(blocks.bench, at.RATE), motion,
-                                             resultant, intact)
-                add(blocks.sums, at.DAMPED + half, work)
-            others |= int(bits(intact)) << int(half)
-            forces = forces_where(intact, frame, resultant)
-            add_rows(rows, first, second, row, FORCES, (forces.x, forces.z, forces.moment_a),
-                     (-forces.x, -forces.z, -forces.moment_b))
-            half += VALUE
-        blocks.others[block] = others = 255 - others
+        row, p = block * WIDTH, block * at.INTERFACE
+        a, b = interfaces.Pose(*rows_of(rows, first, row, NONE)), interfaces.Pose(*rows_of(rows, second, row, NONE))
+        frame, motion, resultant, intact = evaluate(
+            lines_of(blocks.interfaces, p), springs_of_eight(blocks.interfaces, p), a, b, blocks.limits,
+            block * at.LIMITS)
+        if damped:
+            resultant, work = damp_eight(blocks.last, block * at.LAST, load(blocks.bench, at.RATE), motion, resultant,
+                                         intact)
+            add(blocks.sums, at.DAMPED, work)
+        forces = forces_where(intact, frame, resultant)
+        add_rows(rows, first, second, row, FORCES, (forces.x, forces.z, forces.moment_a),
+                 (-forces.x, -forces.z, -forces.moment_b))
+        blocks.others[block] = others = ALL - int(bits(intact))
         any_other |= others
         block += ONE
     return any_other > 0
@@ -116,7 +112,7 @@ def forces_of_intact(blocks, damped):
 def forces_of_others(tables, blocks, law, step, at_end, damped):
     """Forces of the interfaces that do not stay intact, contact by contact, after all others; at the end of all."""
     for block in range(len(blocks.others)):
-        flags, p = 255 if at_end else int(blocks.others[block]), 8 * block
+        flags, p = ALL if at_end else int(blocks.others[block]), 8 * block
         while flags:
             if flags & 1 and p < tables.interfaces.shape[1]:
                 forces_by_contacts(tables, blocks, 1, law, step, 0, p, at_end, damped)
@@ -131,7 +127,7 @@ def poses_to_rows(blocks):
         pose, zero = poses_in_lanes(bodies, at.place_of(row, at.BODY)), spread(0.0)
         set_rows(rows, starts, row, NONE, pose.x, pose.z, pose.cos1, pose.sin)
         set_rows(rows, starts, row, FORCES, zero, zero, zero, zero)
-        row += VALUE
+        row += WIDTH
 
 
 @compiled
@@ -144,4 +140,4 @@ def forces_from_rows(blocks):
         store(bodies, k + at.FX, fx)
         store(bodies, k + at.FZ, fz)
         store(bodies, k + at.MOMENT, moment)
-        row += VALUE
+        row += WIDTH

@@ -2,8 +2,7 @@
 
 A slot is a row of a table of one wall.  One wall alone has its rows as slots; several walls w have slot = 8 row + w.
 Either way eight slots are a block, whose fields lie one after the other, eight numbers each: what is done to all
-elements alike is done to eight numbers as one value (`damage.mechanics.eight`), or as two of four, of eight walls or
-of eight rows.
+elements alike is done to eight numbers as one value (`damage.mechanics.eight`), of eight walls or of eight rows.
 """
 
 from typing import NamedTuple
@@ -26,8 +25,8 @@ def _fields(first, n, step=8):
     return [INDEX(step * (first + k)) for k in range(n)]
 
 
-WIDTH, VALUE, ONE, NONE = INDEX(8), INDEX(eight.WIDTH), INDEX(1), INDEX(0)
-"""Elements of a block, and those of a value; and indices to count with."""
+WIDTH, ONE, NONE = INDEX(eight.WIDTH), INDEX(1), INDEX(0)
+"""Elements of a block; and indices to count with."""
 # Where fields begin in a block of bodies;
 X, Z, COS1, SIN, FX, FZ, MOMENT, ROTATION, VX, VZ, VROTATION, MASS, INERTIA, INVERSE_X, INVERSE_Z, INVERSE_ROTATION, \
     BODY = _fields(0, 17)
@@ -182,7 +181,7 @@ def clear(sums, start, stop):
     """Zero the sums from one to before another."""
     while start < stop:
         store(sums, start, 0.0)
-        start += VALUE
+        start += WIDTH
 
 
 @compiled
@@ -194,11 +193,8 @@ def total(sums, first, lanes):
             value += sums[first + INDEX(part)]
         sums[first] = value
         return
-    half = NONE
-    while half < WIDTH:
-        values, part = eight.spread(0.0), NONE
-        while part < WIDTH:
-            values = values + load(sums, first + part * WIDTH + half)
-            part += ONE
-        store(sums, first + half, values)
-        half += VALUE
+    values, part = eight.spread(0.0), NONE
+    while part < WIDTH:
+        values = values + load(sums, first + part * WIDTH)
+        part += ONE
+    store(sums, first, values)

@@ -7,7 +7,7 @@ from damage.mechanics import eight
 from damage.mechanics.eight import add, bits, load, store
 from damage.mechanics.tables import DAMPING, INPUT
 from damage.reference.fast import blocks as at
-from damage.reference.fast.blocks import INDEX, NONE, ONE, VALUE, WIDTH, clear, total
+from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH, clear, total
 from damage.reference.fast.compiled import compiled, inlined
 
 ALL = 2**eight.WIDTH - 1
@@ -25,13 +25,11 @@ def move(energy, relaxation, blocks, lanes, controls, field, step):
     damped = set_all(bench, relaxation, lanes, controls, field, step)
     block = NONE
     while block < INDEX(len(bodies)) // at.BODY:
-        part, half = NONE if lanes == 1 else block % WIDTH * WIDTH, NONE
-        while half < WIDTH:
-            if damped:
-                move_damped(bodies, block * at.BODY + half, bench, half, sums, part + half)
-            else:
-                move_free(bodies, block * at.BODY + half, bench, half, sums, part + half)
-            half += VALUE
+        part = NONE if lanes == 1 else block % WIDTH * WIDTH
+        if damped:
+            move_damped(bodies, block * at.BODY, bench, sums, part)
+        else:
+            move_free(bodies, block * at.BODY, bench, sums, part)
         block += ONE
     for first in (at.SWEPT_X, at.SWEPT_Z, at.DRIVEN, at.TAKEN):
         total(sums, first, lanes)
@@ -65,39 +63,36 @@ def set_bench(bench, w, lanes, field, controls, alpha):
 
 
 @inlined
-def accelerations(bodies, k, bench, half):
+def accelerations(bodies, k, bench):
     """Acceleration of bodies along their three coordinates [m/s2, rad/s2]."""
-    return (mechanics.acceleration(load(bodies, k + at.FX), load(bodies, k + at.INVERSE_X),
-                                   load(bench, at.BASE_X + half)),
-            mechanics.acceleration(load(bodies, k + at.FZ), load(bodies, k + at.INVERSE_Z),
-                                   load(bench, at.BASE_Z + half)),
+    return (mechanics.acceleration(load(bodies, k + at.FX), load(bodies, k + at.INVERSE_X), load(bench, at.BASE_X)),
+            mechanics.acceleration(load(bodies, k + at.FZ), load(bodies, k + at.INVERSE_Z), load(bench, at.BASE_Z)),
             mechanics.acceleration(load(bodies, k + at.MOMENT), load(bodies, k + at.INVERSE_ROTATION), 0.0))
 
 
 @compiled
-def move_free(bodies, k, bench, half, sums, part):
-    """Move bodies whose fields begin at k by a step, undamped; half: where their numbers on the bench begin."""
-    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench, half)
-    advance(bodies, k, load(bench, at.STEP + half), rate_x, rate_z, rate_rotation, sums, part)
+def move_free(bodies, k, bench, sums, part):
+    """Move eight bodies whose fields begin at k by a step, undamped."""
+    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
+    advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_rotation, sums, part)
 
 
 @compiled
-def move_damped(bodies, k, bench, half, sums, part):
+def move_damped(bodies, k, bench, sums, part):
     """The same with damping."""
-    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench, half)
-    rate_x, power_x = damp(bodies, k, at.VX, at.MASS, at.INVERSE_X, rate_x, bench, half)
-    rate_z, power_z = damp(bodies, k, at.VZ, at.MASS, at.INVERSE_Z, rate_z, bench, half)
-    rate_rotation, power = damp(bodies, k, at.VROTATION, at.INERTIA, at.INVERSE_ROTATION, rate_rotation, bench, half)
+    rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
+    rate_x, power_x = damp(bodies, k, at.VX, at.MASS, at.INVERSE_X, rate_x, bench)
+    rate_z, power_z = damp(bodies, k, at.VZ, at.MASS, at.INVERSE_Z, rate_z, bench)
+    rate_rotation, power = damp(bodies, k, at.VROTATION, at.INERTIA, at.INVERSE_ROTATION, rate_rotation, bench)
     add(sums, at.TAKEN + part, power_x + power_z + power)
-    advance(bodies, k, load(bench, at.STEP + half), rate_x, rate_z, rate_rotation, sums, part)
+    advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_rotation, sums, part)
 
 
 @inlined
-def damp(bodies, k, velocity, mass, inverse, rate, bench, half):
+def damp(bodies, k, velocity, mass, inverse, rate, bench):
     """Acceleration along one coordinate less its damping, and the power of that."""
-    dt, old = load(bench, at.STEP + half), load(bodies, k + velocity)
-    taken = mechanics.damping(old, rate, load(bodies, k + inverse), load(bench, at.ALPHA + half),
-                              load(bench, at.LOCAL + half))
+    dt, old = load(bench, at.STEP), load(bodies, k + velocity)
+    taken = mechanics.damping(old, rate, load(bodies, k + inverse), load(bench, at.ALPHA), load(bench, at.LOCAL))
     rate = rate - taken
     return rate, load(bodies, k + mass) * taken * (old + 0.5 * dt * rate)
 
@@ -148,10 +143,7 @@ def adapt(relaxation, blocks, lanes, controls):
     clear(sums, at.KINETIC, at.SUMS)
     block = NONE
     while block < INDEX(len(bodies)) // at.BODY:
-        part, half = NONE if lanes == 1 else block % WIDTH * WIDTH, NONE
-        while half < WIDTH:
-            add_kinetic_energy(bodies, block * at.BODY + half, sums, part + half)
-            half += VALUE
+        add_kinetic_energy(bodies, block * at.BODY, sums, NONE if lanes == 1 else block % WIDTH * WIDTH)
         block += ONE
     total(sums, at.KINETIC, lanes)
     for w in range(controls.shape[0]):

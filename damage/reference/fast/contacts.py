@@ -10,7 +10,7 @@ from damage.mechanics.eight import add, bits, either, flags_of, load, spread, st
 from damage.mechanics.interfaces import BodyForces, Resultant, parted
 from damage.mechanics.tables import FAILED, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
 from damage.reference.fast import blocks as at
-from damage.reference.fast.blocks import INDEX, NONE, VALUE, WIDTH
+from damage.reference.fast.blocks import INDEX
 from damage.reference.fast.compiled import compiled, inlined
 from damage.reference.fast.interfaces import damp_eight, forces_where, push_in_lanes
 from damage.wall import joint_law
@@ -69,10 +69,10 @@ def intact_springs(contacts, start, stop, motion):
 
 
 @inlined
-def read_intact(contacts, readings, start, stop, motion, half):
+def read_intact(contacts, readings, start, stop, motion):
     """`damage.mechanics.contacts.read` of an interface that is intact, into blocks."""
     for i in range(start, stop):
-        contact, k = contacts[0, i], INDEX(i) * at.READ + half
+        contact, k = contacts[0, i], INDEX(i) * at.READ
         # Zero is added as a closure and a force of before would be: it takes the sign from what is zero.
         opening = motion.opening + contact.offset * motion.rotation + 0.0
         store(readings, k + at.OPENED, opening)
@@ -82,10 +82,10 @@ def read_intact(contacts, readings, start, stop, motion, half):
 
 
 @inlined
-def read_loose(contacts, blocks, law, start, stop, motion, half, which):
+def read_loose(contacts, blocks, law, start, stop, motion, which):
     """The same of one that has failed, in these walls (flags)."""
     for i in range(start, stop):
-        contact, k, r = contacts[0, i], INDEX(i) * at.LOOSE + half, INDEX(i) * at.READ + half
+        contact, k, r = contacts[0, i], INDEX(i) * at.LOOSE, INDEX(i) * at.READ
         opening, sigma, tau, is_open = loose_trial(contact, blocks.contacts, k, motion, law.plain)
         sigma, tau = either(is_open, 0.0, sigma), either(is_open, 0.0, tau)
         for field, value in ((at.OPENED, opening), (at.SHEARED, motion.shear), (at.SIGMA, sigma / contact.area),
@@ -120,16 +120,16 @@ def parted_in(tables, p, motion):
 
 
 @inlined
-def forces_of_loose(tables, blocks, law, p, half, held, frame, motion, damped):
+def forces_of_loose(tables, blocks, law, p, held, frame, motion, damped):
     """What an interface does in those walls that are held (bits), where its contacts stay springs, which are returned:
     it waits until the intact interfaces have pushed their bodies."""
-    waiting, k, m = blocks.waiting, p * at.WAITING + half, p * at.LAST + half
+    waiting, k, m = blocks.waiting, p * at.WAITING, p * at.LAST
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
-    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half,
+    resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion,
                                        flags_of(held & ~parted_in(tables, p, motion)))
-    remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half, elastic)
+    remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, elastic)
     if damped:
-        resultant, work = damp_eight(blocks.last, m, load(blocks.bench, at.RATE + half), motion, resultant, elastic)
+        resultant, work = damp_eight(blocks.last, m, load(blocks.bench, at.RATE), motion, resultant, elastic)
         store(waiting, k + at.WORK, work)
     forces = forces_where(elastic, frame, resultant)
     store(waiting, k + at.PUSH_X, forces.x)
@@ -142,15 +142,14 @@ def forces_of_loose(tables, blocks, law, p, half, held, frame, motion, damped):
 @inlined
 def push_waiting(blocks, p, flags, damped):
     """Add to its bodies what an interface does in those walls (bits) that wait, which are returned."""
-    waits, half = flags & int(blocks.loose[p]) & int(blocks.waits[p]), NONE
-    while waits and half < WIDTH:
-        waiting, k = blocks.waiting, INDEX(p) * at.WAITING + half
-        push_in_lanes(blocks.bodies, blocks.first[p] + half, blocks.second[p] + half, BodyForces(
+    waits = flags & int(blocks.loose[p]) & int(blocks.waits[p])
+    if waits:
+        waiting, k = blocks.waiting, INDEX(p) * at.WAITING
+        push_in_lanes(blocks.bodies, blocks.first[p], blocks.second[p], BodyForces(
             load(waiting, k + at.PUSH_X), load(waiting, k + at.PUSH_Z), load(waiting, k + at.MOMENT_A),
             load(waiting, k + at.MOMENT_B)))
         if damped:
-            add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8) + half, load(waiting, k + at.WORK))
-        half += VALUE
+            add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), load(waiting, k + at.WORK))
     return waits
 
 
@@ -176,13 +175,13 @@ def loose_trial(contact, loose, k, motion, plain):
 
 
 @inlined
-def loose_springs(contacts, loose, plain, start, stop, motion, half, elastic):
+def loose_springs(contacts, loose, plain, start, stop, motion, elastic):
     """`damage.mechanics.contacts.elastic_resultant` in eight walls, of which it leaves those elastic whose contacts all
     are."""
     held = elastic
     normal, shear, couple = spread(0.0), spread(0.0), spread(0.0)
     for i in range(start, stop):
-        contact, k = contacts[0, i], INDEX(i) * at.LOOSE + half
+        contact, k = contacts[0, i], INDEX(i) * at.LOOSE
         _, sigma, tau, is_open = loose_trial(contact, loose, k, motion, plain)
         store(loose, k + at.SHEAR0, either(held & is_open, motion.shear, load(loose, k + at.SHEAR0)))
         within = joint_law.stays_elastic(sigma, tau, load(loose, k + at.TENSILE), load(loose, k + at.COHESION),
@@ -197,10 +196,10 @@ def loose_springs(contacts, loose, plain, start, stop, motion, half, elastic):
 
 
 @inlined
-def remember_loose(contacts, loose, plain, start, stop, motion, half, elastic):
+def remember_loose(contacts, loose, plain, start, stop, motion, elastic):
     """`damage.mechanics.contacts.remember` in the walls that are elastic."""
     for i in range(start, stop):
-        contact, k = contacts[0, i], INDEX(i) * at.LOOSE + half
+        contact, k = contacts[0, i], INDEX(i) * at.LOOSE
         moves = elastic & (load(loose, k + at.IDLE) >= 0.0)
         if not plain:
             compressive, before = load(loose, k + at.COMPRESSIVE), load(loose, k + at.NORMAL_STRESS)

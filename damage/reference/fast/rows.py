@@ -61,7 +61,7 @@ def _as_rows(builder, a, b, c, d):
 
 def _as_columns(builder, rows):
     """Four values, of rows of four."""
-    both = rows if WIDTH == 4 else [_mixed(builder, rows[k], rows[k + 4], list(range(8))) for k in range(4)]
+    both = [_mixed(builder, rows[k], rows[k + 4], list(range(8))) for k in range(4)]
     low = [_mixed(builder, both[0], both[1], order) for order in (_EVEN, _ODD)]
     high = [_mixed(builder, both[2], both[3], order) for order in (_EVEN, _ODD)]
     return [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]

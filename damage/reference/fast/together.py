@@ -4,13 +4,15 @@ Walls end, where a sample is taken, at steps of their own: the contacts of a wal
 while the others go on as always.
 """
 
+import numpy as np
+
 from damage.history.schema import ENDED
 from damage.mechanics.eight import add, bits, either, flags_of, load, spread, store
 from damage.mechanics.interfaces import Resultant
 from damage.mechanics.samples import KINETIC, observe_contact
 from damage.mechanics.tables import DAMPING, ENDING, FAILED, ROTATION, X, Z
 from damage.reference.fast import blocks as at
-from damage.reference.fast.blocks import INDEX, NONE, ONE, VALUE, WIDTH, clear, pack, place_of, total, unpack
+from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH, clear, pack, pack_limits, place_of, total, unpack
 from damage.reference.fast.bodies import ALL, adapt, move, set_all
 from damage.reference.fast.compiled import compiled, inlined
 from damage.reference.fast.contacts import (
@@ -87,14 +89,28 @@ def all_forces(tables, columns, blocks, law, clock, step, ending, all_end, dampe
     clear(blocks.sums, at.DAMPED, at.KINETIC)
     others = True
     if not all_end:
-        others = forces_of_damped(tables, blocks, law, 255 - ending) if damped else forces_of_undamped(
-            tables, blocks, law, 255 - ending)
+        if ending:
+            take_limits(tables, blocks, ending)
+        others = forces_of_damped(tables, blocks, law, ALL - ending) if damped else forces_of_undamped(
+            tables, blocks, law, ALL - ending)
+        if ending:
+            pack_limits(tables, blocks, LANES)
     if others:
         forces_of_others(tables, columns, blocks, law, clock, step, ending, all_end, damped)
     if damped:
         total(blocks.sums, at.DAMPED, LANES)
         for w in range(tables.energy.shape[0]):
             tables.energy[w, DAMPING] += blocks.sums[at.DAMPED + INDEX(w)]
+
+
+@compiled
+def take_limits(tables, blocks, which):
+    """Let no interface of these walls (bits) count as intact until its limits are packed again: `forces_of_intact` then
+    leaves them out, which costs nothing in the steps at which no wall ends."""
+    for p in range(tables.interfaces.shape[1]):
+        for w in range(tables.interfaces.shape[0]):
+            if which >> w & 1:
+                blocks.limits[INDEX(p) * at.LIMITS + INDEX(w) + at.OPENING] = -np.inf
 
 
 @compiled
@@ -111,30 +127,25 @@ def forces_of_damped(tables, blocks, law, going):
 
 @inlined
 def forces_of_intact(tables, blocks, law, going, damped):
-    """Forces of the intact interfaces in the walls that do not end (bits): one of them in eight walls is a block; and
-    what the failed ones do where their contacts stay springs, for `forces_of_others`.  Returns whether there are
+    """Forces of the intact interfaces: one of them in eight walls is a block; and what the failed ones do, in the walls
+    that do not end (bits), where their contacts stay springs, for `forces_of_others`.  Returns whether there are
     others."""
     bodies, first, second, any_other = blocks.bodies, blocks.first, blocks.second, 0
     row = NONE
     while row < INDEX(len(blocks.others)):
-        p, others, waits, half = place_of(row, at.INTERFACE), 0, 0, NONE
-        while half < WIDTH:
-            a, b, shift = first[row] + half, second[row] + half, int(half)
-            frame, motion, resultant, intact = evaluate(
-                line_of(blocks.interfaces, p), springs_of(blocks.interfaces, p), poses_in_lanes(bodies, a),
-                poses_in_lanes(bodies, b), blocks.limits, row * at.LIMITS + half)
-            intact = intact & flags_of(going >> shift)
-            if damped:
-                resultant, work = damp_eight(blocks.last, row * at.LAST + half, load(blocks.bench, at.RATE + half),
-                                             motion, resultant, intact)
-                add(blocks.sums, at.DAMPED + row % WIDTH * WIDTH + half, work)
-            failed = ALL - int(bits(intact))
-            push_in_lanes(bodies, a, b, forces_where(intact, frame, resultant))
-            held = failed & (int(blocks.loose[row]) & going) >> shift
-            if held:
-                waits |= forces_of_loose(tables, blocks, law, row, half, held, frame, motion, damped) << shift
-            others |= failed << shift
-            half += VALUE
+        p, a, b = place_of(row, at.INTERFACE), first[row], second[row]
+        frame, motion, resultant, intact = evaluate(
+            line_of(blocks.interfaces, p), springs_of(blocks.interfaces, p), poses_in_lanes(bodies, a),
+            poses_in_lanes(bodies, b), blocks.limits, row * at.LIMITS)
+        if damped:
+            resultant, work = damp_eight(blocks.last, row * at.LAST, load(blocks.bench, at.RATE), motion, resultant,
+                                         intact)
+            add(blocks.sums, at.DAMPED + row % WIDTH * WIDTH, work)
+        others = ALL - int(bits(intact))
+        push_in_lanes(bodies, a, b, forces_where(intact, frame, resultant))
+        held, waits = others & int(blocks.loose[row]) & going, 0
+        if held:
+            waits = forces_of_loose(tables, blocks, law, row, held, frame, motion, damped)
         blocks.others[row], blocks.waits[row] = others, waits
         any_other |= others
         row += ONE
@@ -176,35 +187,30 @@ def forces_by_law(tables, columns, blocks, law, step, w, p, ends, damped):
 def end_interface(tables, blocks, law, p, ending, damped):
     """Forces of an interface contact by contact in the walls that end (bits), where it is intact or its contacts stay
     springs, and the readings of its contacts there; returns these walls."""
-    done, half, k = 0, NONE, place_of(INDEX(p), at.INTERFACE)
+    k, a, b = place_of(INDEX(p), at.INTERFACE), blocks.first[p], blocks.second[p]
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
-    while half < WIDTH:
-        shift, a, b = int(half), blocks.first[p] + half, blocks.second[p] + half
-        frame, motion, _, intact = evaluate(
-            line_of(blocks.interfaces, k), springs_of(blocks.interfaces, k), poses_in_lanes(blocks.bodies, a),
-            poses_in_lanes(blocks.bodies, b), blocks.limits, INDEX(p) * at.LIMITS + half)
-        here = flags_of(ending >> shift)
-        intact = intact & here
-        resultant = intact_springs(tables.contacts, start, stop, motion)
-        read_intact(tables.contacts, blocks.readings, start, stop, motion, half)
-        springs, held = intact, (ending & int(blocks.loose[p])) >> shift & ALL & ~int(bits(intact))
-        if held:
-            loose, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half,
-                                           flags_of(held & ~parted_in(tables, p, motion)))
-            remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, half, elastic)
-            read_loose(tables.contacts, blocks, law, start, stop, motion, half, elastic)
-            resultant = Resultant(either(elastic, loose.normal, resultant.normal),
-                                  either(elastic, loose.shear, resultant.shear),
-                                  either(elastic, loose.couple, resultant.couple))
-            springs = intact | elastic
-        if damped:
-            resultant, work = damp_eight(blocks.last, INDEX(p) * at.LAST + half, load(blocks.bench, at.RATE + half),
-                                         motion, resultant, springs)
-            add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8) + half, work)
-        push_in_lanes(blocks.bodies, a, b, forces_where(springs, frame, resultant))
-        done |= int(bits(springs)) << shift
-        half += VALUE
-    return done
+    frame, motion, _, intact = evaluate(
+        line_of(blocks.interfaces, k), springs_of(blocks.interfaces, k), poses_in_lanes(blocks.bodies, a),
+        poses_in_lanes(blocks.bodies, b), blocks.limits, INDEX(p) * at.LIMITS)
+    intact = intact & flags_of(ending)
+    resultant = intact_springs(tables.contacts, start, stop, motion)
+    read_intact(tables.contacts, blocks.readings, start, stop, motion)
+    springs, held = intact, ending & int(blocks.loose[p]) & ~int(bits(intact))
+    if held:
+        loose, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion,
+                                       flags_of(held & ~parted_in(tables, p, motion)))
+        remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, elastic)
+        read_loose(tables.contacts, blocks, law, start, stop, motion, elastic)
+        resultant = Resultant(either(elastic, loose.normal, resultant.normal),
+                              either(elastic, loose.shear, resultant.shear),
+                              either(elastic, loose.couple, resultant.couple))
+        springs = intact | elastic
+    if damped:
+        resultant, work = damp_eight(blocks.last, INDEX(p) * at.LAST, load(blocks.bench, at.RATE), motion, resultant,
+                                     springs)
+        add(blocks.sums, at.DAMPED + INDEX(p % 8 * 8), work)
+    push_in_lanes(blocks.bodies, a, b, forces_where(springs, frame, resultant))
+    return int(bits(springs))
 
 
 @compiled
@@ -252,20 +258,18 @@ def half_step_on(bodies, k, velocity, force, inverse, field, dt):
 @compiled
 def kinetic_energy(blocks):
     """`damage.mechanics.samples.kinetic_energy` of all walls, where the sum of kinetic energies begins."""
-    bodies, bench, half = blocks.bodies, blocks.bench, NONE
-    while half < WIDTH:
-        energy, block, dt = spread(0.0), NONE, load(bench, at.STEP + half)
-        while block < INDEX(len(bodies)) // at.BODY:
-            k = block * at.BODY + half
-            vx = half_step_on(bodies, k, at.VX, at.FX, at.INVERSE_X, load(bench, at.BASE_X + half), dt)
-            vz = half_step_on(bodies, k, at.VZ, at.FZ, at.INVERSE_Z, load(bench, at.BASE_Z + half), dt)
-            rotating = load(bodies, k + at.VROTATION) + 0.5 * dt * load(bodies, k + at.MOMENT) * load(
-                bodies, k + at.INVERSE_ROTATION)
-            energy = energy + 0.5 * (load(bodies, k + at.MASS) * (vx * vx + vz * vz)
-                                     + load(bodies, k + at.INERTIA) * rotating * rotating)
-            block += ONE
-        store(blocks.sums, at.KINETIC + half, energy)
-        half += VALUE
+    bodies, bench = blocks.bodies, blocks.bench
+    energy, block, dt = spread(0.0), NONE, load(bench, at.STEP)
+    while block < INDEX(len(bodies)) // at.BODY:
+        k = block * at.BODY
+        vx = half_step_on(bodies, k, at.VX, at.FX, at.INVERSE_X, load(bench, at.BASE_X), dt)
+        vz = half_step_on(bodies, k, at.VZ, at.FZ, at.INVERSE_Z, load(bench, at.BASE_Z), dt)
+        rotating = load(bodies, k + at.VROTATION) + 0.5 * dt * load(bodies, k + at.MOMENT) * load(
+            bodies, k + at.INVERSE_ROTATION)
+        energy = energy + 0.5 * (load(bodies, k + at.MASS) * (vx * vx + vz * vz)
+                                 + load(bodies, k + at.INERTIA) * rotating * rotating)
+        block += ONE
+    store(blocks.sums, at.KINETIC, energy)
 
 
 @compiled
@@ -273,12 +277,9 @@ def observe_stored(blocks, which, stiffness, samples, taken):
     """Write the elastic energy of all contacts."""
     readings, room = blocks.readings, blocks.sums
     for c in range(samples.stored.shape[2]):
-        half, k = NONE, INDEX(c) * at.READ
-        while half < WIDTH:
-            store(room, at.SWEPT_X + half, stiffness.area[c] * elastic_energy(
-                load(readings, k + at.SIGMA + half), load(readings, k + at.TAU + half), stiffness.normal[c],
-                stiffness.shear[c]))
-            half += VALUE
+        k = INDEX(c) * at.READ
+        store(room, at.SWEPT_X, stiffness.area[c] * elastic_energy(
+            load(readings, k + at.SIGMA), load(readings, k + at.TAU), stiffness.normal[c], stiffness.shear[c]))
         for w in range(samples.stored.shape[0]):
             if which >> w & 1:
                 samples.stored[w, taken[w], c] = room[at.SWEPT_X + INDEX(w)]
