@@ -258,7 +258,7 @@ class TestSaidFirst:
     @pytest.mark.parametrize(("options", "words"), [
         ({"status": "interrupted"}, "interrupted at 0.200 s"), ({"status": "failed"}, "do not rely"),
         ({"status": "unfinished"}, "without an end"), ({"collapsed_at_s": 0.15}, "collapsed at 0.150 s"),
-        ({"row": {"input_energy_j": np.linspace(0, 9, 21)}}, "energy error"),
+        ({"row": {"input_energy_j": np.linspace(0, 9, 21)}}, "energy balance error"),
     ])
     def test_a_run_that_is_not_whole_or_odd_says_so_at_the_top(self, tmp_path, options, words):
         history = damaged(tmp_path / "odd.h5", **options)

@@ -63,7 +63,7 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
     chosen = np.flatnonzero((times >= start) & (times <= end))
     if len(chosen) == 0 or len(series) == 0:
         raise InputError(f"{history.path} has no snapshot from {start:g} to {end:g} s; expected one or more, give "
-                         "another --window, or let the run go on")
+                         "another --window, or let the run continue")
     if len(chosen) <= most:
         return chosen
     if window_s:
