@@ -233,7 +233,7 @@ def describe(result):
                  f"{100 * drift['allowed']:.1f} %)  {'agrees' if drift['agrees'] else 'DIFFERS'}; diverged by 1 % "
                  f"of the peak {diverged}; lag {1e3 * drift['lag_s']:.2f} ms")
     if joints["kappa"] is not None:
-        lines.append(f"joints between bricks: {joints['broke_in_either']} broke in either run, "
+        lines.append(f"joints between bricks: {joints['broke_in_either']} failed in either run, "
                      f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "
                      f"kappa {joints['kappa']:.3f}")
     lines += describe_patterns(result["patterns"])

@@ -75,12 +75,12 @@ def cycles_table(history):
     values = index_by_all(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
                                            time_s=history.series["time_s"])
     rows = []
-    for shock, members in history.series.groupby("shock"):
+    for event, members in history.series.groupby("shock"):
         mine = values.loc[members.index]
         for number, (kind, start, end) in enumerate(_cycles(moving(members), history.loading), start=1):
             within = mine[mine["time_s"].between(start, end)].max()
             so_far = mine[mine["time_s"] <= end].max()
-            rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
+            rows.append({"shock": event, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
                          "duration_s": end - start}
                         | {f"max_{name}": within[name] for name in values if name != "time_s"}
                         | {f"cumulative_max_{name}": so_far[name]

@@ -102,7 +102,7 @@ def _scores(first, second, what, slip):
 def describe_patterns(result):
     """The result of `compare_patterns` as text, a list of lines."""
     lines = []
-    for what, words in (("broken", "broken joints"), ("visible", "joints that opened or slipped by 0.1 mm")):
+    for what, words in (("broken", "failed joints"), ("visible", "joints that opened or slipped by 0.1 mm")):
         scores = result[what]
         if scores["fss"] is None:
             lines.append(f"pattern of {words} at the end of the motion: none in either run")

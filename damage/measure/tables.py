@@ -99,9 +99,9 @@ def shocks_table(history):
     index, rows = index_by_all(history), []
     cracks = psi_history(history)
     cracks = pd.DataFrame({"psi": cracks["psi"], "crack_width_mm": cracks["max_width_m"] / MILLIMETRE})
-    for shock, members in history.series.groupby("shock"):
+    for event, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
-        row = {"shock": shock, "factor": history.sequence[shock - 1], "start_s": members["time_s"].iloc[0],
+        row = {"shock": event, "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
         mine = index.join(cracks).loc[members.index]
