@@ -27,7 +27,7 @@ def pack_arrays(arrays):
 
 
 def unpack_arrays(told):
-    """What `pack_arrays` packed, as flat arrays: {name: array}."""
+    """Flat arrays {name: array} from the result of `pack_arrays`."""
     data = gzip.decompress(base64.b64decode(told["packed"]))
     return {name: np.frombuffer(data, f"<{kind}", length, first)
             for name, (kind, first, length) in told["arrays"].items()}

@@ -32,12 +32,12 @@ def _single(names, units):
 
 COLUMNS = {name: (unit, column.meaning.replace("`", "")) for columns in SECTIONS.values()
            for several, column in columns.items() for name, unit in _single(several, column.unit)}
-"""Of each single column: its unit, what it means."""
+"""{column: (unit, meaning)}."""
 _GIVEN = {name for several in RUN | PARAMETERS | MADE_BY for name in several.split(", ")}
 
 
 def digits_of(name):
-    """How many significant digits a column's numbers are shown with."""
+    """Number of significant digits of a column."""
     return GIVEN_DIGITS if name in _GIVEN else DIGITS
 
 
@@ -86,7 +86,7 @@ def cell(value, digits=DIGITS):
 
 
 def _difference(first, other):
-    """How another value differs from the first, as a cell: numbers as difference and per cent, words as they differ."""
+    """Difference of another value from the first, as a cell: numbers as difference and per cent, texts as "differs"."""
     if cell(first)[1] is None or cell(other)[1] is None:
         return ("", None) if first == other else ("differs", None)
     change = other - first
@@ -96,7 +96,7 @@ def _difference(first, other):
 
 
 def energy_balance(parts):
-    """Rows (what, [cell of each run]) of the energies at the end [J], and what their balance lacks."""
+    """Rows (label, [cell of each run]) of the energies at the end [J], their imbalance, and its largest share."""
     ends = [part["history"].series.iloc[-1] for part in parts]
     rows = [(label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()]
     known = [part["history"].series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0) for part in parts]
