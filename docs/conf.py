@@ -112,8 +112,10 @@ def _command(name, parser):
 
 def keep_texts(app, error):
     """Write the text of every page for the search, which shows what is around the words that it found."""
+    if error:
+        return
     texts = {}
-    for name in () if error else sorted(app.env.found_docs):
+    for name in sorted(app.env.found_docs):
         page = app.env.get_doctree(name)
         for comment in list(page.findall(nodes.comment)):
             comment.parent.remove(comment)
@@ -124,7 +126,10 @@ def keep_texts(app, error):
 
 def make_whole(app, error):
     """Make one file each of Debian's furo.js and furo.css and what they import: from a file no module loads, and the
-    stylesheet is sought in the root of a server."""
+    stylesheet is sought in the root of a server.  Debian's has dark colours for the button alone, not for the screen's
+    own choice."""
+    if error:
+        return
     static = Path(app.outdir) / "_static"
     script, style = static / "scripts" / "furo.js", static / "styles" / "furo.css"
     text = script.read_text(encoding="utf-8")
@@ -136,7 +141,10 @@ def make_whole(app, error):
     text = style.read_text(encoding="utf-8")
     if imported := re.match(r"@import url\(/javascript/([^)]+)\);", text):
         library = Path("/usr/share/javascript", imported[1]).read_text(encoding="utf-8")
-        style.write_text(library + text[imported.end():], encoding="utf-8")
+        text = library + text[imported.end():]
+    if "prefers-color-scheme" not in text and (dark := re.search(r'body\[data-theme="dark"\] ({[^{}]*})', text)):
+        text += f'@media not print {{ @media (prefers-color-scheme: dark) {{ body[data-theme="auto"] {dark[1]} }} }}\n'
+    style.write_text(text, encoding="utf-8")
 
 
 def add_context(app, page, template, context, doctree):

@@ -5,6 +5,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -144,6 +145,19 @@ def test_a_narrow_screen_scrolls_up_and_down_only(narrow, site):
         if hidden:
             cut[name] = hidden
     assert (wide, cut) == ({}, {})
+
+
+def test_a_dark_screen_has_light_words_on_dark(driver, site):
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
+        {"name": "prefers-color-scheme", "value": "dark"}]})
+    try:
+        driver.get((site / "guides" / "gallery.html").as_uri())
+        colours = driver.execute_script("return ['color', 'backgroundColor'].flatMap((name) => [document.body, "
+                                        "document.querySelector('pre')].map((one) => getComputedStyle(one)[name]))")
+    finally:
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    *ink, page, box = (sum(map(int, re.findall(r"\d+", one)[:3])) / 3 for one in colours)
+    assert min(ink) > 180 and max(page, box) < 60
 
 
 def test_the_options_of_commands_are_there(driver, site):
