@@ -210,6 +210,23 @@ def test_drawings_have_the_width_of_the_printed_page_from_any_screen(opened):
         opened.set_window_size(size["width"], size["height"])
 
 
+@pytest.mark.parametrize("width_px", [390, 1300])
+def test_cursors_are_where_the_axes_have_the_time(driver, reports, width_px):
+    """Beside legends, which take of a plot what their font and the screen make them."""
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": width_px, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+    try:
+        open_report(driver, reports["one"])
+        found = driver.execute_script(
+            "window.report.goTo(0.15); return ['over-time', 'energy-A'].map((id) => { const div = "
+            "document.getElementById(id), {xaxis} = div._fullLayout, {times, at} = window.report; return "
+            "[div.querySelector('.cursor').offsetLeft, xaxis._offset + xaxis.l2p(times[at])]; })")
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    for cursor_px, time_px in found:
+        assert cursor_px == pytest.approx(time_px, abs=1.5)
+
+
 @of("two")
 def test_on_paper_opened_slipped_and_both_differ_without_colour(opened, tmp_path):
     by_id(opened, "to-end").click()
