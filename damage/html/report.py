@@ -126,6 +126,6 @@ def _title(runs, studies):
 
 def _for_program(runs):
     """Data of the page's program, JSON that is safe inside HTML."""
-    told = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
+    content = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
             "threshold_mm": THRESHOLD / MILLIMETRE, "states": states_legend(runs)}
-    return htmlsafe_json_dumps(told, dumps=json_text)
+    return htmlsafe_json_dumps(content, dumps=json_text)

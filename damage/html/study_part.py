@@ -68,16 +68,16 @@ def study_part(folder, letters):
     letters: {name of a run: letter of its own part of the page}, of those that have one.
     """
     summary, points = runs_of(folder)
-    told = [name for name in COLUMNS if name in points and points[name].notna().any()]
-    shared = [name for name in OFTEN_SHARED if name in told and points[name].nunique(dropna=False) == 1]
-    told = [name for name in told if name not in shared]
+    content = [name for name in COLUMNS if name in points and points[name].notna().any()]
+    shared = [name for name in OFTEN_SHARED if name in content and points[name].nunique(dropna=False) == 1]
+    content = [name for name in content if name not in shared]
     heads = [{"name": name, "unit": MEANING.get(name, ("", ""))[0], "meaning": OF_POINTS.get(name) or MEANING[name][1]}
-             for name in told]
+             for name in content]
     about = _about(folder)
     return {"name": str(about.get("name") or folder.resolve().name), "title": str(about.get("title") or ""),
             "folder": shown_path(folder), "shared": [(name, _cell(points.iloc[0], name)[0]) for name in shared],
             "first": said_first(folder, summary, points), "heads": heads,
-            "rows": [_point(row, told, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
+            "rows": [_point(row, content, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
             "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder)}
 
 
@@ -118,12 +118,12 @@ def _planned(folder, solvers):
     return len({(run.point, run.solver) for run in study.of_both if run.solver in solvers})
 
 
-def _point(row, told, summary, letters):
+def _point(row, content, summary, letters):
     """One row of the table: its point, its runs with the letters of their parts, its cells with their range."""
     same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
     runs = [(str(name), letters.get(str(name))) for name in summary.loc[same, "run"]]
     return {"point": str(row["point"]), "runs": runs, "cells": [(*_cell(row, name), _range(row, name))
-                                                                for name in told]}
+                                                                for name in content]}
 
 
 def _cell(row, name):
@@ -226,6 +226,6 @@ def verdict_of(folder):
     if not judged:
         return None
     heads, rows = overview_table(findings)
-    told = [row for row in rows if set(row[2:]) != {UNJUDGED}]
-    return {"heads": heads, "rows": told, "unjudged": [row[0] for row in rows if row not in told], "n": len(findings),
-            "n_judged": len(judged), "n_hold": sum(finding.verdict == HOLDS for finding in judged)}
+    shown = [row for row in rows if set(row[2:]) != {UNJUDGED}]
+    return {"heads": heads, "rows": shown, "unjudged": [row[0] for row in rows if row not in shown],
+            "n": len(findings), "n_judged": len(judged), "n_hold": sum(finding.verdict == HOLDS for finding in judged)}

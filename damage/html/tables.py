@@ -106,18 +106,18 @@ def energy_balance(parts):
         cell(error if error is None else 100 * error) for error in errors])]
 
 
-def parameters(told):
+def parameters(content):
     """(name, text) of the caps of a run, its static stage, the results that precede the motion, and every parameter;
-    told: `damage.history.info.info`."""
-    return [*((f"cap {number}", describe_cap(cap)) for number, cap in enumerate(told["caps"], start=1)),
-            *((f"static.{name}", value) for name, value in told["static"].items()),
-            *flat(told["results"]), *flat(given(told))]
+    content: `damage.history.info.info`."""
+    return [*((f"cap {number}", describe_cap(cap)) for number, cap in enumerate(content["caps"], start=1)),
+            *((f"static.{name}", value) for name, value in content["static"].items()),
+            *flat(content["results"]), *flat(given(content))]
 
 
-def versions(told):
-    """(software, version) of what made a run; told: `damage.history.info.info`."""
-    others = sorted(set(told["versions"]) - {"masonry-damage", "commit", "model"})
-    return [("masonry-damage", told["software"]), ("commit", told["commit"]),
-            ("digest of the model", told["model_digest"]), *((name, told["versions"][name]) for name in others),
-            ("machine", told["machine"]),
-            ("made", told["created_utc"])]
+def versions(content):
+    """(software, version) of what made a run; content: `damage.history.info.info`."""
+    others = sorted(set(content["versions"]) - {"masonry-damage", "commit", "model"})
+    return [("masonry-damage", content["software"]), ("commit", content["commit"]),
+            ("digest of the model", content["model_digest"]), *((name, content["versions"][name]) for name in others),
+            ("machine", content["machine"]),
+            ("made", content["created_utc"])]

@@ -216,7 +216,7 @@ function timeMarks(runs) {
 
 function scaled(values, factor) { return factor === 1 ? values : values.map((value) => factor * value); }
 
-// On paper what is cracked is black, thicker, and told apart by its line alone.
+// On paper what is cracked is black, thicker, and distinguished by its line alone.
 function printable(run, legend, onPaper) {
   const lines = legend.widths.flatMap((width) => legend.states.map((state) => (
     onPaper ? {color: "#000000", width: 1.7 * width.pixels} : {color: state.colour, width: width.pixels})));
@@ -390,11 +390,11 @@ class Player {
   }
 
   show() {
-    const time = this.times[this.at], told = `${time.toFixed(3)} s`;
+    const time = this.times[this.at], content = `${time.toFixed(3)} s`;
     this.slider.value = this.at;
-    this.slider.setAttribute("aria-valuetext", told);
-    byId("time-told").textContent = told;
-    byId("magnify-told").textContent = `× ${MAGNIFICATIONS[this.magnification]}`;
+    this.slider.setAttribute("aria-valuetext", content);
+    byId("time-shown").textContent = content;
+    byId("magnify-shown").textContent = `× ${MAGNIFICATIONS[this.magnification]}`;
     byId("magnify").setAttribute("aria-valuetext", `${MAGNIFICATIONS[this.magnification]} times`);
     for (const run of this.page.runs) this.showWall(run);
     if (this.ready) this.showTime(time);
@@ -411,7 +411,7 @@ class Player {
     const {k, counts, lines} = this.linesOf(run);
     Plotly.restyle(byId(`wall-${run.letter}`), {x: lines.map((one) => one.x), y: lines.map((one) => one.y),
       text: lines.map((one) => one.text || [])});
-    byId(`told-${run.letter}`).textContent = this.inWords(run, k, counts);
+    byId(`shown-${run.letter}`).textContent = this.inWords(run, k, counts);
     run.shown = k;
   }
 
@@ -419,11 +419,11 @@ class Player {
     const {drift, states, threshold_mm} = this.page, point = run.instant[k];
     const value = (name, digits) => run[name][point].toFixed(digits);
     const over = this.times[this.at] > run.times[run.times.length - 1] ? ", its end" : "";
-    const told = states.states.map((one) => `${counts[one.code] || 0} ${one.name}`).join(", ");
+    const content = states.states.map((one) => `${counts[one.code] || 0} ${one.name}`).join(", ");
     return `${run.times[k].toFixed(3)} s${over}: DI ${value("DI", 3)} (drift ${value("DI_drift", 3)}, open `
       + `${value("DI_open", 3)}, slip ${value("DI_slip", 3)}); `
       + `drift ${(drift.factor * run.drift_ratio[point]).toPrecision(3)} ${drift.unit}, base shear `
-      + `${value("base_shear_kn", 2)} kN. Contact points: ${told}, ${counts[BROKEN] || 0} broken up to `
+      + `${value("base_shear_kn", 2)} kN. Contact points: ${content}, ${counts[BROKEN] || 0} broken up to `
       + `${threshold_mm} mm, of ${run.n_joints}. Displacements × ${MAGNIFICATIONS[this.magnification]}`
       + (run.snapshot[k] ? "." : ", but no place of the bricks was written near this time.");
   }
