@@ -32,6 +32,9 @@ MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
 CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
 _TINY = 1e-6  # [m], two positions closer than this are the same
+_PLACES = {"interior": (0.0,), "corners": (-1.0, 1.0), "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3))}
+"""Of the contact points between two facing cells, along the half length from their middle.  Two Gauss points integrate
+what is of third order along the cell exactly, and with it the energy of any opening that is linear."""
 
 
 @dataclass(frozen=True)
@@ -191,7 +194,7 @@ def _lay_out_alike(wall, options):
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
-    points = (len(cells.body) + n_bricks) * (1 if options.contacts == "interior" else 2)
+    points = (len(cells.body) + n_bricks) * len(_PLACES[options.contacts])
     points += CUT_POINTS * n_bricks * wall.brick.splits
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
@@ -333,9 +336,11 @@ def _find_drift_bodies(wall, bodies, n_bricks, piers):
 def _cell_breaks(wall, options, courses):
     """Sorted positions x [m] at which every brick that spans them is divided.
 
-    Corner contacts lie at both ends of a segment, so one segment less gives as many points.
+    Corner contacts lie at both ends of a segment, so one segment less gives as many points; of Gauss points there are
+    two in each, so that half as many do.
     """
-    segments = options.cells if options.contacts == "interior" else max(1, options.cells - 1)
+    segments = {"interior": options.cells, "corners": max(1, options.cells - 1), "gauss": options.cells // 2}[
+        options.contacts]
     edges = np.unique(np.round([x for course in courses for brick in course for x in brick], 9))
     breaks = [edges[0]]
     for left, right in zip(edges[:-1], edges[1:]):
@@ -424,7 +429,7 @@ def _head_pairs(bodies, n_bricks, cells):
 
 
 def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
-    """Contact points of one pair of facing cells, one in the middle or two at the ends; of a cap's glue one in the
+    """Contact points of one pair of facing cells, as `_PLACES` says; of a cap's glue Gauss points, or else one in the
     middle of each cell, or two under a cap of a single cell."""
     second = cells.body[second_cell]
     first = cells.body[first_cell]
@@ -436,11 +441,12 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
         cells.right[second_cell] - cells.left[second_cell], 0.0)
     end = start + along
     length = float(np.sum(end - start))
-    head = (kind, first, second, first_cell, second_cell)
     hinge = kind == CAP and np.count_nonzero(cells.body == second) == 1  # on one point a cap could turn freely
-    if (options.contacts == "interior" or kind == CAP) and not hinge:
-        return [(*head, *((start + end) / 2), length)]
-    return [(*head, *start, length / 2), (*head, *end, length / 2)]
+    where = options.contacts
+    if kind == CAP and where != "gauss":
+        where = "corners" if hinge else "interior"
+    return [(kind, first, second, first_cell, second_cell, *((1 - place) / 2 * start + (1 + place) / 2 * end),
+             length / len(_PLACES[where])) for place in _PLACES[where]]
 
 
 def _strength_factors(first, second, variation, seed):

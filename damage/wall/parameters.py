@@ -284,8 +284,9 @@ class ModelOptions:
     load: that mass is the precompression over the wall's whole "length", so that the piers beside openings have more,
         or over its "piers" alone, which then have just that stress.
     cells: contact points per half brick of a bed joint.
-    contacts: where the points of a bed joint lie: "interior" of the cells, or at the "corners"
-        (ends) of each overlap; head joints have one at mid-height, or one at each end.
+    contacts: where the points of a bed joint lie: "interior" of the cells, at the "corners" (ends) of each overlap, or
+        at the "gauss" points of two cells together; head joints have one at mid-height, one at each end, or two Gauss
+        points.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose forces the history has.
@@ -300,8 +301,8 @@ class ModelOptions:
     load: str = _option("length", "the precompression is the stress over the whole length, or in the piers",
                         choices=("length", "piers"), tag="load-{load}")
     cells: int = _option(2, "contact points per half brick", metavar="N")
-    contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
-                            tag="{contacts}")
+    contacts: str = _option("interior", "where the contact points of a joint lie",
+                            choices=("interior", "corners", "gauss"), tag="{contacts}")
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
@@ -316,6 +317,9 @@ class ModelOptions:
                 check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
         object.__setattr__(self, "lintel", _lintel_word(self.lintel))
         check_whole("cells", self.cells, 1, 16)
+        if self.contacts == "gauss" and self.cells % 2:
+            raise InputError(f"--contacts gauss with --cells {self.cells}: expected an even number, since Gauss points "
+                             "come in pairs; give --cells 2")
         check_range("strength_cov", self.strength_cov, 0, 2)
         check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
         check_whole("fibres", self.fibres, 0, 64)
