@@ -12,8 +12,8 @@ from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.tables import ENDING, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, RIGID, ROTATION, X, Z
 from damage.wall.joint_law import elastic_energy
 
-KINETIC, TOTALS = 0, 5
-"""Of the totals kinetic energy [J], and behind it `System.energy`."""
+KINETIC, STRAIN, TOTALS = 0, 5, 6
+"""Of the totals kinetic energy [J], behind it `System.energy`, then what deformable bricks have stored [J]."""
 
 
 FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)

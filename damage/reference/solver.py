@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.mechanics.samples import KINETIC
+from damage.mechanics.samples import KINETIC, STRAIN
 from damage.mechanics.tables import OPENED, SLIPPED, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
@@ -81,7 +81,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         bodies, supports = np.split(samples.displacement, [len(self.layout.bodies)], axis=1)
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        np.add.reduce(samples.stored, axis=1), *totals[:, KINETIC + 1:].T)
+                        np.add.reduce(samples.stored, axis=1) + totals[:, STRAIN], *totals[:, KINETIC + 1:STRAIN].T)
 
     def forces(self):
         return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]

@@ -37,6 +37,8 @@ class Run:
         self._zero = None  # instant of time zero
         self._last = None  # time and motion of the last sample: of what else is kept all samples share the memory
         self._lowest = lowest_places(layout)
+        # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
+        self._ramp_s = 0.0 if settings.model.deforms else RAMP_S
         self._balance_j = self._damped_j = 0.0
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
         if settings.perturb_m > 0:
@@ -71,9 +73,11 @@ class Run:
     def settle_under_gravity(self):
         """The static stage; returns True when the wall came to rest, False when interrupted."""
         solver, dt = self.solver, self.solver.time_step
-        n = round(RAMP_S / dt)
+        n = round(self._ramp_s / dt)
         solver.damp(**self._relaxation(LOCAL_DAMPING))
-        solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n))
+        if n == 0:
+            solver.add_static_displacement()
+        solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n if n else np.ones(1)))
         if self._settled is None or not self._settled.recall(solver):
             finished = yield from self._come_to_rest()
             if not finished:
@@ -92,7 +96,7 @@ class Run:
         """Advance until the wall is at rest; returns False when interrupted."""
         while self.keep_going(self, self.time):
             yield from self._advance(LOOK_STEPS)
-            held = self.time - RAMP_S
+            held = self.time - self._ramp_s
             if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
                 return True
         return False

@@ -67,11 +67,14 @@ class Solver(Protocol):
         """From now on damp so, and in no other way: Cundall's local damping, the share that adaptive damping takes
         [-], damping proportional to mass [1/s] and to stiffness [s]."""
 
+    def add_static_displacement(self):
+        """Move by the linear static solution of the intact wall under its weight; of solvers with deformable bricks."""
+
     def shift(self, offsets):
         """Move the bodies by (n_bodies, 2) [m]."""
 
     def set_velocities(self, velocities):
-        """(n_bodies, 3) [m/s, m/s, rad/s]."""
+        """(n_bodies, 3) [m/s, m/s, rad/s], or with those of the strain modes of deformable bricks."""
 
     def hold(self, bodies, rotation):
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""

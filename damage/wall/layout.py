@@ -20,12 +20,13 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.units import GRAVITY
-from damage.wall.compliance import lumped_stiffness
+from damage.wall.compliance import contact_stiffness
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.lintel import in_lintel
 from damage.wall.parameters import ModelOptions, Wall
 from damage.wall.split import CUT_POINTS, split_bricks
+from damage.wall.strain import Strain, strain_of
 from damage.wall.supports import Supports, supports_below
 
 MOST_CONTACTS = 100_000
@@ -72,7 +73,7 @@ class Contacts:
 
     kind: BED, HEAD, CUT or CAP; first, second: bodies, the normal points from first to second;
     x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
-    bricks' compliance; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
+    compliance of rigid bricks; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
     compressive_strength [Pa], infinite where it does not crush;
     first_cell, second_cell: the facing cells (GROUND below the base).
     """
@@ -115,7 +116,7 @@ class Layout:
     caps' glue.
     drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
     piers: (left, right) [m] of each pier, the parts of the length that carry the top; supports: below the base.
-    fibres: of the contacts where `options` ask for them, else None.
+    fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where they deform, else None.
     """
 
     wall: Wall
@@ -130,6 +131,7 @@ class Layout:
     piers: tuple[tuple[float, float], ...]
     supports: Supports
     fibres: Fibres | None = None
+    strain: Strain | None = None
 
     @property
     def total_joint_length(self):
@@ -205,7 +207,8 @@ def _lay_out_alike(wall, options):
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
         drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
-        supports=supports_below(bodies, wall, options.supports))
+        supports=supports_below(bodies, wall, options.supports),
+        strain=strain_of(wall, options, bodies, contacts, n_bricks) if options.deforms else None)
 
 
 # --- bricks -------------------------------------------------------------------------------------
@@ -377,7 +380,7 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     rows = [row for pair in pairs for row in _contact_rows(options, bodies, cells, *pair)]
     kind, first, second, first_cell, second_cell, x, z, length = (
         np.array(column) for column in zip(*rows))
-    normal, shear = lumped_stiffness(wall, bodies, kind, first, second)
+    normal, shear = contact_stiffness(wall, options, bodies, kind, first, second)
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
     middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses

@@ -273,6 +273,9 @@ def _option(default, help_, **more):
                                             "seed": False, **more})
 
 
+_OF_DEFORMABLE = ("brick_order", "plane", "brick_mass", "brick_damping")
+
+
 @dataclass(frozen=True)
 class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
@@ -292,6 +295,9 @@ class ModelOptions:
     supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose forces the history has.
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
         which YADE does not have: there 16.
+    bricks: "rigid", their compliance lumped into the joints, or "deformable" (`damage.wall.strain`; the reference
+        solver alone), with polynomials of brick_order 2 or 3 in plane "stress" or "strain", the mass of the strain
+        modes times brick_mass, which lengthens the time step by its root, and brick_damping of their critical damping.
     """
 
     lintel: str = _option("elastic", "joints over an opening are elastic, or break like any other (none), or are "
@@ -310,6 +316,16 @@ class ModelOptions:
                             "its own in the history", choices=("one", "bricks"), tag="supports-{supports}")
     fibres: int = _option(0, "joints that soften are so many brittle fibres; 0: one smooth law, in YADE 16 fibres",
                           metavar="N", tag="fibres-{fibres}")
+    bricks: str = _option("rigid", "bricks are rigid and their compliance is lumped into the joints, or deform "
+                          "(reference solver)", choices=("rigid", "deformable"), tag="{bricks}")
+    brick_order: int = _option(2, "deformable bricks: order of their displacements, 2 (linear strain) or 3",
+                               metavar="2|3", tag="order-{brick_order}")
+    plane: str = _option("stress", "deformable bricks: plane stress, or plane strain", choices=("stress", "strain"),
+                         tag="plane-{plane}")
+    brick_mass: float = _option(9.0, "deformable bricks: factor on the mass of their strain modes, 1 to 25; the time "
+                                "step grows with its root", metavar="FACTOR", tag="brick-mass-{brick_mass:g}")
+    brick_damping: float = _option(0.05, "deformable bricks: damping of their strain modes over the critical one, 0 "
+                                   "to 1", metavar="RATIO", tag="brick-damping-{brick_damping:g}")
 
     def __post_init__(self):
         for one in fields(self):
@@ -323,6 +339,18 @@ class ModelOptions:
         check_range("strength_cov", self.strength_cov, 0, 2)
         check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
         check_whole("fibres", self.fibres, 0, 64)
+        check_whole("brick_order", self.brick_order, 2, 3)
+        check_range("brick_mass", self.brick_mass, 1, 25)
+        check_range("brick_damping", self.brick_damping, 0, 1)
+        for one in fields(self):
+            if one.name in _OF_DEFORMABLE and not self.deforms and getattr(self, one.name) != one.default:
+                raise InputError(f"--{one.name.replace('_', '-')} belongs to --bricks deformable; give both, or leave "
+                                 "it out")
+
+    @property
+    def deforms(self):
+        """Whether bricks are deformable."""
+        return self.bricks == "deformable"
 
     def tags(self):
         """The differences of this model from the default in a file's name: a list of words."""
