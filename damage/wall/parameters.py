@@ -344,8 +344,8 @@ class ModelOptions:
         check_range("brick_damping", self.brick_damping, 0, 1)
         for one in fields(self):
             if one.name in _OF_DEFORMABLE and not self.deforms and getattr(self, one.name) != one.default:
-                raise InputError(f"--{one.name.replace('_', '-')} belongs to --bricks deformable; give both, or leave "
-                                 "it out")
+                raise InputError(f"--{one.name.replace('_', '-')} = {getattr(self, one.name)!r} with rigid bricks: "
+                                 "expected only beside --bricks deformable; give both, or leave it out")
 
     @property
     def deforms(self):

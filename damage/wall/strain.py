@@ -115,9 +115,9 @@ def strain_of(wall, options, bodies, contacts, n_bricks):
     Raises InputError of bricks that split, whose halves would need a cut without stiffness of its own.
     """
     if wall.brick.splits:
-        raise InputError("--bricks deformable: bricks that split are rigid halves; leave Brick.tensile_strength out, "
-                         "or give --bricks rigid")
-    modes = [brick_modes(wall.brick, round(float(length), 9), options.brick_order, options.plane)
+        raise InputError("--bricks deformable: expected bricks that do not split, since halves are rigid; leave "
+                         "Brick.tensile_strength out, or give --bricks rigid")
+    modes = [brick_modes(wall.brick, round(float(length), 12), options.brick_order, options.plane)
              for length in bodies.length[:n_bricks]]
     frequency = np.zeros((len(bodies), len(modes[0].frequency)))
     frequency[:n_bricks] = [of.frequency for of in modes]
@@ -137,12 +137,11 @@ def _shapes(modes, bodies, contacts):
         rows = np.zeros(len(contacts), int)
         for k in np.flatnonzero((side >= 0) & (side < len(modes))):
             brick, upright = side[k], bool(contacts.upright[k])
-            x, z = (round(float(place), 9) for place in (contacts.x[k] - bodies.x[brick],
-                                                         contacts.z[k] - bodies.z[brick]))
-            key = modes[brick].length, x, z, upright
+            place = contacts.x[k] - bodies.x[brick], contacts.z[k] - bodies.z[brick]
+            key = modes[brick].length, *np.round(place, 9).tolist(), upright
             if key not in numbers:
                 numbers[key] = len(shapes)
-                moved, = modes[brick].displacement(np.array([x]), np.array([z]))
+                moved, = modes[brick].displacement(*np.array(place)[:, None])
                 shapes.append(moved if upright else moved[::-1])
             rows[k] = numbers[key]
         sides.append(rows)
