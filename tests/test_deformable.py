@@ -13,7 +13,11 @@ from conftest import one_line_error
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
+from small_history import make_history
 
+from damage.draw.run import save_all, stress_picture
+from damage.history.reader import read_history
+from damage.measure.energy import energy_error
 from damage.mechanics.tables import DAMPING, INPUT, RIGID
 from damage.motion.loading import Harmonic
 from damage.reference.session import run_reference
@@ -31,7 +35,7 @@ from damage.wall.modes import (
     stiffness_matrix,
 )
 from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
-from damage.wall.strain import brick_modes, elasticity_of
+from damage.wall.strain import brick_modes, elasticity_of, modes_of
 
 BRICK, JOINT = Brick(), Joint()
 LENGTH, HEIGHT, THICKNESS = BRICK.length, BRICK.height, BRICK.thickness
@@ -47,10 +51,6 @@ def lay(length, courses, joint=JOINT, precompression=0.0, **options):
 
 def stiffer(factor):
     return Joint(factor * JOINT.normal_stiffness, factor * JOINT.shear_stiffness)
-
-
-def modes_of(layout, brick):
-    return brick_modes(BRICK, round(float(layout.bodies.length[brick]), 12), layout.options.brick_order, "stress")
 
 
 def displacement(layout, force):
@@ -362,9 +362,6 @@ def test_energy_of_a_shaken_wall_balances_while_joints_fail(kind):
 
 
 def test_a_run_has_a_balanced_history(tmp_path):
-    from damage.history.reader import read_history
-    from damage.measure.energy import energy_error
-
     wall = "from damage import Wall\n\n\ndef wall():\n    return Wall('small', 0.9, 0.45)\n"
     (tmp_path / "small.py").write_text(wall)
     words = ["--harmonic", "0.05", "1.2", "--cycles", "2", "--rest", "0.05", "--no-pictures", "--bricks", "deformable",
@@ -376,6 +373,28 @@ def test_a_run_has_a_balanced_history(tmp_path):
     assert energy_error(history.series) < 5e-3
     assert history.series["damping_energy_j"].iloc[-1] > 0
     assert set(history.events["kind"]) >= {"tension", "shear"}
+    check_stresses(history)
+    assert any(path.stem == "stress_max" for path in save_all(history, tmp_path / "pictures"))
+
+
+def check_stresses(history):
+    """At the start the lowest course carries the weight of all that is above its middle, in the mean over its bricks;
+    and the top course's stresses at rest are those of the precompression."""
+    bodies, first = history.bodies, history.stress_pa[0].astype(float)
+    area = bodies["length_m"] * THICKNESS
+    for course in (0, 5):
+        these = (bodies["course"] == course).to_numpy()
+        above = ((bodies["course"] > course) | (bodies["course"] < 0)).to_numpy()
+        weight = GRAVITY * (bodies["mass_kg"][above].sum() + bodies["mass_kg"][these].sum() / 2)
+        assert_allclose((first[these, 0, 1] * area[these]).sum(), -weight, rtol=1e-3)
+    assert not first[(bodies["course"] < 0).to_numpy()].any()
+    assert history.stress_pa.shape == (len(history.snapshot_time_s), len(bodies), 5, 3)
+
+
+def test_rigid_bricks_have_no_stresses(tmp_path):
+    history = make_history(tmp_path / "a.h5", lay(2, 2, bricks="rigid"))
+    assert history.stress_pa is None
+    assert "deformable" in one_line_error(stress_picture, history)
 
 
 # --- options ------------------------------------------------------------------------------------

@@ -33,8 +33,8 @@ class Samples(NamedTuple):
     """Samples of some walls, one after the other.
 
     contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement:
-    (walls, samples, bodies, 3) [m, m, rad], the supports last; support_force: (walls, samples, supports, 3) of the wall
-    on them [N, N, N m]; totals: (walls, samples, TOTALS).
+    (walls, samples, bodies, coordinates) [m, m, rad, m sqrt(kg) ...], the supports last; support_force: (walls,
+    samples, supports, 3) of the wall on them [N, N, N m]; totals: (walls, samples, TOTALS).
     """
 
     contacts: np.ndarray
@@ -48,7 +48,7 @@ class Samples(NamedTuple):
         """Zero throughout, as of intact walls; system: System of one of them, whose last bodies are the supports."""
         n_contacts, n_bodies = len(system.contacts), len(system.place)
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
-                   np.zeros((n_walls, n_samples, n_bodies, RIGID)),
+                   np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
                    np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
 
     def of(self, wall, which):

@@ -69,8 +69,8 @@ def kinetic_of_modes(mass, velocity):
 
 @compiled
 def observe_modes(system, strain, dt, samples, w, k):
-    """Add to a sample the kinetic energy of all strain modes, velocities carried to the instant of the places, and
-    their stored energy [J]."""
+    """Add to a sample the amplitudes of all strain modes, their kinetic energy, velocities carried to the instant of
+    the places, and their stored energy [J]."""
     kinetic = stored = 0.0
     for b in range(len(system.place)):
         for m in range(strain.shapes.shape[2]):
@@ -79,5 +79,6 @@ def observe_modes(system, strain, dt, samples, w, k):
             velocity = (velocity + 0.5 * dt * rate) / (1.0 + 0.5 * dt * strain.damping[b, m])
             kinetic += 0.5 * system.mass[b, RIGID + m] * velocity * velocity
             stored += 0.5 * strain.stiffness[b, m] * place * place
+            samples.displacement[w, k, b, RIGID + m] = place
     samples.totals[w, k, KINETIC] += kinetic
     samples.totals[w, k, STRAIN] = stored

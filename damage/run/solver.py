@@ -23,7 +23,8 @@ class Instants(NamedTuple):
     (n, n_active)} of these, zero in all others; a solver leaves out a column that it does not know;
     top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
     that came in or were dissipated since `start`;
-    damping_j: None where the solver does not compute it: the run then infers it from the balance.
+    damping_j: None where the solver does not compute it: the run then infers it from the balance;
+    strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)], None of rigid ones.
     """
 
     clock: np.ndarray
@@ -39,6 +40,7 @@ class Instants(NamedTuple):
     friction_j: np.ndarray
     fracture_j: np.ndarray
     damping_j: np.ndarray | None
+    strain: np.ndarray | None = None
 
     @classmethod
     def one(cls, **values):

@@ -95,6 +95,23 @@ def brick_modes(brick, length, order, plane):
                       (vectors * np.sign(largest)).reshape(2, n, -1), elasticity)
 
 
+def stress_by_modes(layout):
+    """Stress along x, along z and shear in all bodies of a Layout, at the centre and at the corners, counter-clockwise
+    from the lower left, by a unit of each mode: (n_bodies, 5, 3, n_modes) [Pa/(m sqrt(kg))], zero of caps."""
+    places = np.array([(0.0, 0.0), (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+    found = np.zeros((len(layout.bodies), len(places), 3, layout.strain.n_modes))
+    for brick in range(layout.n_bricks):
+        modes = modes_of(layout, brick)
+        found[brick] = modes.stress(*(places * (modes.length, modes.height)).T)
+    return found
+
+
+def modes_of(layout, brick):
+    """BrickModes of a brick of a Layout."""
+    length, options = round(float(layout.bodies.length[brick]), 12), layout.options
+    return brick_modes(layout.wall.brick, length, options.brick_order, options.plane)
+
+
 def elasticity_of(brick, plane):
     """Stress by strain (3, 3) [Pa]: sigma_x, sigma_z, tau of epsilon_x, epsilon_z, gamma, in plane "stress" or
     "strain".  Raises InputError where the moduli are of no isotropic material."""
