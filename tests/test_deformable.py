@@ -239,6 +239,15 @@ def test_first_periods_of_the_walls(name, by_order_2, by_order_3):
             by_order_3, abs=6e-5)
 
 
+@pytest.mark.parametrize("name", ["solid", "symmetric"])
+def test_first_periods_are_those_of_a_triangle_mesh(name):
+    """Four cells a brick, of four constant-strain triangles each, whose nodes are the unknowns."""
+    from benchmarks.deformable import Mesh
+
+    layout = lay_out(load_wall(f"walls/{name}.py"), ModelOptions(contacts="gauss", cells=4, bricks="deformable"))
+    assert natural_modes(layout, 1).period_s[0] == pytest.approx(Mesh(layout, 4).first_period(), rel=3e-3)
+
+
 def test_mass_scaling_lengthens_the_step_and_leaves_the_period():
     found = {factor: natural_modes(lay(2, 12, precompression=3e5, brick_mass=factor), 1) for factor in (1.0, 9.0)}
     assert_allclose(found[9.0].period_s, found[1.0].period_s, rtol=1e-3)
