@@ -418,6 +418,13 @@ def test_options_of_deformable_bricks_alone():
     assert parse_run(["--bricks", "deformable", "--brick-order", "3"], "test", "reference").model.brick_order == 3
 
 
+def test_periods_of_deformable_bricks_by_the_command(capsys):
+    from damage.__main__ import main
+
+    assert main(["modes", "walls/symmetric.py", "--bricks", "deformable", "--contacts", "gauss"]) == 0
+    assert "mode 1: 0.20091 s" in capsys.readouterr().out
+
+
 def test_walls_that_cannot_deform():
     splitting = Wall("w", 0.9, 0.45, brick=Brick(tensile_strength=1e6))
     assert "bricks that do not split" in one_line_error(lay_out, splitting, ModelOptions(**DEFORMABLE))
