@@ -260,7 +260,8 @@ def _laboratory(asked):
 
 @_command("natural periods of a wall with intact joints", _path("wall", "WALL",
           f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), _JSON,
-          lambda command: add_model_options(command, ("top", "load", "cells", "contacts")), add_accept,
+          lambda command: add_model_options(command, (
+              "top", "load", "cells", "contacts", "bricks", "brick_order", "plane", "brick_mass")), add_accept,
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
     from damage.wall.caps import describe_top

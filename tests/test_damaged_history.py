@@ -20,6 +20,7 @@ from damage.errors import InputError
 from damage.history import apart as in_a_child
 from damage.history.head import HEAD_BYTES, read_head, seal
 from damage.history.info import DAMAGED, ENDED_EARLY, OPEN, UNSEALED, WHOLE, check
+from damage.history.schema import SCHEMA_VERSION
 from tests.fuzz import histories
 from tests.fuzz.histories import FINISHED, KILLED, OLD, change, mark_growing, originals
 
@@ -92,7 +93,7 @@ def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
     head, history = read_head(finished), damage.read_history(finished)
     assert head.sealed and head.model == f"reference {history.versions['model']}"
     text = finished.read_bytes()[:HEAD_BYTES].decode()
-    assert text.startswith(f"masonry-damage-history 5\nsoftware {damage.__version__}\nmodel reference ")
+    assert text.startswith(f"masonry-damage-history {SCHEMA_VERSION}\nsoftware {damage.__version__}\nmodel reference ")
     count = f"tail -c +{HEAD_BYTES + 1} {finished} | sha256sum"  # anyone can
     assert subprocess.run(count, shell=True, capture_output=True, text=True).stdout.split()[0] == head.sha256
 
@@ -122,7 +123,7 @@ def test_a_stump_is_refused(length, finished):
 
 
 @pytest.mark.parametrize(("old", "new"), [(b"sealed sha256", b"sealed sha257"), (b" bytes\n\0", b" bytes\n\1"),
-                                          (b"history 5", b"history 0"), (b"history 5", b"history 2"),
+                                          (b"history 6", b"history 0"), (b"history 6", b"history 2"),
                                           (b"software 0", b"software 7")])
 def test_a_damaged_head_is_refused(old, new, finished):
     finished.write_bytes(finished.read_bytes().replace(old, new, 1))

@@ -16,6 +16,7 @@ BRICK = 0.225
 EVERY_OPTION = [ModelOptions(lintel=lintel, top=top, cells=cells, contacts=contacts)
                 for lintel, top, cells, contacts in itertools.product(
                     ("elastic", "none"), ("piers", "uniform", "beam"), (1, 2, 3), ("interior", "corners"))]
+EVERY_OPTION += [ModelOptions(top=top, cells=cells, contacts="gauss") for top in ("piers", "beam") for cells in (2, 4)]
 
 # Walls whose openings ask for cut bricks, for windows, for several openings.
 ODD_WALLS = [
@@ -175,9 +176,9 @@ def test_lintel_is_the_inside_of_the_spandrel_with_its_bearing(symmetric_wall):
     assert not np.any(lay_out(symmetric_wall, ModelOptions(lintel="none")).contacts.elastic[:layout.n_joints])
 
 
-@pytest.mark.parametrize("contacts", ["interior", "corners"])
+@pytest.mark.parametrize("contacts", ["interior", "corners", "gauss"])
 def test_a_lintel_of_n_courses_holds_their_joints_and_the_beds_between_them(symmetric_wall, contacts):
-    per_head = {"interior": 1, "corners": 2}[contacts]  # a brick of a bed has four points with either
+    per_head = {"interior": 1, "corners": 2, "gauss": 2}[contacts]  # a brick of a bed has four points with either
     for courses, beds, heads in ((0, 0, 0), (1, 0, 10), (2, 44, 21), (3, 88, 31), (4, 132, 42), (99, 132, 42)):
         layout = lay_out(symmetric_wall, ModelOptions(lintel=courses, contacts=contacts))
         inside = layout.contacts.elastic & (layout.contacts.kind != CAP)

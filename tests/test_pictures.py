@@ -144,7 +144,7 @@ class TestJoints:
         assert labels(figure)[-3:] == ["0.1 mm wide", "0.2 mm wide", "0.5 mm wide"]
         assert_allclose(widths[-3:], line_width(np.array([0.1, 0.2, 0.5]) * MILLIMETRE))
 
-    @pytest.mark.parametrize("contacts", ["interior", "corners"])
+    @pytest.mark.parametrize("contacts", ["interior", "corners", "gauss"])
     def test_tributary_lengths_tile_every_joint(self, tmp_path, contacts):
         layout = lay_out(Wall("small", 0.9, 0.45), ModelOptions(contacts=contacts))
         joints = make_history(tmp_path / "a.h5", layout, stages=("motion",)).joints

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 
 import pytest
 from conftest import REPOSITORY, run_command
@@ -52,6 +53,16 @@ def test_an_estimate_by_hand(study, known):
     assert_allclose(together.seconds, 2 * 0.25 + 2.0 * steps * n_joints * 2.5e-9, rtol=1e-2)
     assert_allclose(yade.seconds, 2 * 5.0 + steps * n_joints * 800e-9, rtol=1e-2)
     assert_allclose(alone.n_bytes, 1.0 / 2e-3 * n_joints * 1.15, rtol=0.1)
+
+
+def test_a_run_with_deformable_bricks_takes_longer_by_its_steps_and_their_time(study, known):
+    """Of a third and less of the rigid wall's time step, each of 16 times the time; none together."""
+    run = replace(study.runs[0], words=(*study.runs[0].words, "--bricks", "deformable"))
+    rigid, deformable = (plan.estimate(one, "alone", known) for one in (study.runs[0], run))
+    assert_allclose(plan.estimate(run, "together", known).seconds - 2 * 0.25, deformable.seconds - 2 * 0.75)
+    critical_s = [plan._wall(run.wall, plan.parse_run(words, "plan", "reference").model)[2]
+                  for words in ([], ["--bricks", "deformable"])]
+    assert_allclose((deformable.seconds - 1.5) / (rigid.seconds - 1.5), 16 * critical_s[0] / critical_s[1], rtol=0.05)
 
 
 def test_runs_step_together_where_there_are_enough_for_all_processes(study):

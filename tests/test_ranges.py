@@ -32,6 +32,8 @@ RUN = {
     "--strength-seed ?": "0 1000000000", "--beta ?": "0 1e-300", "--rayleigh ? 5 20": "0 1e-300 0.5",
     "--rayleigh 0.02 ? 20": "0.5", "--rayleigh 0.02 0.1 ?": "0.5", "--perturb ?": "0 1e-300",
     "--scatter ?": "0 1e-300", "--fibres ?": "0",
+    "--bricks deformable --brick-mass ?": "", "--bricks deformable --brick-damping ?": "0 1e-300 0.5",
+    "--bricks deformable --brick-order ?": "", "--brick-damping ?": "",
     "--seed ?": "0 1000000000", "--rest ?": "0 1e-300 0.5", "--dt ?": "", "--members ?": "",
 }
 """{words of a run, ? the value: which of ODD go}."""

@@ -21,7 +21,7 @@ from damage.reference.fast.compiled import FAST
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, Opening, Wall
+from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
 
 WALL = Wall("pier", 0.675, 0.3, [Opening(0.225, 0.225, 0.15)], joint=Joint(tensile_strength=5e3, cohesion=5e4))
 
@@ -56,19 +56,20 @@ CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-
 
 
 def all_results(fast):
-    """{case and quantity: array} of all CASES, by the fast step or the plain one."""
-    layout = lay_out(WALL)
-    results = {}
-    step = 0.3 * natural_modes(layout).critical_time_step_s
-    for case, options in CASES.items():
-        solver = ReferenceWall(layout, step, fast=fast, **options)
+    """{case and quantity: array} of all CASES, by the fast step or the plain one, and of deformable bricks."""
+    results, rigid = {}, lay_out(WALL)
+    deformable = lay_out(WALL, ModelOptions(bricks="deformable", contacts="gauss"))
+    for case, options, layout, label in (*((case, options, rigid, "") for case, options in CASES.items()),
+                                         (relaxed, {}, deformable, "deformable_"),
+                                         (damped, CASES[damped], deformable, "deformable_")):
+        solver = ReferenceWall(layout, 0.3 * natural_modes(layout).critical_time_step_s, fast=fast, **options)
         case(solver)
         steps, joints, kinds, values = solver.drain_events()
         for name, value in {"place": solver.displacement, "velocity": solver.velocity, "force": solver.force,
                             "slip": solver.slip, "opening": solver.opening, "energy": solver.energy,
                             "kinetic": solver.kinetic_energy(), "values": values,
                             "events": np.column_stack([steps, joints, kinds])}.items():
-            results[f"{case.__name__}_{name}"] = value
+            results[f"{label}{case.__name__}_{name}"] = value
     return results
 
 

@@ -47,7 +47,7 @@ def small_wall(tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("words", [(), ("--contacts", "corners")], ids="".join)
+@pytest.mark.parametrize("words", [(), ("--contacts", "corners"), ("--contacts", "gauss")], ids="".join)
 def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp_path, words):
     """Bricks of unequal size."""
     out = tmp_path / "small.h5"

@@ -49,6 +49,8 @@ MEASURED_AT = Speed(2.6, 1.25)
 RUN = {"alone": (0.75, 1.5), "together": (0.25, 2.0), "yade": (5.0, 1.0)}
 """Of a run: seconds besides its steps (layout, periods, history, tables), and its steps' time over that of a wall at
 rest."""
+DEFORMABLE = 16.0
+"""Time of a step and contact point with deformable bricks over that with rigid ones, in a run that is alone."""
 PICTURES_S, BATCH_S, COMPILING_S, PYTHON_S = 4.5, 4.5, 25.0, 0.0114
 """Seconds of the pictures of a run; of starting Snakemake and its jobs and of the study's tables; of compiling; and of
 `speed.python_seconds`."""
@@ -173,6 +175,8 @@ def estimate(run, way, machine):
     samples = shaken_s / step_s / sample_steps(step_s)
     besides_s, factor = RUN[way]
     ns = {"together": machine.together_ns, "alone": machine.alone_ns, "yade": YADE_NS}[way]
+    if settings.model.deforms:  # none step together
+        ns, factor = DEFORMABLE * machine.alone_ns, RUN["alone"][1]
     return Cost(besides_s * machine.alone_ns / MEASURED_AT.alone_ns + factor * steps * n_joints * ns * 1e-9,
                 samples * n_joints * BYTES_A_CONTACT_AND_SAMPLE)
 

@@ -59,6 +59,9 @@ def _run(make_wall, path):
 
 
 def _check(settings):
+    if settings.model.deforms:
+        raise InputError("--bricks deformable: expected rigid bricks in YADE; leave it out, or use the reference "
+                         "solver: python3 -m damage reference")
     if settings.beta_s > 0:
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")

@@ -22,7 +22,7 @@ def modes_picture(layout, modes):
     for number, ax in enumerate(figure.subplots(rows, 2, squeeze=False).ravel()):
         ax.axis("off")
         if number < n:
-            _draw_mode(ax, layout, modes.shape[number])
+            _draw_mode(ax, layout, modes.shape[number, :, :3])
             ax.set_title(f"mode {number + 1}: {modes.period_s[number]:.4f} s", fontsize="medium")
     figure.suptitle(f"{layout.wall.name}: natural modes with intact joints; critical time step "
                     f"{modes.critical_time_step_s:.3g} s", x=0.02, ha="left")

@@ -104,6 +104,38 @@ def heap_picture(history):
                        [f"{after_s:.2f} s after the first brick fell, not magnified"], handles)
 
 
+@style.styled
+def stress_picture(history, sample="max", slip="displacement", threshold=THRESHOLD):
+    """Principal stresses at the centres of deformable bricks, in true scale: lines along them, as long as they are
+    large; arguments as of `wall_picture`.
+
+    InputError where bricks are rigid.
+    """
+    if history.stress_pa is None:
+        raise InputError(f"{history.path} has no stresses: expected a run with --bricks deformable; run it again so")
+    shape = wall_shape(history, sample, slip, threshold, magnify=0.0)
+    at = int(np.abs(history.snapshot_time_s - shape.time_s).argmin())
+    along_x, along_z, shear = history.stress_pa[at, ~shape.is_cap, 0].astype(float).T
+    middle, radius = (along_x + along_z) / 2, np.hypot((along_x - along_z) / 2, shear)
+    angle = np.arctan2(2 * shear, along_x - along_z) / 2
+    stress = np.stack([middle + radius, middle - radius])
+    scale = history.bodies["length_m"][~shape.is_cap].median() / max(np.abs(stress).max(), 1.0)
+    centre = shape.corners[~shape.is_cap].mean(axis=1)
+    figure, ax = style.new_figure(1.0)
+    ax.add_collection(PolyCollection(shape.corners, facecolors=np.where(shape.is_cap, style.CAP_COLOUR,
+                                                                        style.BRICK_COLOUR),
+                                     edgecolors="0.85", linewidths=0.2))
+    for values, direction in zip(stress, (angle, angle + np.pi / 2)):
+        half = 0.5 * scale * np.abs(values)[:, None] * np.column_stack([np.cos(direction), np.sin(direction)])
+        ax.add_collection(LineCollection(np.stack([centre - half, centre + half], axis=1), linewidths=0.5,
+                                         colors=np.where(values > 0, style.VERMILLION, style.BLUE)))
+    handles = [Line2D([], [], color=colour, lw=0.9, label=f"{label}, up to {max(size, 0.0) / 1e6:.2g} MPa")
+               for colour, label, size in ((style.VERMILLION, "tension", stress.max()),
+                                           (style.BLUE, "compression", -stress.min()))]
+    return _with_words(figure, _show_all(ax, shape.corners), history,
+                       [f"principal stresses at the bricks' centres, {history.snapshot_time_s[at]:.2f} s"], handles)
+
+
 def draw_wall(ax, shape):
     """Draw a WallShape in true scale; returns height over width of the axes."""
     caps = shape.is_cap
@@ -323,7 +355,9 @@ PICTURES = {
 def save_all(history, folder):
     """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns their paths.
 
-    The picture of the heap is included where bricks were followed beyond the collapse.
+    The picture of the heap is included where bricks were followed beyond the collapse, that of stresses where bricks
+    deform.
     """
-    chosen = PICTURES | ({"heap": heap_picture} if has_heap(history) else {})
+    chosen = PICTURES | ({"heap": heap_picture} if has_heap(history) else {}) | (
+        {} if history.stress_pa is None else {"stress_max": stress_picture})
     return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))

@@ -57,9 +57,11 @@ class Buffer:
         code = schema.EVENTS.index(kind)
         self._rows["events"].append((time_s, joint, code, normal_stress, shear_stress, opening, slip))
 
-    def snapshot(self, time_s, displacement):
-        """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage."""
-        self._rows["snapshots"].append((time_s, np.array(displacement, "f4")))
+    def snapshot(self, time_s, displacement, stress_pa=None):
+        """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage, and stresses
+        (n_bodies, 5, 3) [Pa] of deformable bricks."""
+        self._rows["snapshots"].append((time_s, np.array(displacement, "f4"),
+                                        *([] if stress_pa is None else [np.array(stress_pa, "f4")])))
 
     def flush(self):
         """Store what is buffered."""

@@ -78,7 +78,8 @@ class HistoryInMemory(Buffer):
                        np.nan if self._collapsed_at_s is None else self._collapsed_at_s)}
         values |= {f"{group}/{name}": self._column(group, number, name)
                    for group, columns in schema.GROWING.items() if group != "frames"
-                   for number, name in enumerate(columns)}
+                   for number, name in enumerate(columns)
+                   if self._layout.strain is not None or f"{group}/{name}" not in schema.OPTIONAL}
         joints, frames = self._active_frames()
         values |= {f"frames/{name}": rows for name, rows in frames.items()}
         return checked(history_of(path, self._attributes, values, joints=joints))

@@ -109,7 +109,8 @@ class History:
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
     opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed, ended: bool of that shape; offset_m: the same of
     the offsets, None in a file that has none (schema versions 1 and 2).
-    snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad].
+    snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad]; stress_pa: (n_snapshots,
+    n_bodies, 5, 3) along x, along z and shear at the centre and the corners of each brick, None where bricks are rigid.
     supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
     (n_times, n_supports, 3); all three None in a file that has none (before schema version 5).
     static: what the static stage ended with; parameters: all that defined the run, as the file holds it; most of
@@ -143,6 +144,7 @@ class History:
     supports: pd.DataFrame | None = None
     support_displacement: np.ndarray | None = None
     support_force: np.ndarray | None = None
+    stress_pa: np.ndarray | None = None
 
     def __repr__(self):
         return in_a_line(self)
@@ -348,7 +350,8 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
     series, n_times = _columns(values, "series", min(
         len(values[f"{group}/{name}"]) for group in ("series", "frames", "ground") for name in tables[group]))
     events, _ = _columns(values, "events", min(len(values[f"events/{name}"]) for name in TABLES["events"]))
-    n_snapshots = min(len(values[f"snapshots/{name}"]) for name in TABLES["snapshots"])
+    snapshots = {name: values[f"snapshots/{name}"] for name in TABLES["snapshots"] if f"snapshots/{name}" in values}
+    n_snapshots = min(map(len, snapshots.values()))
     table, n_joints = _columns(values, "joints")
     frames = _frames(values, tables["frames"], n_times)
     collapsed = float(values["run/collapsed_at_s"][()])
@@ -364,8 +367,8 @@ def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joi
         attributes=attributes, joints=_decode(table, "kind", CODES["joints/kind"]),
         bodies=_columns(values, "bodies")[0],
         series=_number_shocks(_decode(series, "stage", STAGES)), events=_decode(events, "kind", EVENTS),
-        snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
-        displacement=values["snapshots/displacement"][:n_snapshots], **ground,
+        snapshot_time_s=snapshots["time_s"][:n_snapshots], displacement=snapshots["displacement"][:n_snapshots],
+        stress_pa=snapshots["stress_pa"][:n_snapshots] if "stress_pa" in snapshots else None, **ground,
         **(frames if joints is None else
            {name: partial(_at_all_joints, rows, joints, n_joints) for name, rows in frames.items()}))
     if joints is not None:  # as its cached properties would compute it from dense frames

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 5
+SCHEMA_VERSION = 6
 """1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints that crush, 4 no
-supports and no joints that end."""
+supports and no joints that end, 5 no stresses."""
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling")
 EVENTS = ("tension", "shear", "opened", "slipped")
@@ -36,8 +36,8 @@ JOINTS = {
     "second_body": Column("index", "upper body, or right one", "i8"),
     "x_m": Column("m", "place in the undeformed wall, along it"), "z_m": Column("m", "the same, upwards"),
     "length_m": Column("m", "tributary length"), "area_m2": Column("m2", "tributary length times the thickness"),
-    "normal_stiffness_pa_m": Column("Pa/m", "with the bricks' compliance"),
-    "shear_stiffness_pa_m": Column("Pa/m", "with the bricks' compliance"),
+    "normal_stiffness_pa_m": Column("Pa/m", "with the compliance of rigid bricks"),
+    "shear_stiffness_pa_m": Column("Pa/m", "with the compliance of rigid bricks"),
     "elastic": Column("bool", "held by the lintel, cannot break", "?"),
     "tensile_strength_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them)"),
     "cohesion_pa": Column("Pa, infinite where elastic", "of this joint (`--strength-cov` scatters them); infinite of a "
@@ -62,8 +62,8 @@ SERIES = {
     "drift_ratio": Column("1", "top displacement over the height of these bricks' centres"),
     "base_shear_n": Column("N", "horizontal force of the wall on the ground, positive with positive drift"),
     "top_force_n": Column("N", "force that moves the top in a pushover; NaN in dynamics"),
-    "kinetic_energy_j": Column("J", "stored, in all"),
-    "elastic_energy_j": Column("J", "stored, since the end of the static stage"),
+    "kinetic_energy_j": Column("J", "stored, in all, with that of deformable bricks' strain modes"),
+    "elastic_energy_j": Column("J", "stored in joints and deformable bricks, since the end of the static stage"),
     "gravity_energy_j": Column("J", "stored, since the end of the static stage"),
     "input_energy_j": Column("J", "work of the base's inertia forces in the frame that moves with the base, or of the "
                                   "pushed top"),
@@ -103,7 +103,12 @@ SNAPSHOTS = {
     "time_s": Column("s", "since the start of the (first) motion; every tenth sample, and the end"),
     "displacement": Column("m, m, rad", "of the centres, and rotation x towards z, since the end of the static stage",
                            "f4"),
+    "stress_pa": Column("Pa", "only of deformable bricks: along x, along z, shear, in the brick's axes, tension "
+                        "positive, weight included; at the centre and at the corners, counter-clockwise from the lower "
+                        "left; zero of caps", "f4", since=6),
 }
+OPTIONAL = {"snapshots/stress_pa"}
+"""Datasets that only some runs have."""
 GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS}
 """Groups whose datasets grow during a run."""
 TABLES = {"static": STATIC, "joints": JOINTS, "bodies": BODIES, "supports": SUPPORTS, **GROWING}
@@ -122,7 +127,8 @@ def codes_of(version):
 
 SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
           "series": ("samples",), "frames": ("samples", "joints"), "ground": ("samples", "supports", 3),
-          "events": ("events",), "snapshots": ("snapshots",), "snapshots/displacement": ("snapshots", "bodies", 3)}
+          "events": ("events",), "snapshots": ("snapshots",), "snapshots/displacement": ("snapshots", "bodies", 3),
+          "snapshots/stress_pa": ("snapshots", "bodies", 5, 3)}
 """Of the datasets of a group, or of one: what they have as many of."""
 CODES = {"run/status": STATUS, "series/stage": STAGES, "events/kind": EVENTS, "joints/kind": ("bed", "head", "brick")}
 """Of a dataset: what its numbers stand for."""

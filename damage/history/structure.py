@@ -33,6 +33,8 @@ def check_structure(file):
     for group, columns in tables.items():
         for name, column in columns.items():
             path = f"{group}/{name}"
+            if path in schema.OPTIONAL and name not in file[group]:
+                continue
             dataset = _dataset(file, path)
             _check_type(path, dataset, column, codes)
             _check_shape(path, dataset, schema.SHAPES.get(path, schema.SHAPES[group]), sizes, ended)
@@ -99,7 +101,7 @@ def _check_shape(path, dataset, expected, sizes, ended):
         raise InputError(f"{path} has shape {shape}, expected ({', '.join(map(str, expected))})")
     for number, of in zip(shape, expected):
         wanted = of if isinstance(of, int) else sizes.setdefault(of, number)
-        if number != wanted and (ended or of in ("joints", "bodies", "supports", 3)):
+        if number != wanted and (ended or isinstance(of, int) or of in ("joints", "bodies", "supports")):
             raise InputError(f"{path} has shape {shape}, expected {wanted} {of if of != wanted else ''}".rstrip())
         if not isinstance(of, int):
             sizes[of] = min(number, wanted)

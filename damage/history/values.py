@@ -52,7 +52,8 @@ def check_values(history):
     time_s = series["time_s"].to_numpy()
     _refuse(np.diff(time_s, prepend=-np.inf) <= 0, "time_s", "a later time than before", time_s)
     for name, frames in (*((name, getattr(history.active, name)) for name in ("opening_m", "slip_m", "offset_m")),
-                         ("displacement", history.displacement), ("ground/displacement", history.support_displacement)):
+                         ("displacement", history.displacement), ("stress_pa", history.stress_pa),
+                         ("ground/displacement", history.support_displacement)):
         # Of the extremes first, which takes no memory: of what is no number both are none, too.
         if frames is None or (-_HUGE < frames.min(initial=0.0) and frames.max(initial=0.0) < _HUGE):
             continue

@@ -228,11 +228,13 @@ def _create_growing(file, layout):
     """Empty datasets {group: [in the order of its columns]}: rows of frames are of the joints, those of ground of the
     supports, those of displacements of the bodies."""
     shapes = {"frames": (layout.n_joints,), "ground": (len(layout.supports), 3),
-              "displacement": (len(layout.bodies), 3)}
+              "displacement": (len(layout.bodies), 3), "stress_pa": (len(layout.bodies), 5, 3)}
     chunks = {"events": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
     made = {group: [] for group in schema.GROWING}
     for group, columns in schema.GROWING.items():
         for name, column in columns.items():
+            if f"{group}/{name}" in schema.OPTIONAL and layout.strain is None:
+                continue
             shape = shapes.get(group, shapes.get(name, ()))
             made[group].append(file.create_dataset(
                 f"{group}/{name}", shape=(0, *shape), maxshape=(None, *shape), dtype=column.dtype,

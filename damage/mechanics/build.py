@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.mechanics.tables import CONTACT, INTERFACE, RIGID, ROTATION, STATE, System, table
+from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, STATE, Strain, System, table
 from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT
 from damage.wall.kinematics import slide_limits
@@ -26,18 +26,32 @@ def build(layout, material):
     intact = range_left(ContactState(), LawParameters(*(contacts[name] for name in (
         "kn", "ks", "tensile_strength", "cohesion")), material))
     states = table(STATE, len(contacts), idle=-1.0, **{f"elastic_{name}": of for name, of in intact._asdict().items()})
-    sum_springs(interfaces, contacts, material)
-    mass = np.zeros((n_bodies, RIGID))
-    mass[bodies] = layout.bodies.mass[:, None]
+    sum_springs(interfaces, contacts, material, layout.strain)
+    n_modes = layout.strain.n_modes if layout.strain else 0
+    mass = np.zeros((n_bodies, RIGID + n_modes))
+    mass[bodies, :RIGID] = layout.bodies.mass[:, None]
     mass[bodies, ROTATION] = layout.bodies.inertia
+    if layout.strain:
+        mass[bodies, RIGID:] = layout.strain.mass
     inverse_mass = np.zeros_like(mass)
-    inverse_mass[bodies] = 1 / mass[bodies]
+    inverse_mass[mass > 0] = 1 / mass[mass > 0]
     return System(
         place=np.zeros_like(mass), velocity=np.zeros_like(mass), force=np.zeros_like(mass), mass=mass,
         inverse_mass=inverse_mass, trig=np.zeros((n_bodies, 2)), interfaces=interfaces, contacts=contacts,
         states=states, readings=np.zeros((4, len(contacts))), energy=np.zeros(4),
         events=np.zeros((CAPACITY, 3), np.int64), values=np.zeros((CAPACITY, 4)), n_events=np.zeros(1, np.int64),
-        relaxation=np.zeros(2), last=np.zeros((len(interfaces), 6)))
+        relaxation=np.zeros(2), last=np.zeros((len(contacts if n_modes else interfaces), 6)))
+
+
+def strain_tables(layout):
+    """The Strain of a damage.wall.layout.Layout, without modes of rigid bricks."""
+    row, of = contact_rows(layout)[0], layout.strain
+    n_bodies = len(layout.bodies) + len(layout.supports)
+    if of is None:
+        return Strain(np.zeros((n_bodies, 0)), np.zeros((n_bodies, 0)), np.zeros((1, 2, 0)), np.zeros((0, 2), INDEX))
+    resting = np.zeros((len(layout.supports), of.n_modes))
+    return Strain(np.vstack([of.stiffness, resting]), np.vstack([of.damping, resting]), of.shapes,
+                  np.column_stack([of.first, of.second])[row].astype(INDEX))
 
 
 def contact_rows(layout):
@@ -88,8 +102,9 @@ def _interfaces(layout, row):
     return interfaces, [np.repeat(values, stop - start) for values in middle]
 
 
-def sum_springs(interfaces, contacts, material):
-    """Write the resultant springs of intact interfaces into their table, and the limits up to which these hold."""
+def sum_springs(interfaces, contacts, material, strain=None):
+    """Write the resultant springs of intact interfaces into their table, and the limits up to which these hold: none
+    between bricks with strain modes, whose contact points are evaluated one by one."""
     start = interfaces["start"]
     kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
     for name, values in (("kn", kn), ("ks", ks), ("kn_offset", kn * offset), ("kn_offset2", kn * offset**2)):
@@ -104,6 +119,6 @@ def sum_springs(interfaces, contacts, material):
     # The limit at the outermost contact point bounds all others only where they have the same ratio of stiffness and
     # friction; elsewhere a limit of -inf has every contact point evaluated by itself.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
-    # Contacts that can crush are evaluated by themselves, too.
-    alike &= contacts["compressive_strength"] == np.inf
+    # Contacts that can crush, and those of deformable bricks, are evaluated by themselves, too.
+    alike &= (contacts["compressive_strength"] == np.inf) & (strain is None)
     interfaces["largest_opening"][~np.logical_and.reduceat(alike, start)] = -np.inf

@@ -12,7 +12,6 @@ from damage.mechanics.by_name import reader, writer
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.interfaces import Resultant, parted
 from damage.mechanics.tables import (
-    ENDED,
     ENDING,
     FAILED,
     FRACTURE,
@@ -106,17 +105,17 @@ def remember(contacts, states, start, stop, motion):
 
 
 @inlined
-def law_resultant(system, law, p, step, motion, before, damped):
-    """Resultant of an interface's contact points by the joint law [N, N m].
+def law_resultant(system, law, start, stop, step, motion, before, damped):
+    """Resultant of contact points of an interface by the joint law [N, N m].
 
     Returns the resultant; if damped, its change since the last step by the contact points that stayed elastic; and
-    whether a contact point has failed, softened or been crushed.  p: row of the interface; step: number of the step in
+    whether a contact point has failed, softened or been crushed.  step: number of the step in
     the log; motion, before: RelativeMotion now and in the last step.
     """
-    interface, contacts, states = system.interfaces[p], system.contacts, system.states
+    contacts, states = system.contacts, system.states
     normal = shear = couple = d_normal = d_shear = d_couple = 0.0
     failed = False
-    for i in range(interface.start, interface.stop):
+    for i in range(start, stop):
         contact, state = contacts[i], states[i]
         trial, kappa = elastic_trial(contact, state, motion), state.kappa
         old = present_forces(contact, state, before) if damped else trial
@@ -195,16 +194,6 @@ def ends_now(system, p, motion):
     if ends:
         interface.failed = ENDING
     return ends
-
-
-@inlined
-def has_ended(system, p, motion):
-    """Whether the faces of an interface ceased to overlap in an earlier step, so that it transmits no force."""
-    interface = system.interfaces[p]
-    if interface.failed == ENDING:
-        let_go(system, interface.start, interface.stop, motion)
-        interface.failed = ENDED
-    return interface.failed == ENDED
 
 
 @compiled

@@ -145,6 +145,12 @@ def forces_on_bodies(frame, resultant):
 
 
 @inlined
+def add(one, other):
+    """Sum of two Resultants [N, N m]."""
+    return Resultant(one.normal + other.normal, one.shear + other.shear, one.couple + other.couple)
+
+
+@inlined
 def change(resultant, before):
     """Difference of two Resultants [N, N m]."""
     return Resultant(resultant.normal - before.normal, resultant.shear - before.shear,

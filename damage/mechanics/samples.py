@@ -12,8 +12,9 @@ from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.tables import ENDING, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, RIGID, ROTATION, X, Z
 from damage.wall.joint_law import elastic_energy
 
-KINETIC, TOTALS = 0, 5
-"""Index of the kinetic energy [J] in the totals, followed by `System.energy`; and length of the totals."""
+KINETIC, STRAIN, TOTALS = 0, 5, 6
+"""Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks [J]; and
+length of the totals."""
 
 
 FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)
@@ -33,8 +34,8 @@ class Samples(NamedTuple):
     """Samples of one or several walls.
 
     contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement:
-    (walls, samples, bodies, 3) [m, m, rad], the supports last; support_force: (walls, samples, supports, 3) of the wall
-    on them [N, N, N m]; totals: (walls, samples, TOTALS).
+    (walls, samples, bodies, coordinates) [m, m, rad, m sqrt(kg) ...], the supports last; support_force: (walls,
+    samples, supports, 3) of the wall on them [N, N, N m]; totals: (walls, samples, TOTALS).
     """
 
     contacts: np.ndarray
@@ -48,7 +49,7 @@ class Samples(NamedTuple):
         """Samples with all values zero; system: System of one of the walls, whose last bodies are the supports."""
         n_contacts, n_bodies = len(system.contacts), len(system.place)
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
-                   np.zeros((n_walls, n_samples, n_bodies, RIGID)),
+                   np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
                    np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
 
     def of(self, wall, which):

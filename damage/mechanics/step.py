@@ -11,9 +11,11 @@ import numpy as np
 
 from damage.mechanics import bodies, contacts, interfaces
 from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.interfaces import Resultant
 from damage.mechanics.rows import change_since_last, keep_last, last_motion, line_of, pose, springs_of
 from damage.mechanics.samples import observe
-from damage.mechanics.tables import DAMPING, FAILED, INPUT, RIGID, ROTATION, X, Z
+from damage.mechanics.strain import kinetic_of_modes, motion_at, move_mode, observe_modes, points_at_once, push_modes
+from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, INDEX, INPUT, RIGID, ROTATION, X, Z
 
 PARTS = 8
 """Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so on."""
@@ -34,18 +36,19 @@ def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, 
     step = 0
     for k in range(len(ends)):
         if controls.beta > 0.0:
-            remember_last(system)
+            remember_last(system, law)
         while step < ends[k]:
-            move(system, controls, field[step], scratch.sums)
+            move(system, law, controls, field[step], scratch.sums)
             if controls.adaptive > 0.0:
                 adapt(system, controls, scratch.sums[KINETIC])
             step += 1
             find_forces(system, law, controls, clock + step, step == ends[k], scratch)
         observe(system, stiffness, field[step], controls.time_step, samples, w, k)
+        observe_modes(system, law.strain, controls.time_step, samples, w, k)
 
 
 @inlined
-def move(system, controls, field, sums):
+def move(system, law, controls, field, sums):
     """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
 
     field: (3,) as of `run`; sums: of Scratch.
@@ -61,10 +64,8 @@ def move(system, controls, field, sums):
                 sums[k, part] += swept
             driven += power
             lost += taken
-        for k in range(RIGID, system.place.shape[1]):
-            _, power, taken = move_coordinate(system, dt, alpha, controls.local, 0.0, b, k)
-            driven += power
-            lost += taken
+        for m in range(law.strain.shapes.shape[2]):
+            lost += move_mode(system, law.strain, dt, alpha, controls.local, b, m)
         sums[DRIVEN, part] += driven
         sums[TAKEN, part] += lost
         angle = system.place[b, ROTATION]
@@ -112,6 +113,8 @@ def adapt(system, controls, parts):
     """Set the adaptive damping of the next step from the kinetic energy of this one; parts: zero on entry."""
     for b in range(len(system.velocity)):
         parts[b % PARTS] += bodies.kinetic_energy(system.mass[b], system.velocity[b])
+        if system.place.shape[1] > RIGID:
+            parts[b % PARTS] += kinetic_of_modes(system.mass[b], system.velocity[b])
     kinetic = total(parts)
     system.relaxation[0] = bodies.adaptive_damping(kinetic, system.relaxation[1], controls.adaptive, controls.time_step)
     system.relaxation[1] = kinetic
@@ -148,28 +151,56 @@ def find_forces(system, law, controls, step, singly, scratch):
 def forces_by_contacts(system, law, controls, p, step, singly, damped):
     """Add the forces of interface p, evaluated contact point by contact point.
 
-    They are springs while all stay in their elastic range, else the joint law applies.  Once the faces have ceased to
-    overlap, forces are zero from the next step on, permanently.
+    They are springs while all that share a RelativeMotion stay in their elastic range, else the joint law applies.
+    Once the faces have ceased to overlap, forces are zero from the next step on, permanently.
     """
     interface = system.interfaces[p]
-    start, stop = interface.start, interface.stop
+    start, size = interface.start, points_at_once(law.strain, interface)
     frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a), pose(system, interface.b))
-    if contacts.has_ended(system, p, motion):
+    if interface.failed >= ENDING:
+        while interface.failed == ENDING and start < interface.stop:
+            contacts.let_go(system, start, start + size, motion_at(system, law.strain, interface, start, motion))
+            start += size
+        interface.failed = ENDED
         return
+    total = Resultant(0.0, 0.0, 0.0)
+    while start < interface.stop:
+        here = motion_at(system, law.strain, interface, start, motion)
+        resultant = forces_of_points(system, law, controls, p, start, start + size, step, here, damped)
+        push_modes(system, law.strain, interface, start, resultant.normal, resultant.shear)
+        total = interfaces.add(total, resultant)
+        start += size
+    if contacts.ends_now(system, p, motion) or singly:
+        start = interface.start
+        while start < interface.stop:
+            contacts.read(system.contacts, system.states, system.readings, start, start + size,
+                          motion_at(system, law.strain, interface, start, motion))
+            start += size
+    push(system, interface, interfaces.forces_on_bodies(frame, total))
+
+
+@inlined
+def forces_of_points(system, law, controls, p, start, stop, step, motion, damped):
+    """Resultant of contact points of an interface that share a RelativeMotion [N, N m]."""
+    interface, row = system.interfaces[p], last_row(law, p, start)
     resultant, elastic = contacts.elastic_resultant(system.contacts, system.states, start, stop, motion)
-    changed = change_since_last(system, p, resultant)
+    changed = change_since_last(system, row, resultant)
     if elastic or stays_intact(interface, motion):
         contacts.remember(system.contacts, system.states, start, stop, motion)
     else:
-        resultant, changed, failed = contacts.law_resultant(system, law, p, step, motion, last_motion(system, p),
-                                                            controls.beta > 0.0)
+        resultant, changed, failed = contacts.law_resultant(system, law, start, stop, step, motion,
+                                                            last_motion(system, row), controls.beta > 0.0)
         if failed:
             interface.failed = FAILED
-    if contacts.ends_now(system, p, motion) or singly:
-        contacts.read(system.contacts, system.states, system.readings, start, stop, motion)
     if controls.beta > 0.0:
-        resultant = damp(system, controls, p, motion, resultant, changed, damped)
-    push(system, interface, interfaces.forces_on_bodies(frame, resultant))
+        resultant = damp(system, controls, row, motion, resultant, changed, damped)
+    return resultant
+
+
+@inlined
+def last_row(law, p, start):
+    """Row of `System.last` of interface p, or of its contact where bricks deform."""
+    return INDEX(p) if law.strain.shapes.shape[2] == 0 else start
 
 
 @inlined
@@ -205,11 +236,15 @@ def stays_intact(interface, motion):
 
 
 @compiled
-def remember_last(system):
+def remember_last(system, law):
     """Store present motions and resultants of all interfaces, for stiffness-proportional damping in the next step."""
     for p in range(len(system.interfaces)):
         interface = system.interfaces[p]
+        start, size = interface.start, points_at_once(law.strain, interface)
         _, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a),
                                                pose(system, interface.b))
-        keep_last(system, p, motion, contacts.present_resultant(system.contacts, system.states, interface.start,
-                                                                interface.stop, motion))
+        while start < interface.stop:
+            here = motion_at(system, law.strain, interface, start, motion)
+            keep_last(system, last_row(law, p, start), here, contacts.present_resultant(
+                system.contacts, system.states, start, start + size, here))
+            start += size

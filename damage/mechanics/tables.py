@@ -84,13 +84,14 @@ class System(NamedTuple):
     """Tables of one wall.
 
     place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last [m or rad and per second, N or
-    N m, kg or kg m2]; velocities are those half a step ago; an inverse mass of zero prescribes a velocity; forces are
-    those of the contact points; trig: (bodies, 2) cosine of the rotation less one, and its sine; interfaces
-    (INTERFACE), contacts (CONTACT) and states (STATE) in the order of their interfaces; readings: (4, contacts) at the
-    last sample; energy: (4,); events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress
-    [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the mass-proportional damping that adapts itself
-    [1/s], and the kinetic energy of the last step [J]; last: (interfaces, 6) relative motion and resultant of the last
-    step, with which stiffness-proportional damping compares.
+    N m, kg or kg m2], strain modes behind the rigid coordinates; velocities are those half a step ago; an inverse mass
+    of zero prescribes a velocity; forces are those of the contact points; trig: (bodies, 2) cosine of the rotation less
+    one, and its sine; interfaces (INTERFACE), contacts (CONTACT) and states (STATE) in the order of their interfaces;
+    readings: (4, contacts) at the last sample; energy: (4,); events: (capacity, 3) step, contact, kind; values:
+    (capacity, 4) normal and shear stress [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the
+    mass-proportional damping that adapts itself [1/s], and the kinetic energy of the last step [J]; last: (interfaces,
+    6) relative motion and resultant of the last step, with which stiffness-proportional damping compares; of contacts
+    where bricks deform.
 
     The fast step takes the tables of several walls, stacked along a first axis.
     """
@@ -121,11 +122,24 @@ def table(dtype, n, **fields):
     return rows
 
 
+class Strain(NamedTuple):
+    """Strain modes of deformable bricks, none of rigid ones: stiffness, damping: (bodies, modes) of each mode [1/s2,
+    1/s], the supports last; shapes: (kinds, 2, modes) displacement along the normal and the tangent of a contact point
+    by a unit of each [1/sqrt(kg)]; rows: (contacts, 2) of these, in bodies a and b."""
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+    shapes: np.ndarray
+    rows: np.ndarray
+
+
 class Law(NamedTuple):
-    """Joint law of a wall: its Material, and the threshold of the events OPENED and SLIPPED [m]."""
+    """Joint law of a wall: its Material, the threshold of the events OPENED and SLIPPED [m], and the Strain of its
+    bricks."""
 
     material: Material
     threshold: float
+    strain: Strain
 
 
 class Controls(NamedTuple):

@@ -11,7 +11,7 @@ class Alone:
     """A single wall, with the methods of `damage.reference.lanes.Lanes`."""
 
     def __init__(self, wall):
-        self.wall, self._law = wall, tables.Law(wall.material, THRESHOLD)
+        self.wall, self._law = wall, tables.Law(wall.material, THRESHOLD, wall.strain)
         self._scratch = tables.Scratch(np.zeros(len(wall.system.interfaces), np.int64), np.zeros((5, plain.PARTS)))
         self._samples = self._room(0)
 

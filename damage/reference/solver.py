@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from damage.mechanics.samples import KINETIC
-from damage.mechanics.tables import OPENED, SLIPPED, X, Z
+from damage.mechanics.samples import KINETIC, STRAIN
+from damage.mechanics.tables import OPENED, RIGID, SLIPPED, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
 from damage.wall.joint_law import SHEAR, TENSION
@@ -77,10 +77,12 @@ class ReferenceSolver(ReferenceWall, Solver):
     def _instants(self, clock, samples):
         """Instants of Samples at these steps; a pushed wall has one only, to which the present push force belongs."""
         totals, joints = samples.totals, self.active_contacts()
-        bodies, supports = np.split(samples.displacement, [len(self.layout.bodies)], axis=1)
+        bodies, supports = np.split(samples.displacement[..., :RIGID], [len(self.layout.bodies)], axis=1)
+        strain = samples.displacement[:, :len(self.layout.bodies), RIGID:] if self.layout.strain else None
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        np.add.reduce(samples.stored, axis=1), *totals[:, KINETIC + 1:].T)
+                        np.add.reduce(samples.stored, axis=1) + totals[:, STRAIN], *totals[:, KINETIC + 1:STRAIN].T,
+                        strain)
 
     def forces(self):
         return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]

@@ -9,12 +9,15 @@ import numpy as np
 
 from damage.index import THRESHOLD
 from damage.mechanics import tables
-from damage.mechanics.build import CAPACITY, build, contact_rows, sum_springs
-from damage.mechanics.samples import FIELD_NAMES, KINETIC, Samples, Stiffness, observe
+from damage.mechanics.build import CAPACITY, build, contact_rows, strain_tables, sum_springs
+from damage.mechanics.samples import FIELD_NAMES, KINETIC, STRAIN, Samples, Stiffness, observe
+from damage.mechanics.strain import observe_modes
 from damage.mechanics.tables import RIGID, ROTATION, X
+from damage.reference.fast import takes
 from damage.reference.lanes import bind, run_together
 from damage.units import GRAVITY
 from damage.wall.joint_law import material_of
+from damage.wall.modes import static_displacement
 
 
 class ReferenceWall:
@@ -26,11 +29,12 @@ class ReferenceWall:
     """
 
     def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, fast=True):
-        self.layout, self.time_step, self.step, self.fast = layout, time_step, 0, fast
+        self.layout, self.time_step, self.step, self.fast = layout, time_step, 0, fast and takes(layout)
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
-        self.system, row = build(layout, self.material), contact_rows(layout)[0]
+        self.system, self.strain = build(layout, self.material), strain_tables(layout)
+        row = contact_rows(layout)[0]
         self.stiffness = Stiffness(self.system.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
         self.lanes = None  # Lanes or Alone that last advanced the wall
@@ -64,7 +68,13 @@ class ReferenceWall:
 
     @velocity.setter
     def velocity(self, values):
-        self.system.velocity[:len(self.layout.bodies), :RIGID] = values
+        given = np.shape(values)[-1] if np.ndim(values) else None  # rigid coordinates, or strain modes, too
+        self.system.velocity[:len(self.layout.bodies), :given] = values
+
+    def add_static_displacement(self):
+        """Move all coordinates by the linear static solution of the intact wall under its weight."""
+        self.system.place[:len(self.layout.bodies)] += static_displacement(self.layout)
+        self.displacement = self.displacement  # and what follows from it
 
     @property
     def force(self):
@@ -107,6 +117,7 @@ class ReferenceWall:
         field = self.field(1)[0]
         field[2] = GRAVITY
         observe(self.system, self.stiffness, field, self.time_step, samples, 0, 0)
+        observe_modes(self.system, self.strain, self.time_step, samples, 0, 0)
         return samples.of(0, slice(1))
 
     def room(self, n_walls, n_samples):
@@ -168,7 +179,7 @@ class ReferenceWall:
         system = self.system
         intact = system.states["kappa"] == 0.0
         system.states["elastic_tension_stiffness"][intact] = system.contacts["kn"][intact]
-        sum_springs(system.interfaces, system.contacts, self.material)
+        sum_springs(system.interfaces, system.contacts, self.material, self.layout.strain)
         bind([self]).find_forces(singly=True)
 
     @property
@@ -261,5 +272,6 @@ class ReferenceWall:
         return float(self.sample_now().totals[0, KINETIC])
 
     def elastic_energy(self):
-        """Elastic energy of all contact points [J]."""
-        return float(np.sum(self.sample_now().stored))
+        """Elastic energy of all contact points and of deformable bricks [J]."""
+        now = self.sample_now()
+        return float(np.sum(now.stored)) + float(now.totals[0, STRAIN])

@@ -13,6 +13,7 @@ from damage.run.settings import ADAPTIVE_DAMPING, HOLD_AT_MOST_S, HOLD_S, LOCAL_
 from damage.run.solver import LOOK_STEPS, NO_MOTION
 from damage.run.watch import have_fallen, index_now, lowest_places, unbalanced_force
 from damage.units import GRAVITY
+from damage.wall.strain import stress_by_modes
 
 
 class Run:
@@ -35,8 +36,11 @@ class Run:
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self.base, self._top_velocities, self._support_velocities = NO_MOTION, None, None
         self._zero = None  # instant of time zero
-        self._last = None  # time and motion of the last sample: of what else is kept all samples share the memory
+        self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
+        self._stress = stress_by_modes(layout) if settings.model.deforms else None
         self._lowest = lowest_places(layout)
+        # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
+        self._ramp_s = 0.0 if settings.model.deforms else RAMP_S
         self._balance_j = self._damped_j = 0.0
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
         if settings.perturb_m > 0:
@@ -71,9 +75,11 @@ class Run:
     def settle_under_gravity(self):
         """The static stage; returns True when the wall came to rest, False when interrupted."""
         solver, dt = self.solver, self.solver.time_step
-        n = round(RAMP_S / dt)
+        n = round(self._ramp_s / dt)
         solver.damp(**self._relaxation(LOCAL_DAMPING))
-        solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n))
+        if n == 0:
+            solver.add_static_displacement()
+        solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n if n else np.ones(1)))
         if self._settled is None or not self._settled.recall(solver):
             finished = yield from self._come_to_rest()
             if not finished:
@@ -92,7 +98,7 @@ class Run:
         """Advance until the wall is at rest; returns False when interrupted."""
         while self.keep_going(self, self.time):
             yield from self._advance(LOOK_STEPS)
-            held = self.time - RAMP_S
+            held = self.time - self._ramp_s
             if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
                 return True
         return False
@@ -112,7 +118,7 @@ class Run:
         self._top_velocities = drive.top_velocities(*interval, self.layout.pushed_height)
         self._support_velocities = drive.support_velocities(*interval, self.layout.supports.x)
         self._zero = solver.instants()
-        self._last = 0.0, self._motion(self._zero)[-1]
+        self._last = self._snapshot(0.0, self._zero, self._motion(self._zero), -1)
         self.stage = self.stages[0].name
 
     def run_all(self):
@@ -133,7 +139,8 @@ class Run:
             if not self.keep_going(self, self.time):
                 return False
             yield from solver.advance(SNAPSHOT_SAMPLES * self.sample_steps)
-            self.writer.snapshot(self.time, self._motion(solver.instants())[-1])
+            now = solver.instants()
+            self.writer.snapshot(*self._snapshot(self.time, now, self._motion(now), -1))
         return True
 
     def _run_stages(self):
@@ -221,14 +228,19 @@ class Run:
         if self.stage != "settling" and end > 0:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
-            self.writer.snapshot(rows["time_s"][k], motion[k])
+            self.writer.snapshot(*self._snapshot(rows["time_s"][k], now, motion, k))
         events = self.solver.drain_events()
         if end > 0:
-            self._last = float(rows["time_s"][-1]), motion[end - 1]
+            self._last = self._snapshot(float(rows["time_s"][-1]), now, motion, end - 1)
         if self.collapsed_at_s is not None or end < len(motion):  # the solver may have gone on
             events = [event for event in events if end > 0 and event[0] <= now.clock[end - 1]]
         self._write_events(events)
         self._samples += end
+
+    def _snapshot(self, time_s, now, motion, k):
+        """Time, motion and, of deformable bricks, stresses of sample k, as the writer takes them."""
+        stress = () if self._stress is None else (np.einsum("bpsm,bm->bps", self._stress, now.strain[k]),)
+        return time_s, motion[k], *stress
 
     def _first_not_finite(self, rows, arrays):
         """What is not finite at the first sample where anything is not, and which that is: None and their number where

@@ -23,7 +23,8 @@ class Instants(NamedTuple):
     (n, n_active)} of these, zero in all others; a solver leaves out a column that it does not know;
     top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic and elastic, and those
     that came in or were dissipated since `start`;
-    damping_j: None where the solver does not compute it: the run then infers it from the balance.
+    damping_j: None where the solver does not compute it: the run then infers it from the balance;
+    strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)], None of rigid ones.
     """
 
     clock: np.ndarray
@@ -39,6 +40,7 @@ class Instants(NamedTuple):
     friction_j: np.ndarray
     fracture_j: np.ndarray
     damping_j: np.ndarray | None
+    strain: np.ndarray | None = None
 
     @classmethod
     def one(cls, **values):
@@ -67,11 +69,14 @@ class Solver(Protocol):
         """From now on damp so, and in no other way: Cundall's local damping, the share that adaptive damping takes
         [-], damping proportional to mass [1/s] and to stiffness [s]."""
 
+    def add_static_displacement(self):
+        """Move by the linear static solution of the intact wall under its weight; of solvers with deformable bricks."""
+
     def shift(self, offsets):
         """Move the bodies by (n_bodies, 2) [m]."""
 
     def set_velocities(self, velocities):
-        """(n_bodies, 3) [m/s, m/s, rad/s]."""
+        """(n_bodies, 3) [m/s, m/s, rad/s], or with those of the strain modes of deformable bricks."""
 
     def hold(self, bodies, rotation):
         """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""

@@ -5,6 +5,15 @@ import numpy as np
 from damage.wall.kinds import CUT, HEAD
 
 
+def contact_stiffness(wall, options, bodies, kind, first, second):
+    """Normal and shear stiffness of contact points [Pa/m], two arrays (n_contacts,): of the joint alone between bricks
+    that deform by themselves, else with the bricks' compliance; arguments as of `lumped_stiffness`, options:
+    damage.wall.parameters.ModelOptions."""
+    if not options.deforms:
+        return lumped_stiffness(wall, bodies, kind, first, second)
+    return np.full(len(kind), wall.joint.normal_stiffness), np.full(len(kind), wall.joint.shear_stiffness)
+
+
 def lumped_stiffness(wall, bodies, kind, first, second):
     """Normal and shear stiffness of contact points between rigid bricks [Pa/m], two arrays (n_contacts,).
 

@@ -91,7 +91,7 @@ def joint_segments(joints, bodies, motion, magnify=1.0, supports=AT_REST):
 
 def tributary_ends(joints):
     """Ends of the tributary lengths before any motion, (n_joints, 2, 2) [m]: bed joints along x,
-    head joints and bricks' cuts along z, around the contact point, or inwards from it where it is a corner."""
+    head joints and bricks' cuts along z, around the contact point, or farther in where there are two in a cell."""
     point, length = joints[["x_m", "z_m"]].to_numpy(), joints["length_m"].to_numpy()
     is_head = joints["kind"].isin(("head", "brick")).to_numpy()
     along = np.where(is_head[:, None], (0.0, 1.0), (1.0, 0.0))
@@ -100,14 +100,16 @@ def tributary_ends(joints):
 
 
 def _inwards(joints, point, length):
-    """0 for a point in the middle of its length; 1 and -1 for the two ends of a pair of facing cells.
+    """How far, in half lengths, the middle of its length lies from each point: inwards for the two of a pair of facing
+    cells, at their ends or at their Gauss points; 0 for a point in the middle of its length.
 
-    Two such corners are as far apart as their lengths add up to; neighbours in the middle of their
-    lengths are half as far apart.
+    The middles of such a pair are as far apart as each is long.  Its points are so by the sum of both lengths at the
+    ends, by 1 / sqrt(3) of it as Gauss points; neighbours in the middle of their lengths by half of it.
     """
     same_bodies = np.all(np.diff(joints[["first_body", "second_body"]].to_numpy(), axis=0) == 0, axis=1)
-    apart = np.sum(np.abs(np.diff(point, axis=0)), axis=1)
-    starts = np.flatnonzero(same_bodies & (np.abs(apart - length[:-1] - length[1:]) < _TINY))
+    share = np.sum(np.abs(np.diff(point, axis=0)), axis=1) / (length[:-1] + length[1:])
     side = np.zeros(len(length))
-    side[starts], side[starts + 1] = 1.0, -1.0
+    for place in (1.0, 1 / np.sqrt(3)):
+        starts = np.flatnonzero(same_bodies & (np.abs(share - place) * (length[:-1] + length[1:]) < _TINY))
+        side[starts], side[starts + 1] = 2 * place - 1, 1 - 2 * place
     return side

@@ -20,18 +20,22 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.units import GRAVITY
-from damage.wall.compliance import lumped_stiffness
+from damage.wall.compliance import contact_stiffness
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.lintel import in_lintel
 from damage.wall.parameters import ModelOptions, Wall
 from damage.wall.split import CUT_POINTS, split_bricks
+from damage.wall.strain import Strain, strain_of
 from damage.wall.supports import Supports, supports_below
 
 MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
 CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
 _TINY = 1e-6  # [m], two positions closer than this are the same
+_PLACES = {"interior": (0.0,), "corners": (-1.0, 1.0), "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3))}
+"""Of the contact points between two facing cells, along the half length from their middle.  Two Gauss points integrate
+what is of third order along the cell exactly, and with it the energy of any opening that is linear."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class Contacts:
 
     kind: BED, HEAD, CUT or CAP; first, second: bodies, the normal points from first to second;
     x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
-    bricks' compliance; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
+    compliance of rigid bricks; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
     compressive_strength [Pa], infinite where it does not crush;
     first_cell, second_cell: the facing cells (GROUND below the base).
     """
@@ -112,7 +116,7 @@ class Layout:
     caps' glue.
     drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
     piers: (left, right) [m] of each pier, the parts of the length that carry the top; supports: below the base.
-    fibres: of the contacts where `options` ask for them, else None.
+    fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where they deform, else None.
     """
 
     wall: Wall
@@ -127,6 +131,7 @@ class Layout:
     piers: tuple[tuple[float, float], ...]
     supports: Supports
     fibres: Fibres | None = None
+    strain: Strain | None = None
 
     @property
     def total_joint_length(self):
@@ -191,7 +196,7 @@ def _lay_out_alike(wall, options):
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
-    points = (len(cells.body) + n_bricks) * (1 if options.contacts == "interior" else 2)
+    points = (len(cells.body) + n_bricks) * len(_PLACES[options.contacts])
     points += CUT_POINTS * n_bricks * wall.brick.splits
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
@@ -202,7 +207,8 @@ def _lay_out_alike(wall, options):
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
         drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
-        supports=supports_below(bodies, wall, options.supports))
+        supports=supports_below(bodies, wall, options.supports),
+        strain=strain_of(wall, options, bodies, contacts, n_bricks) if options.deforms else None)
 
 
 # --- bricks -------------------------------------------------------------------------------------
@@ -333,9 +339,11 @@ def _find_drift_bodies(wall, bodies, n_bricks, piers):
 def _cell_breaks(wall, options, courses):
     """Sorted positions x [m] at which every brick that spans them is divided.
 
-    Corner contacts lie at both ends of a segment, so one segment less gives as many points.
+    Corner contacts lie at both ends of a segment, so one segment less gives as many points; of Gauss points there are
+    two in each, so that half as many do.
     """
-    segments = options.cells if options.contacts == "interior" else max(1, options.cells - 1)
+    segments = {"interior": options.cells, "corners": max(1, options.cells - 1), "gauss": options.cells // 2}[
+        options.contacts]
     edges = np.unique(np.round([x for course in courses for brick in course for x in brick], 9))
     breaks = [edges[0]]
     for left, right in zip(edges[:-1], edges[1:]):
@@ -372,7 +380,7 @@ def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     rows = [row for pair in pairs for row in _contact_rows(options, bodies, cells, *pair)]
     kind, first, second, first_cell, second_cell, x, z, length = (
         np.array(column) for column in zip(*rows))
-    normal, shear = lumped_stiffness(wall, bodies, kind, first, second)
+    normal, shear = contact_stiffness(wall, options, bodies, kind, first, second)
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
     middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses
@@ -424,7 +432,7 @@ def _head_pairs(bodies, n_bricks, cells):
 
 
 def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
-    """Contact points of one pair of facing cells, one in the middle or two at the ends; of a cap's glue one in the
+    """Contact points of one pair of facing cells, as `_PLACES` says; of a cap's glue Gauss points, or else one in the
     middle of each cell, or two under a cap of a single cell."""
     second = cells.body[second_cell]
     first = cells.body[first_cell]
@@ -436,11 +444,12 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
         cells.right[second_cell] - cells.left[second_cell], 0.0)
     end = start + along
     length = float(np.sum(end - start))
-    head = (kind, first, second, first_cell, second_cell)
     hinge = kind == CAP and np.count_nonzero(cells.body == second) == 1  # on one point a cap could turn freely
-    if (options.contacts == "interior" or kind == CAP) and not hinge:
-        return [(*head, *((start + end) / 2), length)]
-    return [(*head, *start, length / 2), (*head, *end, length / 2)]
+    where = options.contacts
+    if kind == CAP and where != "gauss":
+        where = "corners" if hinge else "interior"
+    return [(kind, first, second, first_cell, second_cell, *((1 - place) / 2 * start + (1 + place) / 2 * end),
+             length / len(_PLACES[where])) for place in _PLACES[where]]
 
 
 def _strength_factors(first, second, variation, seed):

@@ -1,7 +1,8 @@
 """Natural modes of a wall with intact joints, and the critical time step of central differences.
 
-Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turning x towards z.
-A contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z + rotation r_x).
+Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turning x towards z, and behind them the
+strain modes where bricks deform.  A contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z +
+rotation r_x), and by the strain modes' displacements there.
 """
 
 from copy import deepcopy
@@ -9,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_matrix, diags
-from scipy.sparse.linalg import eigsh
+from scipy.sparse.linalg import eigsh, splu
 
 from damage.errors import InputError
+from damage.units import GRAVITY
 
 _ROUNDING = 100 * np.finfo(float).eps
 """A squared frequency below this share of the highest is rounding, of a part that can move freely."""
@@ -21,8 +23,8 @@ _KEPT = {}  # {all that modes depend on: Modes}
 
 @dataclass(frozen=True)
 class Modes:
-    """period_s (n_modes,), longest first; shape (n_modes, n_bodies, 3) in [m, m, rad], scaled to a
-    mean top-course displacement of 1 m where that is not zero; critical_time_step_s."""
+    """period_s (n_modes,), longest first; shape (n_modes, n_bodies, coordinates) in [m, m, rad, m sqrt(kg) ...],
+    scaled to a mean top-course displacement of 1 m where that is not zero; critical_time_step_s."""
 
     period_s: np.ndarray
     shape: np.ndarray
@@ -36,36 +38,57 @@ def contact_normals(contacts):
 
 
 def kinematic_matrix(layout, directions):
-    """Sparse (n_contacts, 3 n_bodies): relative displacement of second to first along `directions`."""
-    contacts, bodies = layout.contacts, layout.bodies
+    """Sparse (n_contacts, coordinates n_bodies): relative displacement of second to first along `directions`, which
+    are the normals or the tangents where bricks deform."""
+    contacts, bodies, strain = layout.contacts, layout.bodies, layout.strain
+    coordinates = 3 + (strain.n_modes if strain else 0)
     rows, columns, values = [], [], []
-    for body, sign in ((contacts.second, 1.0), (contacts.first, -1.0)):
+    for body, shape, sign in ((contacts.second, strain and strain.second, 1.0),
+                              (contacts.first, strain and strain.first, -1.0)):
         moving = np.flatnonzero(body >= 0)
         index = body[moving]
         rx, rz = contacts.x[moving] - bodies.x[index], contacts.z[moving] - bodies.z[index]
         dx, dz = directions[moving].T
-        for dof, value in enumerate((dx, dz, dz * rx - dx * rz)):
+        by_modes = () if strain is None else np.where(
+            np.any(directions * contact_normals(contacts), axis=1)[moving, None],
+            strain.shapes[shape[moving], 0], strain.shapes[shape[moving], 1]).T
+        for dof, value in enumerate((dx, dz, dz * rx - dx * rz, *by_modes)):
             rows.append(moving)
-            columns.append(3 * index + dof)
+            columns.append(coordinates * index + dof)
             values.append(sign * value)
     return coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-                      shape=(len(contacts), 3 * len(bodies))).tocsr()
+                      shape=(len(contacts), coordinates * len(bodies))).tocsr()
 
 
 def stiffness_matrix(layout):
-    """Sparse stiffness (3 n_bodies, 3 n_bodies) of the intact wall [N/m, N, N m]."""
+    """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]."""
     contacts = layout.contacts
     normals = contact_normals(contacts)
     across = kinematic_matrix(layout, normals)
     along = kinematic_matrix(layout, normals[:, ::-1])
-    return (across.T @ diags(contacts.normal_stiffness * contacts.area) @ across
-            + along.T @ diags(contacts.shear_stiffness * contacts.area) @ along)
+    joints = (across.T @ diags(contacts.normal_stiffness * contacts.area) @ across
+              + along.T @ diags(contacts.shear_stiffness * contacts.area) @ along)
+    if layout.strain is None:
+        return joints
+    return joints + diags(np.hstack([np.zeros((len(layout.bodies), 3)), layout.strain.stiffness]).ravel())
 
 
 def mass_vector(layout):
-    """Masses and inertias (3 n_bodies,) in the order of the degrees of freedom."""
-    bodies = layout.bodies
-    return np.column_stack([bodies.mass, bodies.mass, bodies.inertia]).ravel()
+    """Masses and inertias (coordinates n_bodies,) in the order of the degrees of freedom; zero of strain modes that a
+    body does not have."""
+    bodies, strain = layout.bodies, layout.strain
+    rigid = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
+    return (rigid if strain is None else np.hstack([rigid, strain.mass])).ravel()
+
+
+def static_displacement(layout):
+    """Displacement (n_bodies, coordinates) [m, m, rad, m sqrt(kg) ...] of the intact wall under its weight, linear."""
+    mass = mass_vector(layout)
+    free, weight = mass > 0, np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
+    weight[:, 1] = -GRAVITY * layout.bodies.mass
+    moved = np.zeros(len(mass))
+    moved[free] = splu(stiffness_matrix(layout).tocsc()[free][:, free]).solve(weight.ravel()[free])
+    return moved.reshape(weight.shape)
 
 
 def natural_modes(layout, n_modes=6):
@@ -75,9 +98,11 @@ def natural_modes(layout, n_modes=6):
     Raises InputError of a wall that has none in the numbers of this machine.
     """
     bodies, contacts = layout.bodies, layout.contacts
+    strain = () if layout.strain is None else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
     asked = n_modes, *(values.tobytes() for values in (
         bodies.x, bodies.z, bodies.mass, bodies.inertia, contacts.kind, contacts.first, contacts.second, contacts.x,
-        contacts.z, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness, layout.drift_bodies))
+        contacts.z, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness, layout.drift_bodies,
+        *strain))
     if asked not in _KEPT:
         while len(_KEPT) >= _MOST_KEPT:
             del _KEPT[next(iter(_KEPT))]
@@ -86,8 +111,13 @@ def natural_modes(layout, n_modes=6):
 
 
 def _natural_modes(layout, n_modes):
-    scale = 1 / np.sqrt(mass_vector(layout))
-    matrix = (diags(scale) @ stiffness_matrix(layout) @ diags(scale)).tocsc()
+    mass = mass_vector(layout)
+    free = np.flatnonzero(mass > 0)
+    scale = 1 / np.sqrt(mass[free])
+    stiffness = stiffness_matrix(layout)
+    if len(free) < len(mass):
+        stiffness = stiffness[free][:, free]
+    matrix = (diags(scale) @ stiffness @ diags(scale)).tocsc()
     start = np.ones(matrix.shape[0])  # a fixed start makes the result the same every time
     n_modes = min(n_modes, matrix.shape[0] - 2)
     try:
@@ -100,7 +130,9 @@ def _natural_modes(layout, n_modes):
     if not (values.min() > _ROUNDING * highest and np.isfinite(highest)):
         raise _no_modes(layout, f"squared frequency {values.min():.3g}")
     order = np.argsort(values)
-    shapes = (vectors * scale[:, None]).T[order].reshape(n_modes, -1, 3)
+    shapes = np.zeros((n_modes, len(mass)))
+    shapes[:, free] = (vectors * scale[:, None]).T[order]
+    shapes = shapes.reshape(n_modes, len(layout.bodies), -1)
     top = shapes[:, layout.drift_bodies, 0].mean(axis=1)
     largest = np.abs(shapes[:, :, :2]).max(axis=(1, 2))
     shapes /= np.where(np.abs(top) > 1e-6 * largest, top, largest)[:, None, None]

@@ -273,6 +273,9 @@ def _option(default, help_, **more):
                                             "seed": False, **more})
 
 
+_OF_DEFORMABLE = ("brick_order", "plane", "brick_mass", "brick_damping")
+
+
 @dataclass(frozen=True)
 class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
@@ -284,13 +287,17 @@ class ModelOptions:
     load: that mass is the precompression over the wall's whole "length", so that the piers beside openings have more,
         or over its "piers" alone, which then have just that stress.
     cells: contact points per half brick of a bed joint.
-    contacts: where the points of a bed joint lie: "interior" of the cells, or at the "corners"
-        (ends) of each overlap; head joints have one at mid-height, or one at each end.
+    contacts: where the points of a bed joint lie: "interior" of the cells, at the "corners" (ends) of each overlap, or
+        at the "gauss" points of two cells together; head joints have one at mid-height, one at each end, or two Gauss
+        points.
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose forces the history has.
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
         which YADE does not have: there 16.
+    bricks: "rigid", their compliance lumped into the joints, or "deformable" (`damage.wall.strain`; the reference
+        solver alone), with polynomials of brick_order 2 or 3 in plane "stress" or "strain", the mass of the strain
+        modes times brick_mass, which lengthens the time step by its root, and brick_damping of their critical damping.
     """
 
     lintel: str = _option("elastic", "joints over an opening are elastic, or break like any other (none), or are "
@@ -300,8 +307,8 @@ class ModelOptions:
     load: str = _option("length", "the precompression is the stress over the whole length, or in the piers",
                         choices=("length", "piers"), tag="load-{load}")
     cells: int = _option(2, "contact points per half brick", metavar="N")
-    contacts: str = _option("interior", "where the contact points of a joint lie", choices=("interior", "corners"),
-                            tag="{contacts}")
+    contacts: str = _option("interior", "where the contact points of a joint lie",
+                            choices=("interior", "corners", "gauss"), tag="{contacts}")
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
     strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
@@ -309,6 +316,16 @@ class ModelOptions:
                             "its own in the history", choices=("one", "bricks"), tag="supports-{supports}")
     fibres: int = _option(0, "joints that soften are so many brittle fibres; 0: one smooth law, in YADE 16 fibres",
                           metavar="N", tag="fibres-{fibres}")
+    bricks: str = _option("rigid", "bricks are rigid and their compliance is lumped into the joints, or deform "
+                          "(reference solver)", choices=("rigid", "deformable"), tag="{bricks}")
+    brick_order: int = _option(2, "deformable bricks: order of their displacements, 2 (linear strain) or 3",
+                               metavar="2|3", tag="order-{brick_order}")
+    plane: str = _option("stress", "deformable bricks: plane stress, or plane strain", choices=("stress", "strain"),
+                         tag="plane-{plane}")
+    brick_mass: float = _option(9.0, "deformable bricks: factor on the mass of their strain modes, 1 to 25; the time "
+                                "step grows with its root", metavar="FACTOR", tag="brick-mass-{brick_mass:g}")
+    brick_damping: float = _option(0.05, "deformable bricks: damping of their strain modes over the critical one, 0 "
+                                   "to 1", metavar="RATIO", tag="brick-damping-{brick_damping:g}")
 
     def __post_init__(self):
         for one in fields(self):
@@ -316,9 +333,24 @@ class ModelOptions:
                 check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
         object.__setattr__(self, "lintel", _lintel_word(self.lintel))
         check_whole("cells", self.cells, 1, 16)
+        if self.contacts == "gauss" and self.cells % 2:
+            raise InputError(f"--contacts gauss with --cells {self.cells}: expected an even number, since Gauss points "
+                             "come in pairs; give --cells 2")
         check_range("strength_cov", self.strength_cov, 0, 2)
         check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
         check_whole("fibres", self.fibres, 0, 64)
+        check_whole("brick_order", self.brick_order, 2, 3)
+        check_range("brick_mass", self.brick_mass, 1, 25)
+        check_range("brick_damping", self.brick_damping, 0, 1)
+        for one in fields(self):
+            if one.name in _OF_DEFORMABLE and not self.deforms and getattr(self, one.name) != one.default:
+                raise InputError(f"--{one.name.replace('_', '-')} = {getattr(self, one.name)!r} with rigid bricks: "
+                                 "expected only beside --bricks deformable; give both, or leave it out")
+
+    @property
+    def deforms(self):
+        """Whether bricks are deformable."""
+        return self.bricks == "deformable"
 
     def tags(self):
         """The differences of this model from the default in a file's name: a list of words."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from damage.mechanics import contacts as singly
 from damage.mechanics import interfaces
-from damage.mechanics.tables import FAILED, System
+from damage.mechanics.tables import ENDED, ENDING, FAILED, System
 from damage.reference.fast import blocks as at
 from damage.reference.fast.blocks import INDEX, ONE, WIDTH, place_of
 from damage.reference.fast.compiled import compiled, inlined
@@ -62,7 +62,10 @@ def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
     a, b, k = blocks.first[p] + INDEX(w), blocks.second[p] + INDEX(w), place_of(INDEX(p), at.INTERFACE)
     frame, motion = interfaces.relative_motion(line_of(blocks.interfaces, k), pose_of(bodies, a, apart),
                                                pose_of(bodies, b, apart))
-    if singly.has_ended(system, p, motion):
+    if tables.interfaces[w, p].failed >= ENDING:
+        if tables.interfaces[w, p].failed == ENDING:
+            singly.let_go(system, start, stop, motion)
+            tables.interfaces[w, p].failed = ENDED
         return
     intact = False
     if at_end:
@@ -73,7 +76,8 @@ def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
     if elastic or intact:
         singly.remember(system.contacts, system.states, start, stop, motion)
     else:
-        resultant, changed, failed = singly.law_resultant(system, law, p, step, motion, last_motion(last, m), damped)
+        resultant, changed, failed = singly.law_resultant(system, law, start, stop, step, motion,
+                                                          last_motion(last, m), damped)
         if failed:
             tables.interfaces[w, p].failed = FAILED
             limits[held + at.OPENING] = -np.inf

@@ -1,0 +1,432 @@
+"""Deformable bricks and Gauss points, against theory: patch test, beams, waves, free vibration, energy.
+
+E = 5.2 GPa, G = 2.16 GPa, so that Poisson's ratio is 0.204; 1900 kg/m3.  In plane stress waves travel at
+sqrt(E / (1 - nu^2) / rho) = 1690 and sqrt(G / rho) = 1066 m/s; across bed joints in series, 1/E + 1/(k_n h) and
+1/G + 1/(k_s h), at 1643 and 1030 m/s.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import one_line_error
+from numpy.testing import assert_allclose
+from scipy.linalg import eigh
+from scipy.sparse.linalg import splu
+from small_history import make_history
+
+from damage.draw.run import save_all, stress_picture
+from damage.history.reader import read_history
+from damage.measure.energy import energy_error
+from damage.mechanics.tables import DAMPING, INPUT, RIGID
+from damage.motion.loading import Harmonic
+from damage.reference.session import run_reference
+from damage.reference.solver import ReferenceSolver
+from damage.run.options import parse_run
+from damage.units import GRAVITY
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.modes import (
+    contact_normals,
+    kinematic_matrix,
+    mass_vector,
+    natural_modes,
+    static_displacement,
+    stiffness_matrix,
+)
+from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from damage.wall.strain import brick_modes, elasticity_of, modes_of
+
+BRICK, JOINT = Brick(), Joint()
+LENGTH, HEIGHT, THICKNESS = BRICK.length, BRICK.height, BRICK.thickness
+ELASTIC = {"tensile_strength": 1e12, "cohesion": 1e12}
+WEAK = Joint(tensile_strength=3e4, cohesion=8e4)
+DEFORMABLE = {"bricks": "deformable", "contacts": "gauss", "lintel": "none"}
+
+
+def lay(length, courses, joint=JOINT, precompression=0.0, **options):
+    wall = Wall("w", length * LENGTH, courses * HEIGHT, precompression=precompression, joint=joint)
+    return lay_out(wall, ModelOptions(**(DEFORMABLE | options)))
+
+
+def stiffer(factor):
+    return Joint(factor * JOINT.normal_stiffness, factor * JOINT.shear_stiffness)
+
+
+def displacement(layout, force):
+    """Linear displacement (n_bodies, coordinates) by forces of the same shape."""
+    free = mass_vector(layout) > 0
+    moved = np.zeros(free.size)
+    moved[free] = splu(stiffness_matrix(layout).tocsc()[free][:, free]).solve(force.ravel()[free])
+    return moved.reshape(force.shape)
+
+
+def forces(layout):
+    return np.zeros((len(layout.bodies), RIGID + layout.strain.n_modes))
+
+
+# --- one brick ----------------------------------------------------------------------------------
+
+@pytest.mark.parametrize(("order", "number"), [(2, 9), (3, 17)])
+def test_modes_are_orthonormal_and_free_of_rigid_motion(order, number):
+    modes = brick_modes(BRICK, LENGTH, order, "stress")
+    assert len(modes.frequency) == number
+    place, weight = np.polynomial.legendre.leggauss(8)
+    x, z = (axis.ravel() for axis in np.meshgrid(place * LENGTH / 2, place * HEIGHT / 2))
+    mass = np.outer(weight, weight).ravel() / 4 * BRICK.density * LENGTH * HEIGHT * THICKNESS
+    moved = modes.displacement(x, z)
+    assert_allclose(np.einsum("p,pcm,pcn->mn", mass, moved, moved), np.eye(number), atol=1e-12)
+    rigid = np.stack([[0 * x + 1, 0 * x], [0 * x, 0 * x + 1], [-z, x]])
+    assert_allclose(np.einsum("p,rcp,pcm->rm", mass, rigid, moved), 0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("plane", "normal", "ratio"), [("stress", 5.2e9 / (1 - 0.2037**2), 0.2037),
+                                                        ("strain", 5.2e9 * 0.7963 / 1.2037 / 0.5926, 0.2037 / 0.7963)])
+def test_elasticity_in_the_plane(plane, normal, ratio):
+    elasticity = elasticity_of(BRICK, plane)
+    assert_allclose(elasticity, [[normal, ratio * normal, 0], [ratio * normal, normal, 0], [0, 0, 2.16e9]], rtol=2e-4)
+
+
+def test_stresses_are_those_of_the_displacements():
+    modes, step = brick_modes(BRICK, LENGTH, 3, "strain"), 1e-6
+    x, z = np.array([0.03, -0.1]), np.array([0.02, -0.03])
+    dx, dz = ((modes.displacement(x + i * step, z + j * step) - modes.displacement(x - i * step, z - j * step))
+              / (2 * step) for i, j in ((1, 0), (0, 1)))
+    strain = np.stack([dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]], axis=1)
+    stress = np.einsum("ij,pjm->pim", elasticity_of(BRICK, "strain"), strain)
+    assert_allclose(modes.stress(x, z), stress, atol=1e-7 * np.abs(stress).max())
+
+
+def finite_elements(n_x, n_z, number):
+    """Lowest angular frequencies of the free brick by n_x times n_z elements of nine nodes, mass consistent."""
+    place, weight = np.polynomial.legendre.leggauss(3)
+    terms = np.stack([place * (place - 1) / 2, 1 - place**2, place * (place + 1) / 2])
+    slopes = np.stack([place - 0.5, -2 * place, place + 0.5])
+
+    def line(n, size):
+        """Integrals of N N, N' N' and N' N along an edge of n elements."""
+        found, half = np.zeros((3, 2 * n + 1, 2 * n + 1)), size / n / 2
+        for first in range(0, 2 * n, 2):
+            part = slice(first, first + 3)
+            for matrix, (a, b, scale) in zip(found, ((terms, terms, half), (slopes, slopes, 1 / half),
+                                                     (slopes, terms, 1.0))):
+                matrix[part, part] += scale * (weight * a) @ b.T
+        return found
+
+    (mass_x, stiff_x, mixed_x), (mass_z, stiff_z, mixed_z) = line(n_x, LENGTH), line(n_z, HEIGHT)
+    (c11, c12, _), (_, c22, _), (_, _, shear) = elasticity_of(BRICK, "stress")
+    beside = c12 * np.kron(mixed_x, mixed_z.T) + shear * np.kron(mixed_x.T, mixed_z)
+    stiffness = np.block([
+        [c11 * np.kron(stiff_x, mass_z) + shear * np.kron(mass_x, stiff_z), beside],
+        [beside.T, c22 * np.kron(mass_x, stiff_z) + shear * np.kron(stiff_x, mass_z)]])
+    mass = BRICK.density * np.kron(np.eye(2), np.kron(mass_x, mass_z))
+    return np.sqrt(eigh(stiffness, mass, eigvals_only=True, subset_by_index=[3, number + 2]))
+
+
+def test_frequencies_of_a_free_brick_fall_to_those_of_finite_elements():
+    """Ritz: each space holds the one before, so that every frequency falls from above.  Of the lowest, bending, order 2
+    has curvature constant along the brick and is some 18 % high; order 3 adds odd functions, which do not help it."""
+    exact = finite_elements(8, 4, 6)
+    assert_allclose(finite_elements(6, 3, 6), exact, rtol=8e-3)
+    above = np.array([brick_modes(BRICK, LENGTH, order, "stress").frequency[:6] for order in range(2, 9)]) / exact - 1
+    assert np.all(np.diff(above, axis=0) < 1e-9) and above.min() > -2e-3
+    assert_allclose(above[0, :2], [0.183, 0.102], atol=1e-3)
+    assert_allclose(above[1, :2], [0.183, 0.0003], atol=1e-3)
+    assert_allclose(above[-1], 0, atol=1e-2)
+
+
+# --- statics ------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_patch(order):
+    """Uniform pressure on top of a wall on a base without friction: every stress in every brick is that pressure."""
+    pressure, layout = 1e6, lay(4, 6, Joint(**ELASTIC), brick_order=order)
+    contacts = layout.contacts
+    base = np.flatnonzero(contacts.first < 0)
+    shear = contacts.shear_stiffness.copy()
+    shear[base[1:]] = 0.0  # one point holds the wall
+    layout = replace(layout, contacts=replace(contacts, shear_stiffness=shear))
+    load, (place, weight) = forces(layout), np.polynomial.legendre.leggauss(4)
+    for brick in np.flatnonzero(layout.bodies.course == 5):
+        length, modes = layout.bodies.length[brick], modes_of(layout, brick)
+        moved = modes.displacement(place * length / 2, np.full(4, HEIGHT / 2))
+        load[brick, 1] = -pressure * length * THICKNESS
+        load[brick, RIGID:] = -pressure * length * THICKNESS * weight / 2 @ moved[:, 1]
+    found = displacement(layout, load)
+    for brick in range(layout.n_bricks):
+        x, z = (axis.ravel() for axis in np.meshgrid([-0.5, 0.1, 0.5], [-0.5, 0.2, 0.5]))
+        stress = modes_of(layout, brick).stress(x * layout.bodies.length[brick], z * HEIGHT) @ found[brick, RIGID:]
+        assert_allclose(stress / pressure, np.tile([0.0, -1.0, 0.0], (9, 1)), atol=1e-10)
+
+
+@pytest.mark.parametrize(("factor", "courses", "order"), [(1, 36, 2), (1, 36, 3), (1000, 72, 2), (1000, 36, 3)])
+def test_a_bonded_cantilever_bends_as_timoshenkos_beam(factor, courses, order):
+    """Two bricks wide, a force at the top; h^3 / 3 E I + h / (5/6 G A), moduli in series with the bed joints.  A plate
+    clamped over its whole width is stiffer by 0.15 % at 36 courses (0.9985 by 12 x 71 elements of nine nodes), and
+    order 2 with stiff joints by 0.4 % more: half as much at twice the height."""
+    joint = stiffer(factor)
+    layout = lay(2, courses, joint, brick_order=order)
+    top = np.flatnonzero(layout.bodies.course == courses - 1)
+    share, load = layout.bodies.length[top] / (2 * LENGTH), forces(layout)
+    load[top, 0] = share
+    young = 1 / (1 / BRICK.young_modulus + 1 / (joint.normal_stiffness * HEIGHT))
+    shear = 1 / (1 / BRICK.shear_modulus + 1 / (joint.shear_stiffness * HEIGHT))
+    height, area, inertia = (courses - 0.5) * HEIGHT, 2 * LENGTH * THICKNESS, THICKNESS * (2 * LENGTH)**3 / 12
+    beam = height**3 / (3 * young * inertia) + 1.2 * height / (shear * area)
+    assert_allclose(displacement(layout, load)[top, 0] @ share, beam, rtol=5e-3)
+
+
+def test_rigid_bricks_on_gauss_points_bend_as_their_joints():
+    """The rigid wall's cantilever: 1.005 of Timoshenko, where interior points give 1.021 and corners 0.893."""
+    ratios = []
+    for contacts in ("gauss", "interior", "corners"):
+        layout = lay(2, 36, bricks="rigid", contacts=contacts)
+        top = np.flatnonzero(layout.bodies.course == 35)
+        share, load = layout.bodies.length[top] / (2 * LENGTH), np.zeros((len(layout.bodies), 3))
+        load[top, 0] = share
+        young, shear, height = 4.916e9, 2.0149e9, 35.5 * HEIGHT
+        beam = height**3 / (3 * young * THICKNESS * (2 * LENGTH)**3 / 12) + 1.2 * height / (
+            shear * 2 * LENGTH * THICKNESS)
+        ratios.append(displacement(layout, load)[top, 0] @ share / beam)
+    assert_allclose(ratios, [1.005, 1.021, 0.893], atol=2e-3)
+
+
+# --- waves and periods --------------------------------------------------------------------------
+
+def speeds(layout, direction, length_m):
+    """Speeds of the two slowest waves of a length [m] along a direction (x, z) in a wall without ends (Bloch)."""
+    bodies, contacts, n = layout.bodies, layout.contacts, RIGID + layout.strain.n_modes
+    cell = [np.flatnonzero((bodies.course == course) & np.isclose(bodies.x, x))[0]
+            for course, x in ((4, 2.5 * LENGTH), (5, 3 * LENGTH))]
+    number = 2 * np.pi / length_m
+    phases = np.zeros((len(bodies) * n, 2 * n), complex)
+    for body in range(len(bodies)):
+        like = cell[bodies.course[body] % 2]
+        away = direction @ np.array([bodies.x[body] - bodies.x[like], bodies.z[body] - bodies.z[like]])
+        first = bodies.course[body] % 2 * n
+        phases[body * n:(body + 1) * n, first:first + n] = np.exp(1j * number * away) * np.eye(n)
+    inside, normals = np.isin(contacts.second, cell), contact_normals(contacts)
+    stiffness = np.diag(np.hstack([np.zeros((2, RIGID)), layout.strain.stiffness[cell]]).ravel()).astype(complex)
+    for directions, of in ((normals, contacts.normal_stiffness), (normals[:, ::-1], contacts.shear_stiffness)):
+        moved = kinematic_matrix(layout, directions)[inside] @ phases
+        stiffness += moved.conj().T @ ((of * contacts.area)[inside, None] * moved)
+    mass = mass_vector(layout).reshape(-1, n)[cell].ravel()
+    return np.sqrt(eigh(stiffness, np.diag(mass), eigvals_only=True)[:2]) / number
+
+
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize(("factor", "shear", "pressure"), [(1000, 1066, 1690), (1, 1030, 1643)])
+def test_long_waves_across_courses(order, factor, shear, pressure):
+    layout = lay(6, 8, stiffer(factor), brick_order=order)
+    found = speeds(layout, np.array([0.0, 1.0]), 20.0)
+    # Springs in series neglect that shear bends bricks between soft joints, which order 3 can follow.
+    assert_allclose(found, [shear, pressure], rtol=0.01 if order == 2 or factor > 1 else 0.015)
+
+
+def test_long_waves_along_courses_with_stiff_joints():
+    found = speeds(lay(6, 8, stiffer(1000)), np.array([1.0, 0.0]), 20.0)
+    assert_allclose(found, [1066, 1690], rtol=0.03)
+
+
+@pytest.mark.parametrize(("name", "by_order_2", "by_order_3"), [
+    ("solid", 0.0612, 0.0614), ("symmetric", 0.2009, 0.2026), ("asymmetric", 0.1739, 0.1750)])
+def test_first_periods_of_the_walls(name, by_order_2, by_order_3):
+    wall = load_wall(f"walls/{name}.py")
+    options = {"contacts": "gauss", "bricks": "deformable"}
+    assert natural_modes(lay_out(wall, ModelOptions(**options)), 1).period_s[0] == pytest.approx(by_order_2, abs=6e-5)
+    if name == "symmetric":
+        assert natural_modes(lay_out(wall, ModelOptions(**options, brick_order=3)), 1).period_s[0] == pytest.approx(
+            by_order_3, abs=6e-5)
+
+
+@pytest.mark.parametrize("name", ["solid", "symmetric"])
+def test_first_periods_are_those_of_a_triangle_mesh(name):
+    """Four cells a brick, of four constant-strain triangles each, whose nodes are the unknowns; two points a cell."""
+    from benchmarks.deformable import Mesh
+
+    by_modes, by_mesh = (lay_out(load_wall(f"walls/{name}.py"), ModelOptions(contacts="gauss", cells=cells,
+                                                                             bricks="deformable")) for cells in (2, 4))
+    assert natural_modes(by_modes, 1).period_s[0] == pytest.approx(Mesh(by_mesh, 4).first_period(), rel=3e-3)
+
+
+def test_mass_scaling_lengthens_the_step_and_leaves_the_period():
+    found = {factor: natural_modes(lay(2, 12, precompression=3e5, brick_mass=factor), 1) for factor in (1.0, 9.0)}
+    assert_allclose(found[9.0].period_s, found[1.0].period_s, rtol=1e-3)
+    assert 2 < found[9.0].critical_time_step_s / found[1.0].critical_time_step_s <= 3
+
+
+# --- dynamics -----------------------------------------------------------------------------------
+
+def solver_of(layout, factor=0.5):
+    return ReferenceSolver(layout, factor * natural_modes(layout, 1).critical_time_step_s)
+
+
+def total_energy(solver):
+    """Of a wall, weight included; constant without input but for what it dissipates [J]."""
+    lifted = GRAVITY * solver.layout.bodies.mass @ solver.displacement[:, 1]
+    return solver.kinetic_energy() + solver.elastic_energy() + lifted + solver.energy[1:].sum() - solver.energy[INPUT]
+
+
+def test_the_fast_step_leaves_deformable_bricks_to_the_plain_one():
+    assert not ReferenceSolver(lay(1, 2), 1e-6).fast
+    assert ReferenceSolver(lay(1, 2, bricks="rigid"), 1e-6).fast
+
+
+def test_forces_are_the_gradient_of_the_energy():
+    """In any state of intact joints; up to the square of relative rotations, as between rigid bricks."""
+    solver = solver_of(lay(2, 3, Joint(**ELASTIC)))
+    random, place = np.random.default_rng(1), solver.system.place[:-1]
+    place[:] = random.normal(0, 1e-4, place.shape)
+    base = place.copy()
+
+    def energy_at(values):
+        place[:] = values
+        solver.displacement = solver.displacement
+        return solver.elastic_energy()
+
+    energy_at(base)
+    own = np.hstack([np.zeros((len(base), RIGID)), solver.strain.stiffness[:-1] * base[:, RIGID:]])
+    force = solver.system.force[:-1] - own
+    for body, coordinate in [(0, 0), (1, 1), (2, 2), (3, 3), (3, 7), (4, 11), (0, 5)]:
+        step = np.zeros_like(base)
+        step[body, coordinate] = 1e-7
+        slope = (energy_at(base + step) - energy_at(base - step)) / 2e-7
+        assert_allclose(-slope, force[body, coordinate], rtol=1e-5)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.1])
+def test_a_strain_mode_vibrates_at_its_frequency_and_decays_by_its_damping(ratio):
+    """A brick on joints a millionth as stiff: q = exp(-zeta w t) sin(w_d t) / w_d, w its frequency over sqrt(mass)."""
+    layout = lay(1, 1, stiffer(1e-6), brick_damping=ratio, brick_mass=4.0)
+    frequency = modes_of(layout, 0).frequency[1] / 2.0
+    solver = ReferenceSolver(layout, 0.002 / frequency)
+    solver.start(np.zeros((0, 2)), np.zeros(1))
+    solver.system.velocity[0, RIGID + 1] = 1e-6
+    damped = frequency * np.sqrt(1 - ratio**2)
+    for _ in range(3):
+        solver.run(1000)
+        t = (solver.step + 0.5) * solver.time_step - solver.time_step / 2
+        wanted = 1e-6 * np.exp(-ratio * frequency * t) * np.sin(damped * t) / damped
+        assert_allclose(solver.system.place[0, RIGID + 1], wanted, atol=2e-3 * 1e-6 / frequency)
+
+
+def test_weight_and_base_do_not_excite_strain_in_free_bricks():
+    solver = solver_of(lay(1, 1, stiffer(1e-11)))
+    solver.start(np.full((50, 2), 3.0))
+    solver.run(50)
+    assert np.abs(solver.system.velocity[0, :2]).min() > 0
+    assert np.abs(solver.system.place[0, RIGID:]).max() < 1e-9 * np.abs(solver.system.place[0, :2]).max()
+
+
+def test_a_wall_begins_at_rest_and_on_its_weight():
+    layout = lay(3, 6, precompression=3e5)
+    solver = solver_of(layout)
+    solver.add_static_displacement()
+    force, _ = solver.forces()
+    weight = GRAVITY * layout.bodies.mass
+    assert_allclose(solver.base_reaction(), weight.sum(), rtol=1e-5)  # it is linear
+    assert np.abs(force[:, 1] - weight).max() < 1e-4 * weight.sum()
+    assert not solver.state.any()
+    own = solver.strain.stiffness[:-1] * solver.system.place[:-1, RIGID:]
+    assert_allclose(solver.system.force[:-1, RIGID:], own, atol=1e-4 * np.abs(own).max())
+    assert_allclose(static_displacement(layout), solver.system.place[:-1])
+
+
+@pytest.mark.parametrize(("options", "beta", "share"), [
+    ({"brick_damping": 0.0}, 0.0, 5e-4), ({"brick_damping": 0.05}, 0.0, 1e-3), ({"brick_damping": 0.0}, 1e-6, 1e-3),
+    ({"brick_order": 3, "plane": "strain", "brick_damping": 0.0}, 0.0, 5e-4)])
+def test_energy_of_an_intact_wall_balances(options, beta, share):
+    layout = lay(3, 8, Joint(**ELASTIC), precompression=3e5, **options)
+    solver = solver_of(layout, 0.5)
+    modes = natural_modes(layout, 2)
+    solver.add_static_displacement()
+    solver.start(np.zeros((0, 2)))
+    solver.damp(beta=beta)
+    solver.velocity = 0.01 * (modes.shape[0] + modes.shape[1])
+    solver.run(1)
+    began, kick, errors = total_energy(solver), solver.kinetic_energy(), []
+    for _ in range(20):
+        solver.run(round(modes.period_s[0] / solver.time_step / 7))
+        errors.append(abs(total_energy(solver) - began) / kick)
+    assert max(errors) < share
+    damped = options["brick_damping"] > 0 or beta > 0
+    assert (solver.energy[DAMPING] > 1e-6 * kick) == damped
+
+
+@pytest.mark.parametrize("kind", ["brittle", "softening", "parallel elements"])
+def test_energy_of_a_shaken_wall_balances_while_joints_fail(kind):
+    soft = {"mode_i_fracture_energy": 1.0, "mode_ii_fracture_energy": 10.0} if kind != "brittle" else {}
+    layout = lay(3, 8, replace(WEAK, **soft), precompression=1e5, fibres=4 if kind == "parallel elements" else 0)
+    solver = solver_of(layout, 0.35)
+    solver.add_static_displacement()
+    solver.damp(beta=1e-6 if soft else 0.0)
+    time_s = np.arange(round(0.12 / solver.time_step)) * solver.time_step
+    solver.start(Harmonic(0.03, 1.5).base_acceleration(time_s))
+    began, inputs, errors = total_energy(solver), [0.0], []
+    for _ in range(60):
+        solver.run(len(time_s) // 60)
+        inputs.append(abs(solver.energy[INPUT]))
+        errors.append(abs(total_energy(solver) - began))
+    assert max(errors) < 5e-3 * max(inputs)
+    assert solver.system.states["broken"].any()
+
+
+def test_a_run_has_a_balanced_history(tmp_path):
+    wall = "from damage import Wall\n\n\ndef wall():\n    return Wall('small', 0.9, 0.45)\n"
+    (tmp_path / "small.py").write_text(wall)
+    words = ["--harmonic", "0.05", "1.2", "--cycles", "2", "--rest", "0.05", "--no-pictures", "--bricks", "deformable",
+             "--contacts", "gauss", "--brick-mass", "16", "--out", str(tmp_path / "a.h5")]
+    assert run_reference([str(tmp_path / "small.py"), *words]) == 0
+    history = read_history(tmp_path / "a.h5")
+    assert (history.model.bricks, history.model.brick_mass, history.model.contacts) == ("deformable", 16.0, "gauss")
+    assert (history.joints["normal_stiffness_pa_m"] == JOINT.normal_stiffness).all()
+    assert energy_error(history.series) < 5e-3
+    assert history.series["damping_energy_j"].iloc[-1] > 0
+    assert set(history.events["kind"]) >= {"tension", "shear"}
+    check_stresses(history)
+    assert any(path.stem == "stress_max" for path in save_all(history, tmp_path / "pictures"))
+
+
+def check_stresses(history):
+    """At the start the lowest course carries the weight of all that is above its middle, in the mean over its bricks;
+    and the top course's stresses at rest are those of the precompression."""
+    bodies, first = history.bodies, history.stress_pa[0].astype(float)
+    area = bodies["length_m"] * THICKNESS
+    for course in (0, 5):
+        these = (bodies["course"] == course).to_numpy()
+        above = ((bodies["course"] > course) | (bodies["course"] < 0)).to_numpy()
+        weight = GRAVITY * (bodies["mass_kg"][above].sum() + bodies["mass_kg"][these].sum() / 2)
+        assert_allclose((first[these, 0, 1] * area[these]).sum(), -weight, rtol=1e-3)
+    assert not first[(bodies["course"] < 0).to_numpy()].any()
+    assert history.stress_pa.shape == (len(history.snapshot_time_s), len(bodies), 5, 3)
+
+
+def test_rigid_bricks_have_no_stresses(tmp_path):
+    history = make_history(tmp_path / "a.h5", lay(2, 2, bricks="rigid"))
+    assert history.stress_pa is None
+    assert "deformable" in one_line_error(stress_picture, history)
+
+
+# --- options ------------------------------------------------------------------------------------
+
+def test_options_of_deformable_bricks_alone():
+    assert "beside --bricks deformable" in one_line_error(ModelOptions, brick_order=3)
+    assert "brick_mass" in one_line_error(ModelOptions, bricks="deformable", brick_mass=float("nan"))
+    assert "brick_damping" in one_line_error(ModelOptions, bricks="deformable", brick_damping=1.5)
+    assert "brick_order" in one_line_error(ModelOptions, bricks="deformable", brick_order=4)
+    assert "even number" in one_line_error(ModelOptions, contacts="gauss", cells=3)
+    assert parse_run(["--bricks", "deformable", "--brick-order", "3"], "test", "reference").model.brick_order == 3
+
+
+def test_periods_of_deformable_bricks_by_the_command(capsys):
+    from damage.__main__ import main
+
+    assert main(["modes", "walls/symmetric.py", "--bricks", "deformable", "--contacts", "gauss"]) == 0
+    assert "mode 1: 0.20091 s" in capsys.readouterr().out
+
+
+def test_walls_that_cannot_deform():
+    splitting = Wall("w", 0.9, 0.45, brick=Brick(tensile_strength=1e6))
+    assert "bricks that do not split" in one_line_error(lay_out, splitting, ModelOptions(**DEFORMABLE))
+    soft = Wall("w", 0.9, 0.45, brick=Brick(shear_modulus=1e9))
+    assert "Poisson's ratio" in one_line_error(lay_out, soft, ModelOptions(**DEFORMABLE))
