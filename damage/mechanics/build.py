@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damage.mechanics.loose import Touch, make_loose, stiffness_for
 from damage.mechanics.tables import CONTACT, INTERFACE, RIGID, ROTATION, STATE, System, table
 from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT
@@ -10,6 +11,12 @@ from damage.wall.supports import rows
 
 CAPACITY = 100_000
 """Events that fit between two times that the log is drained."""
+
+RADIUS = 0.01
+"""Radius of a brick's corners in loose contacts over the length of a whole brick [-]."""
+IMPACT_DAMPING = 0.2
+"""Share of critical damping of a corner that touches: alone it bounces back with half of its speed."""
+GROUND_M = 20.0
 
 
 def build(layout, material):
@@ -37,6 +44,29 @@ def build(layout, material):
         states=states, readings=np.zeros((4, len(contacts))), energy=np.zeros(4),
         events=np.zeros((CAPACITY, 3), np.int64), values=np.zeros((CAPACITY, 4)), n_events=np.zeros(1, np.int64),
         relaxation=np.zeros(2), last=np.zeros((len(interfaces), 6)))
+
+
+def build_loose(layout, system, time_step, material):
+    """The Loose contacts of a layout that a System was built of; its joints on supports end from now on, too, where a
+    brick has slid by its length.
+
+    The ground reaches GROUND_M beyond the wall and as far down, and from support to support.
+    """
+    bodies, supports = layout.bodies, layout.supports
+    radius = RADIUS * layout.wall.brick.length
+    touch = Touch(radius, kn := stiffness_for(bodies.mass.min(), time_step), 0.4 * kn, material.friction,
+                  material.friction, IMPACT_DAMPING)
+    edges = np.concatenate([[supports.left[0] - GROUND_M], (supports.right[:-1] + supports.left[1:]) / 2,
+                            [supports.right[-1] + GROUND_M]])
+    half_x, half_z, at = bodies.length / 2 - radius, bodies.height / 2 - radius, np.zeros(len(supports))
+    cores = np.vstack([
+        np.column_stack([bodies.x, bodies.z, -half_x, half_x, -half_z, half_z]),
+        np.column_stack([supports.x, at, edges[:-1] - supports.x, edges[1:] - supports.x, at - GROUND_M, at - radius])])
+    interfaces = system.interfaces
+    grounded = interfaces["a"] >= len(bodies)
+    length = bodies.length[interfaces["b"][grounded]]
+    interfaces["slide_least"][grounded], interfaces["slide_most"][grounded] = -length, length
+    return make_loose(touch, cores, interfaces["a"], interfaces["b"])
 
 
 def contact_rows(layout):

@@ -34,7 +34,8 @@ class Samples(NamedTuple):
 
     contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement:
     (walls, samples, bodies, 3) [m, m, rad], the supports last; support_force: (walls, samples, supports, 3) of the wall
-    on them [N, N, N m]; totals: (walls, samples, TOTALS).
+    on them [N, N, N m]; totals: (walls, samples, TOTALS); loose: (walls, samples) elastic energy of the loose contacts
+    [J].
     """
 
     contacts: np.ndarray
@@ -42,6 +43,7 @@ class Samples(NamedTuple):
     displacement: np.ndarray
     support_force: np.ndarray
     totals: np.ndarray
+    loose: np.ndarray
 
     @classmethod
     def none(cls, n_walls, n_samples, system, n_supports):
@@ -49,7 +51,8 @@ class Samples(NamedTuple):
         n_contacts, n_bodies = len(system.contacts), len(system.place)
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
                    np.zeros((n_walls, n_samples, n_bodies, RIGID)),
-                   np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
+                   np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)),
+                   np.zeros((n_walls, n_samples)))
 
     def of(self, wall, which):
         """Samples of one wall, without that axis; which: a slice or numbers."""

@@ -1,4 +1,4 @@
-"""The time step, plain: move the bodies, evaluate every interface, sum the forces.
+"""The time step, plain: move the bodies, evaluate every interface and every loose contact, sum the forces.
 
 This is the definition of the model.  It runs every wall, compiled by numba or as plain Python (NUMBA_DISABLE_JIT=1).
 The fast step of the reference solver does the same for eight walls, or eight interfaces, at once, to the same bits:
@@ -11,6 +11,7 @@ import numpy as np
 
 from damage.mechanics import bodies, contacts, interfaces
 from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.loose import STORED, ends_now, find_loose_forces, has_ended
 from damage.mechanics.rows import change_since_last, keep_last, last_motion, line_of, pose, springs_of
 from damage.mechanics.samples import observe
 from damage.mechanics.tables import DAMPING, FAILED, INPUT, RIGID, ROTATION, X, Z
@@ -23,13 +24,13 @@ SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC = range(5)
 
 
 @compiled
-def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, w):
+def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, w, loose):
     """Advance from places whose forces are known to each of these ends, where forces and readings are known again and a
     sample is written.
 
     field: (steps + 1, 3) acceleration of the base along x and z and gravity, of each step and the one after them
     [m/s2]; clock: steps that came before; ends: steps from here to each; scratch: Scratch of this system; stiffness,
-    samples, w: as of `damage.mechanics.samples.observe`.
+    samples, w: as of `damage.mechanics.samples.observe`; loose: Loose contacts.
     """
     step = 0
     for k in range(len(ends)):
@@ -40,8 +41,9 @@ def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, 
             if controls.adaptive > 0.0:
                 adapt(system, controls, scratch.sums[KINETIC])
             step += 1
-            find_forces(system, law, controls, clock + step, step == ends[k], scratch)
+            find_forces(system, law, controls, clock + step, step == ends[k], scratch, loose, controls.time_step)
         observe(system, stiffness, field[step], controls.time_step, samples, w, k)
+        samples.loose[w, k] = loose.energy[STORED]
 
 
 @inlined
@@ -112,12 +114,12 @@ def adapt(system, controls, parts):
 
 
 @inlined
-def find_forces(system, law, controls, step, singly, scratch):
+def find_forces(system, law, controls, step, singly, scratch, loose, since):
     """Forces of all interfaces on the bodies, where they are zero: first those that stay intact, each as one spring,
-    then the others contact by contact.
+    then the others contact by contact; and of the loose contacts.
 
     singly: none as one spring, so that forces are the sums of the contacts' stresses to the last bit; these are read
-    then, too.  Samples are taken so.
+    then, too.  Samples are taken so.  since: time since the last forces [s], zero where nothing has moved.
     """
     others, damped = 0, scratch.sums[TAKEN]
     damped[:] = 0.0
@@ -134,18 +136,19 @@ def find_forces(system, law, controls, step, singly, scratch):
             resultant = damp(system, controls, p, motion, resultant, change_since_last(system, p, resultant), damped)
         push(system, interface, interfaces.forces_on_bodies(frame, resultant))
     for k in range(others):
-        forces_by_contacts(system, law, controls, scratch.others[k], step, singly, damped)
+        forces_by_contacts(system, law, controls, scratch.others[k], step, singly, damped, loose)
+    find_loose_forces(system, loose, since)
     system.energy[DAMPING] += total(damped)
 
 
 @inlined
-def forces_by_contacts(system, law, controls, p, step, singly, damped):
+def forces_by_contacts(system, law, controls, p, step, singly, damped, loose):
     """Forces of one interface contact by contact: as springs while all stay in their elastic range, else by the joint
     law; from the step after its faces ceased to overlap none, for good."""
     interface = system.interfaces[p]
     start, stop = interface.start, interface.stop
     frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a), pose(system, interface.b))
-    if contacts.has_ended(system, p, motion):
+    if has_ended(system, loose, p, motion):
         return
     resultant, elastic = contacts.elastic_resultant(system.contacts, system.states, start, stop, motion)
     changed = change_since_last(system, p, resultant)
@@ -156,7 +159,7 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped):
                                                             controls.beta > 0.0)
         if failed:
             interface.failed = FAILED
-    if contacts.ends_now(system, p, motion) or singly:
+    if ends_now(system, loose, p, motion) or singly:
         contacts.read(system.contacts, system.states, system.readings, start, stop, motion)
     if controls.beta > 0.0:
         resultant = damp(system, controls, p, motion, resultant, changed, damped)

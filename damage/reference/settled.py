@@ -48,8 +48,9 @@ class Settled:
         return True
 
     def keep(self, solver):
-        """Keep what a solver is at that end."""
-        self._walls.put(self._digest, State(solver))
+        """Keep what a solver is at that end, unless its bricks have found new contacts by then."""
+        if not solver.loose.counts.any():
+            self._walls.put(self._digest, State(solver))
 
 
 class State:
@@ -75,5 +76,6 @@ class State:
 def _digest(prepared):
     """Of all that a run is until its wall is at rest."""
     settings = prepared.settings
-    begins = (prepared.layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation)
+    begins = (prepared.layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,
+              settings.new_contacts)
     return hashlib.sha256(pickle.dumps(begins)).digest()

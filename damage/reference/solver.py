@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damage.mechanics.loose import LARGEST
 from damage.mechanics.samples import KINETIC
 from damage.mechanics.tables import OPENED, SLIPPED, X, Z
 from damage.reference.wall import ReferenceWall
@@ -81,10 +82,14 @@ class ReferenceSolver(ReferenceWall, Solver):
         bodies, supports = np.split(samples.displacement, [len(self.layout.bodies)], axis=1)
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        np.add.reduce(samples.stored, axis=1), *totals[:, KINETIC + 1:].T)
+                        np.add.reduce(samples.stored, axis=1) + samples.loose, *totals[:, KINETIC + 1:].T)
 
     def forces(self):
         return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]
+
+    def largest_overlap_m(self):
+        loose = self.loose
+        return (loose.energy[LARGEST], 2 * loose.touch.radius) if len(loose.cores) else None
 
     def base_reaction(self):
         return self.base_force()[1]

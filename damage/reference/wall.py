@@ -5,11 +5,15 @@ is `damage.reference.kernel`.  Walls that share bricks and stiffnesses can step 
 `damage.reference.lanes`.
 """
 
+import math
+
 import numpy as np
 
+from damage.errors import RunError
 from damage.index import THRESHOLD
 from damage.mechanics import tables
-from damage.mechanics.build import CAPACITY, build, contact_rows, sum_springs
+from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, sum_springs
+from damage.mechanics.loose import FULL, INSIDE, NONE, STORED
 from damage.mechanics.samples import FIELD_NAMES, KINETIC, Samples, Stiffness, observe
 from damage.mechanics.tables import RIGID, ROTATION, X
 from damage.reference.lanes import bind, run_together
@@ -23,14 +27,17 @@ class ReferenceWall:
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
     alpha: mass-proportional damping [1/s].  These, `local_damping` (Cundall's) and `adaptive_damping` (the
     share of the change of kinetic energy that adaptive global damping takes) can be set at any time.
+    fast: move it by the fast step, which does not find new contacts; new_contacts: bodies whose joints have ended, or
+    that had none, collide.
     """
 
-    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, fast=True):
-        self.layout, self.time_step, self.step, self.fast = layout, time_step, 0, fast
+    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, fast=True, new_contacts=False):
+        self.layout, self.time_step, self.step, self.fast = layout, time_step, 0, fast and not new_contacts
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system, row = build(layout, self.material), contact_rows(layout)[0]
+        self.loose = build_loose(layout, self.system, time_step, self.material) if new_contacts else NONE
         self.stiffness = Stiffness(self.system.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
         self.lanes = None  # those that the wall was last moved in
@@ -108,6 +115,7 @@ class ReferenceWall:
         field = self.field(1)[0]
         field[2] = GRAVITY
         observe(self.system, self.stiffness, field, self.time_step, samples, 0, 0)
+        samples.loose[0, 0] = self.loose.energy[STORED]
         return samples.of(0, slice(1))
 
     def room(self, n_walls, n_samples):
@@ -250,4 +258,20 @@ class ReferenceWall:
 
     def elastic_energy(self):
         """Of all contacts [J]."""
-        return float(np.sum(self.sample_now().stored))
+        return float(np.sum(self.sample_now().stored) + self.loose.energy[STORED])
+
+    def failure(self):
+        """The error that ends a run of this wall as it is, None where there is none."""
+        if not math.isfinite(self.system.force.sum()):
+            return FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
+                                      f"{self.time_step:.3g} s is too large for this wall")
+        loose, before_s = self.loose, (self.step - self.first_step) * self.time_step
+        if loose.counts[INSIDE]:
+            return RunError(f"new contacts: bricks press each other by more than the {2e3 * loose.touch.radius:.3g} mm "
+                            f"of their rounded corners before {before_s:.4g} s; expected less; end the run with its "
+                            "first fallen brick, without --after-fall")
+        if loose.counts[FULL]:
+            return RunError(f"new contacts: more than {len(loose.pairs)} pairs of bricks are near each other before "
+                            f"{before_s:.4g} s; expected fewer; end the run with its first fallen brick, without "
+                            "--after-fall")
+        return None

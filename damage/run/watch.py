@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damage.history.schema import ENDED
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.units import GRAVITY
 
@@ -22,6 +23,34 @@ def have_fallen(motion, lowest):
     """At which instants a brick has fallen (n,); motion: (n, n_bodies, 3) since the static stage; lowest:
     `lowest_places`."""
     return np.logical_or.reduce(motion[:, :len(lowest), 1] < lowest, axis=1)
+
+
+def have_left(layout, motion, joints, state):
+    """At which instants a brick has moved by more than its height and all of its joints have ended (n,): how a brick
+    has fallen where loose bricks collide.
+
+    motion: (n, n_bodies, 3) since the static stage; joints: of which contact points; state: (n, n_joints) of these.
+    """
+    ended, contacts, bodies = (state & ENDED) > 0, layout.contacts, len(layout.bodies)
+    found = np.zeros(len(motion), bool)
+    if not ended.any():
+        return found
+    both = np.concatenate([contacts.first, contacts.second])
+    joined = np.bincount(both[both >= 0], minlength=bodies)
+    of_joints = [body[:layout.n_joints][joints] for body in (contacts.first, contacts.second)]
+    for k in np.flatnonzero(ended.any(axis=1)):
+        both = np.concatenate([body[ended[k]] for body in of_joints])
+        loose = np.bincount(both[both >= 0], minlength=bodies) == joined
+        far = np.hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
+        found[k] = np.any((loose & far)[:layout.n_bricks])
+    return found
+
+
+def speeds(layout, motion, before, interval_s):
+    """Mean speed of each body's centre, and of its ends about it, between two instants (n_bodies,) [m/s]; motion,
+    before: (n_bodies, 3)."""
+    moved = np.abs(motion - before) / interval_s
+    return np.hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length / 2
 
 
 def unbalanced_force(layout, on_bodies, in_contacts):
