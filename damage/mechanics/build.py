@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.mechanics.loose import Touch, make_loose, stiffness_for
+from damage.mechanics.loose import RADIUS, Touch, make_loose, stiffness_for
 from damage.mechanics.tables import CONTACT, INTERFACE, RIGID, ROTATION, STATE, System, table
 from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT
@@ -12,8 +12,6 @@ from damage.wall.supports import rows
 CAPACITY = 100_000
 """Events that fit between two times that the log is drained."""
 
-RADIUS = 0.01
-"""Radius of a brick's corners in loose contacts over the length of a whole brick [-]."""
 IMPACT_DAMPING = 0.2
 """Share of critical damping of a corner that touches: alone it bounces back with half of its speed."""
 GROUND_M = 20.0

@@ -24,6 +24,7 @@ import numpy as np
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, FRICTION, ROTATION, X, Z
+from damage.wall.joint_law import TENSION
 
 CORNERS = 4
 CENTRE_X, CENTRE_Z, LEFT, RIGHT, LOW, HIGH = range(6)
@@ -41,6 +42,9 @@ MARGIN = 4.0
 """By how many radii two bodies may be apart to be neighbours."""
 
 
+RADIUS = 0.01
+"""Radius of a brick's corners over the length of a whole brick [-]; and the rotation of two bricks [rad] below which no
+corner of one can lie by a radius in the other."""
 STEP_SHARE = 0.07
 """Time step over the root of mass over stiffness of a corner: a brick that bounces then keeps its energy to 0.5 %."""
 
@@ -391,27 +395,46 @@ def overlap_of(system, loose, row, k):
 # --- joints that end --------------------------------------------------------------------------------
 
 @inlined
-def ends_now(system, loose, p, motion):
-    """Whether a failed interface ends at this RelativeMotion, as its faces cease to overlap; where bodies find new
-    contacts also as all of it gapes by more than two radii, or as a rounded corner of one body lies by a radius in the
-    other, which the interface does not see: then it is ENDING."""
+def can_end(loose, motion):
+    """Whether an interface may end at this RelativeMotion although it is intact."""
+    return len(loose.cores) > 0 and abs(motion.rotation) > RADIUS
+
+
+@inlined
+def ends_now(system, loose, p, step, motion):
+    """Whether an interface ends at this RelativeMotion: then it is ENDING.
+
+    A failed one ends as its faces cease to overlap.  Where bodies find new contacts it also ends as all of it gapes by
+    more than two radii; and any that is not elastic as a rounded corner of one body lies by a radius in the other,
+    which contact points within the faces do not resist: what was left of its bond has failed then.
+    """
     interface = system.interfaces[p]
     ends = contacts.ends_now(system, p, motion)
-    if not ends and interface.failed == FAILED and len(loose.cores) > 0:
-        radius = loose.touch.radius
-        ends = (motion.opening - interface.reach * abs(motion.rotation) > 2.0 * radius
-                or (abs(motion.rotation) * length_of(loose, interface) > radius
-                    and corner_inside(system, loose, interface)))
+    if not ends and interface.failed < ENDING and len(loose.cores) > 0:
+        if interface.failed == FAILED and motion.opening - interface.reach * abs(motion.rotation) > \
+                2.0 * loose.touch.radius:
+            ends = True
+        elif can_end(loose, motion) and corner_inside(system, loose, interface):
+            ends = break_bonds(system, interface, step, motion)
         if ends:
             interface.failed = ENDING
     return ends
 
 
-@inlined
-def length_of(loose, interface):
-    """Of the shorter core of the two [m]: a rotation times it is more than by how much a corner can lie inside."""
-    a, b = interface.a, interface.b
-    return min(loose.cores[a, RIGHT] - loose.cores[a, LEFT], loose.cores[b, RIGHT] - loose.cores[b, LEFT])
+@compiled
+def break_bonds(system, interface, step, motion):
+    """Let all bonds of an interface fail, and log those that had not; False of one that is elastic."""
+    for i in range(interface.start, interface.stop):
+        if system.contacts[i].tensile_strength == np.inf and system.contacts[i].cohesion == np.inf:
+            return False
+    for i in range(interface.start, interface.stop):
+        contact, state = system.contacts[i], system.states[i]
+        if state.broken == 0.0:
+            trial = contacts.present_forces(contact, state, motion)
+            state.broken = 1.0
+            values = trial.sigma / contact.area, trial.tau / contact.area, 0.0, 0.0
+            contacts.log_event(system, step, i, TENSION, values)
+    return True
 
 
 @compiled

@@ -11,7 +11,7 @@ import numpy as np
 
 from damage.mechanics import bodies, contacts, interfaces
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.loose import STORED, ends_now, find_loose_forces, has_ended
+from damage.mechanics.loose import STORED, can_end, ends_now, find_loose_forces, has_ended
 from damage.mechanics.rows import change_since_last, keep_last, last_motion, line_of, pose, springs_of
 from damage.mechanics.samples import observe
 from damage.mechanics.tables import DAMPING, FAILED, INPUT, RIGID, ROTATION, X, Z
@@ -127,7 +127,7 @@ def find_forces(system, law, controls, step, singly, scratch, loose, since):
         interface = system.interfaces[p]
         frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a),
                                                    pose(system, interface.b))
-        if singly or not stays_intact(interface, motion):
+        if singly or not stays_intact(interface, motion) or can_end(loose, motion):
             scratch.others[others] = p
             others += 1
             continue
@@ -159,7 +159,7 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped, loose):
                                                             controls.beta > 0.0)
         if failed:
             interface.failed = FAILED
-    if ends_now(system, loose, p, motion) or singly:
+    if ends_now(system, loose, p, step, motion) or singly:
         contacts.read(system.contacts, system.states, system.readings, start, stop, motion)
     if controls.beta > 0.0:
         resultant = damp(system, controls, p, motion, resultant, changed, damped)

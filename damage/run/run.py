@@ -20,7 +20,7 @@ from damage.run.settings import (
     RESTS_FOR_S,
 )
 from damage.run.solver import LOOK_STEPS, NO_MOTION
-from damage.run.watch import have_fallen, have_left, index_now, lowest_places, speeds, unbalanced_force
+from damage.run.watch import fastest_fallen, have_fallen, have_left, index_now, lowest_places, unbalanced_force
 from damage.units import GRAVITY
 
 
@@ -154,8 +154,10 @@ class Run:
         return True
 
     def _rest(self, last, now, moves_until):
-        """Whether no body has moved for RESTS_FOR_S since the base stands still; last, now: (time [s], motion)."""
-        if np.max(speeds(self.layout, now[1], last[1], now[0] - last[0])) > RESTS_BELOW_M_S or now[0] < moves_until:
+        """Whether no brick that fell has moved for RESTS_FOR_S since the base stands still; last, now: (time [s],
+        motion)."""
+        fastest = fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
+        if fastest > RESTS_BELOW_M_S or now[0] < moves_until:
             self.rests_at_s = None
         elif self.rests_at_s is None:
             self.rests_at_s = last[0]
@@ -164,9 +166,9 @@ class Run:
     @property
     def fall(self):
         """What became of the bricks that were followed until they rest, in a line; None where none were."""
-        overlap = self.solver.largest_overlap_m()
         if self.collapsed_at_s is None or not self.settings.after_fall:
             return None
+        overlap = self.solver.largest_overlap_m()
         rests = "not at rest" if self.rests_at_s is None else \
             f"at rest {self.rests_at_s - self.collapsed_at_s:.2f} s after the first one fell"
         return (f"bricks followed to {self.time:.2f} s: {rests}; they overlapped by up to {1e3 * overlap[0]:.2g} of "

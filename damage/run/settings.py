@@ -30,7 +30,7 @@ ADAPTIVE_DAMPING = 1.0
 AFTER_FALL_S = 10.0
 """For how long bricks are followed at most after the first one fell and the base stands still [s]."""
 RESTS_BELOW_M_S, RESTS_FOR_S = 0.05, 0.2
-"""A wall rests when no body has moved faster than this on average, for so long."""
+"""A wall rests when no brick that fell moves faster than this [m/s], for so long [s]: the rest may still vibrate."""
 RELAXATIONS = ("adaptive", "local")
 STEPS = ("fast", "plain")
 """Implementations of the reference solver's time step; both give the same bits."""

@@ -46,11 +46,13 @@ def have_left(layout, motion, joints, state):
     return found
 
 
-def speeds(layout, motion, before, interval_s):
-    """Mean speed of each body's centre, and of its ends about it, between two instants (n_bodies,) [m/s]; motion,
-    before: (n_bodies, 3)."""
-    moved = np.abs(motion - before) / interval_s
-    return np.hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length / 2
+def fastest_fallen(layout, motion, before, interval_s):
+    """Largest mean speed, of centre or end, of the bricks that have left their place by more than half of their height
+    [m/s], zero where none has; motion, before: (n_bodies, 3) since the static stage, so long [s] apart."""
+    moved = np.abs(motion - before)[:layout.n_bricks] / interval_s
+    speed = np.hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length[:layout.n_bricks] / 2
+    away = np.hypot(motion[:, 0], motion[:, 1])[:layout.n_bricks] > layout.bodies.height[:layout.n_bricks] / 2
+    return float(np.max(speed[away], initial=0.0))
 
 
 def unbalanced_force(layout, on_bodies, in_contacts):
