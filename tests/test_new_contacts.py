@@ -1,19 +1,35 @@
 """Bricks whose joints have ended find new contacts: the hand-over from joint to loose pair, walls that fall."""
 
+import io
+import re
+from contextlib import redirect_stdout
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from PIL import Image
 from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, come_to_rest, ended, run_to_the_end, shove, total_energy
 from test_plain import ACTIONS, act, as_bytes, make
 
-from benchmarks.overlaps import corners, depth
+from benchmarks.overlaps import corners, depth, overlaps
+from damage.draw.animation import write_film
+from damage.draw.run import has_heap
+from damage.draw.wall import shape_at
+from damage.errors import RunError
+from damage.history.reader import read_history
 from damage.history.schema import ENDED as ENDED_BIT
+from damage.html.run_part import run_part
+from damage.measure.warnings import warnings_of
 from damage.mechanics.loose import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
 from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, INPUT, ROTATION, X, Z
+from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.run.settings import RESTS_BELOW_M_S
 from damage.run.watch import fastest_fallen
-from damage.wall.geometry import body_table
+from damage.wall.geometry import body_corners, body_table, joint_gaps
 from damage.wall.layout import lay_out
+from damage.wall.lintel import ElasticShare
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
 
@@ -178,3 +194,68 @@ def test_bricks_of_the_fallen_wall_do_not_overlap_by_more_than_their_rounded_cor
              if np.all((low[a] < high[b]) & (low[b] < high[a]))]
     assert max(depth(places[a], places[b]) for a, b in pairs) < DIAMETER
     assert wall.instants().contacts["state"].max() & ENDED_BIT
+
+
+def test_bricks_that_press_each_other_too_hard_end_the_run():
+    """With m v^2 / 2 = 4 k d^2 / 2 a brick stops within d: at 200 m/s that is more than the rounded corners hold."""
+    wall = pair()
+    wall.displacement = [[0, 0, 0], [0, 0.02, 0]]
+    wall.run(2)
+    wall.velocity = [[0, 0, 0], [0, -200.0, 0]]
+    with pytest.raises(RunError, match="bricks press each other by more than the 4.5 mm of their rounded corners"):
+        wall.run(20)
+
+
+@pytest.fixture(scope="module")
+def fallen(tmp_path_factory):
+    """What a run of the symmetric wall without a lintel says, and its history."""
+    path = tmp_path_factory.mktemp("fall") / "fall.h5"
+    words = ["symmetric", "--lintel", "none", "--harmonic", "0.2", "0.05", "--rest", "0.1", "--new-contacts",
+             "--after-fall", "--no-pictures", "--out", str(path)]
+    with redirect_stdout(io.StringIO()) as said:
+        assert run_reference(words) == 0
+    return said.getvalue(), read_history(path)
+
+
+@pytest.mark.slow
+def test_the_spandrel_of_the_symmetric_wall_falls_and_rests_within_3_s(fallen):
+    said, history = fallen
+    rest, overlap = re.search(
+        r"at rest ([\d.]+) s after the first one fell; they overlapped by up to ([\d.]+) of 4.5 mm", said).groups()
+    assert 1.0 < float(rest) < 3.0 and 0.0 < float(overlap) < 4.5
+    assert history.complete and history.parameters["new_contacts"] and history.parameters["after_fall"]
+    assert history.series["time_s"].iloc[-1] == pytest.approx(history.collapsed_at_s)
+    assert history.snapshot_time_s[-1] > history.collapsed_at_s + float(rest)
+    some = SimpleNamespace(bodies=history.bodies, displacement=history.displacement[::15])
+    assert max(overlaps(some).values()) * 1e3 < float(overlap) + 0.1
+    (warning,) = [line for line in warnings_of(history, None, ElasticShare(0, None)) if "joints ended" in line]
+    assert "the bricks collide as rectangles with rounded corners" in warning
+
+
+@pytest.mark.slow
+def test_the_piers_stand_and_the_spandrel_lies_on_the_ground(fallen):
+    _, history = fallen
+    x, z = (history.bodies[f"{name}_m"].to_numpy() for name in "xz")
+    last = history.displacement[-1]
+    over = (np.abs(x - 2.025) < 0.8) & (z > 2.475)
+    assert over.sum() > 20 and np.all(z[over] + last[over, 1] < 0.6)
+    piers = (np.abs(x - 2.025) > 1.2)
+    assert np.abs(last[piers, :2]).max() < 0.02
+
+
+@pytest.mark.slow
+def test_picture_film_and_report_show_the_fallen_bricks(fallen, tmp_path):
+    _, history = fallen
+    assert has_heap(history)
+    end = history.snapshot_time_s[-1]
+    last = len(history.snapshot_time_s) - 1
+    shape = shape_at(history, len(history.series) - 1, 0.1, magnify=1.0, snapshot=last)
+    assert shape.time_s == end
+    assert_allclose(shape.corners, body_corners(history.bodies, history.displacement[-1].astype(float)))
+    gaps = joint_gaps(history.joints, history.bodies, history.displacement[-1].astype(float))
+    hidden = np.isnan(shape.segments).any(axis=(1, 2))
+    assert np.array_equal(hidden, gaps > 0.01) and 50 < hidden.sum() < len(hidden) / 2
+    path = write_film(history, tmp_path / "film.gif", (end - 0.1, end))
+    with Image.open(path) as film:
+        assert film.n_frames >= 4
+    assert run_part(history, "A")["heap"]

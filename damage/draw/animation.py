@@ -154,7 +154,8 @@ def _draw_below(ax, history, samples, until_s):
     factor, unit = style.drift_scale(ratio)
     ax.plot(time_s, factor * ratio, color=style.BLUE)
     style.plain_numbers(ax.yaxis)
-    ax.set(ylabel=f"drift [{unit}]", xlabel="time [s]", xlim=(time_s[samples[0]], max(time_s[samples[-1]], until_s) + 1e-9))
+    ax.set(ylabel=f"drift [{unit}]", xlabel="time [s]",
+           xlim=(time_s[samples[0]], max(time_s[samples[-1]], until_s) + 1e-9))
     ax.yaxis.label.set_color(style.BLUE)
     right = ax.twinx()
     right.plot(time_s, history.index()["DI"], color=style.BLACK)

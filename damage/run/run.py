@@ -141,6 +141,8 @@ class Run:
         end = max(self.time, moves_until) + AFTER_FALL_S if until_rest else \
             self.collapsed_at_s + settings.past_collapse_s
         solver.damp(**self._damping("motion"))
+        if until_rest:
+            self._prescribe(self.stages[-1].end_step)  # top and supports stand still
         last = self._last
         while self.time < end:
             if not self.keep_going(self, self.time):
