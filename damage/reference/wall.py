@@ -268,8 +268,8 @@ class ReferenceWall:
         loose, before_s = self.loose, (self.step - self.first_step) * self.time_step
         if loose.counts[INSIDE]:
             return RunError(f"new contacts: bricks press each other by more than the {2e3 * loose.touch.radius:.3g} mm "
-                            f"of their rounded corners before {before_s:.4g} s; expected less; end the run with its "
-                            "first fallen brick, without --after-fall")
+                            f"of their rounded corners before {before_s:.4g} s; expected less; give a smaller --dt: a "
+                            "third of it makes them nine times as stiff")
         if loose.counts[FULL]:
             return RunError(f"new contacts: more than {len(loose.pairs)} pairs of bricks are near each other before "
                             f"{before_s:.4g} s; expected fewer; end the run with its first fallen brick, without "
