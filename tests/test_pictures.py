@@ -453,7 +453,7 @@ class TestFiles:
         assert_apart([*boxes, figure._suptitle.get_window_extent()])
 
     def test_a_run_without_a_heap_says_so(self, cracked):
-        with pytest.raises(InputError, match="expected a run with --past-collapse"):
+        with pytest.raises(InputError, match="expected a run with --new-contacts --after-fall"):
             heap_picture(cracked)
 
     def test_a_picture_says_what_made_it(self, cracked, tmp_path, monkeypatch):

@@ -7,11 +7,13 @@ import pytest
 from numpy.testing import assert_allclose
 from small_history import small_layout
 
+from damage.errors import InputError
+from damage.history.schema import BROKEN, ENDED
 from damage.run import run as run_module
 from damage.run import settings as run_settings
 from damage.run.options import make_parser, parse_run
 from damage.run.schedule import choose_time_step, sample_steps, stages
-from damage.run.watch import have_fallen, lowest_places
+from damage.run.watch import fastest_fallen, have_fallen, have_left, lowest_places
 
 CRITICAL_S = 4.67e-5
 
@@ -44,6 +46,38 @@ def test_a_brick_has_fallen_when_it_is_half_its_height_below_its_place():
     assert have_fallen(motion, lowest_places(layout)).tolist() == [False, True, True]
     motion[:, 3, 1], motion[2, layout.n_bricks:, 1] = 0.0, -1.0  # nor does a rigid top mass count
     assert not have_fallen(motion, lowest_places(layout)).any()
+
+
+def test_where_bricks_collide_one_has_fallen_when_its_joints_have_ended_and_it_moved_by_its_height():
+    layout = small_layout()
+    contacts, height = layout.contacts, layout.bodies.height[3]
+    joints = np.flatnonzero((contacts.first == 3) | (contacts.second == 3))
+    motion = np.zeros((4, len(layout.bodies), 3))
+    motion[:, 3, 0], motion[:, 3, 1] = (0.6 * height, 0.6 * height, 0.9 * height, 0.9 * height), -0.6 * height
+    state = np.full((4, len(joints)), BROKEN | ENDED)
+    state[2, 0] = BROKEN  # one joint still holds it
+    assert have_left(layout, motion, joints, state).tolist() == [False, False, False, True]
+    assert not have_left(layout, motion, joints, 0 * state + BROKEN).any()
+    assert not have_left(layout, 0 * motion, joints, state).any()
+
+
+def test_a_wall_rests_when_no_brick_that_fell_moves():
+    """Bodies that are still in their place may vibrate; the speed is that of centre and end."""
+    layout = small_layout()
+    height, length = layout.bodies.height[3], layout.bodies.length[3]
+    before, now = np.zeros((2, len(layout.bodies), 3))
+    now[3] = 0.4 * height, 0.0, 0.0
+    assert fastest_fallen(layout, now, before, 0.02) == 0.0
+    before[3], now[3] = (0.6 * height, 0, 0.1), (0.6 * height + 3e-4, -4e-4, 0.1 - 1e-3)
+    assert_allclose(fastest_fallen(layout, now, before, 0.02), (5e-4 + 1e-3 * length / 2) / 0.02)
+    assert (run_settings.RESTS_BELOW_M_S, run_settings.RESTS_FOR_S, run_settings.AFTER_FALL_S) == (0.05, 0.2, 10.0)
+
+
+def test_following_bricks_without_contacts_is_refused():
+    with pytest.raises(InputError, match="--after-fall without --new-contacts: .*give both"):
+        parse_run(["--after-fall"], "test", "reference")
+    with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):
+        parse_run(["--new-contacts", "--bricks", "deformable"], "test", "reference")
 
 
 def test_lengths_of_the_stages_and_looks():

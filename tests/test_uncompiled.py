@@ -52,7 +52,19 @@ def damped(solver):
     solver.run(60)
 
 
-CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-6}}
+def fallen(solver):
+    """A wall whose bricks are pulled apart by 5 mm and come back."""
+    bodies = solver.layout.bodies
+    apart = np.zeros((len(bodies), 3))
+    apart[:, 1] = 0.005 / 0.075 * (bodies.z - bodies.z.min())
+    solver.displacement = apart
+    solver.run(3)
+    apart[:, 1] *= np.where(bodies.course < 0, 0.0, -1300.0)  # the heavy top mass stays up
+    solver.velocity = apart
+    solver.run(60)
+
+
+CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-6}, fallen: {"new_contacts": True}}
 
 
 def all_results(fast):
@@ -67,7 +79,7 @@ def all_results(fast):
         steps, joints, kinds, values = solver.drain_events()
         for name, value in {"place": solver.displacement, "velocity": solver.velocity, "force": solver.force,
                             "slip": solver.slip, "opening": solver.opening, "energy": solver.energy,
-                            "kinetic": solver.kinetic_energy(), "values": values,
+                            "kinetic": solver.kinetic_energy(), "elastic": solver.elastic_energy(), "values": values,
                             "events": np.column_stack([steps, joints, kinds])}.items():
             results[f"{label}{case.__name__}_{name}"] = value
     return results

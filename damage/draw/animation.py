@@ -1,7 +1,8 @@
 """Animation of a run: the wall with magnified displacements and its cracks; below it drift and index over time.
 
 Frames are the snapshots of the run, without interpolation.  Of a long run only those around the maximum of the index,
-or those of a window, are shown.
+or those of a window, are shown.  Where bricks were followed beyond a collapse, so are they here; index and drift end
+with the first fallen brick.
 """
 
 import shutil
@@ -83,7 +84,8 @@ def _shoot(history, snapshots, magnify, writer, path):
     damage, times = history.index()["DI"].to_numpy(), history.series["time_s"].to_numpy()
     samples = [int(np.argmin(np.abs(times - time))) for time in history.snapshot_time_s[snapshots]]
     magnify = _common_magnification(history, snapshots) if magnify is None else magnify
-    shapes = (shape_at(history, sample, damage[sample], magnify=magnify) for sample in samples)
+    shapes = (shape_at(history, sample, damage[sample], magnify=magnify, snapshot=snapshot)
+              for sample, snapshot in zip(samples, snapshots))
     figure, show = _stage(history, snapshots, samples, magnify)
     with writer.saving(figure, path, DOTS_PER_INCH):
         for shape in shapes:
@@ -107,7 +109,7 @@ def _stage(history, snapshots, samples, magnify):
     labels = 0.45  # [inch] that ticks and labels take beside and below
     figure.set_size_inches(style.COLUMN_WIDTH, min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels)
     clock = wall.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
-    mark = _draw_below(below, history, samples)
+    mark = _draw_below(below, history, samples, history.snapshot_time_s[snapshots[-1]])
     slowed = _slowness(history, snapshots)
     style.add_title(figure, history, f"displacements × {magnify:g}" + (f", slowed down {slowed:.2g} times" if slowed
                                                                        else ""))
@@ -147,14 +149,18 @@ def _widen(ax, history, snapshots, magnify):
     return (high[1] - low[1]) / (high[0] - low[0])
 
 
-def _draw_below(ax, history, samples):
-    """Draw drift ratio and index over the time shown; returns the line that marks a time."""
+def _draw_below(ax, history, samples, until_s):
+    """Draw drift ratio and index over the time shown; returns the line that marks a time.
+
+    until_s: time of the last snapshot [s], which may follow the last sample.
+    """
     time_s = history.series["time_s"].to_numpy()
     ratio = history.series["drift_ratio"].to_numpy()
     factor, unit = style.drift_scale(ratio)
     ax.plot(time_s, factor * ratio, color=style.BLUE)
     style.plain_numbers(ax.yaxis)
-    ax.set(ylabel=f"drift [{unit}]", xlabel="time [s]", xlim=(time_s[samples[0]], time_s[samples[-1]] + 1e-9))
+    ax.set(ylabel=f"drift [{unit}]", xlabel="time [s]",
+           xlim=(time_s[samples[0]], max(time_s[samples[-1]], until_s) + 1e-9))
     ax.yaxis.label.set_color(style.BLUE)
     right = ax.twinx()
     right.plot(time_s, history.index()["DI"], color=style.BLACK)

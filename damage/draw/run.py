@@ -75,7 +75,7 @@ def _with_words(figure, ratio, history, lines, handles):
 
 
 def has_heap(history):
-    """Whether a History's bodies were followed beyond its collapse (`--past-collapse`)."""
+    """Whether a History's bodies were followed beyond its collapse (`--after-fall`, in YADE `--past-collapse`)."""
     times = history.snapshot_time_s
     return history.collapsed_at_s is not None and len(times) > 0 and times[-1] > history.series["time_s"].iloc[-1]
 
@@ -87,8 +87,8 @@ def heap_picture(history):
     Raises InputError where the run ended at its collapse.
     """
     if not has_heap(history):
-        raise InputError(f"{history.path} follows no brick beyond a collapse; expected a run with --past-collapse S "
-                         "(YADE) whose wall fell, run it again with that")
+        raise InputError(f"{history.path} follows no brick beyond a collapse; expected a run with --new-contacts "
+                         "--after-fall, or in YADE with --past-collapse S, whose wall fell, run it again with that")
     motion = history.displacement[-1].astype(float)
     before, now = body_corners(history.bodies, np.zeros_like(motion)), body_corners(history.bodies, motion)
     is_cap = history.bodies["course"].to_numpy() < 0

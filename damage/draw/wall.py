@@ -17,7 +17,7 @@ from damage.errors import InputError
 from damage.history.moments import STATES, choose_sample, joint_states, nearest_snapshot, support_motion
 from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
-from damage.wall.geometry import body_corners, joint_segments, support_outlines
+from damage.wall.geometry import body_corners, joint_gaps, joint_segments, support_outlines
 
 VISIBLE_SHARE = 0.03  # largest drawn displacement over the height of the wall
 LARGEST_MAGNIFICATION = 1000.0  # above it a residual of micrometres would look like a tilt
@@ -32,6 +32,8 @@ THINNEST_PT, WIDEST_PT = 0.3, 4.5
 """Widths of the lines of a crack of no width, and of one of the largest of LEGEND_WIDTHS_MM where bricks are large."""
 SHARE_OF_BRICK = 0.5
 """Largest width of a line over the drawn height of the lowest brick, so that half of a brick is visible."""
+WIDEST_JOINT = 0.01
+"""Largest distance of the two sides of a joint that is drawn in pictures of what follows a collapse [m]."""
 LEAST_WIDEST_PT = 0.6
 """Least width of the widest line [pt], so that cracks are visible in a wall of very many courses."""
 
@@ -107,14 +109,22 @@ def check_magnify(magnify):
         raise InputError(f"magnify = {magnify!r}: expected zero or a positive number; correct it")
 
 
-def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, magnify=None):
-    """WallShape at a sample (index), where DI is `damage`; other arguments as of `wall_shape`."""
+def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, magnify=None, snapshot=None):
+    """WallShape at a sample (index), where DI is `damage`; other arguments as of `wall_shape`.
+
+    snapshot: index of the snapshot to show, None for the one nearest to the sample.  In one that follows bricks beyond
+    the last sample, joints are left out whose bricks are no longer beside each other.
+    """
     time_s = float(history.series["time_s"].iloc[sample])
-    snapshot = nearest_snapshot(history, time_s)
+    snapshot = nearest_snapshot(history, time_s) if snapshot is None else snapshot
     motion = np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot].astype(float)
     if magnify is None:
         magnify = magnification(history.bodies, motion)
     supports = support_motion(history, snapshot)
+    segments = joint_segments(history.joints, history.bodies, motion, magnify, supports)
+    if snapshot is not None and history.snapshot_time_s[snapshot] > history.series["time_s"].iloc[-1]:
+        time_s = float(history.snapshot_time_s[snapshot])
+        segments[joint_gaps(history.joints, history.bodies, motion, supports) > WIDEST_JOINT] = np.nan
     return WallShape(
         sample=sample, time_s=time_s, index=damage,
         snapshot_time_s=None if snapshot is None else float(history.snapshot_time_s[snapshot]),
@@ -122,7 +132,7 @@ def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, 
         is_cap=history.bodies["course"].to_numpy() < 0,
         supports=support_outlines(supports, SUPPORT_DEPTH, magnify),
         ground_moves=len(supports.left) > 1 or bool(supports.motion.any()),
-        segments=joint_segments(history.joints, history.bodies, motion, magnify, supports),
+        segments=segments,
         state=joint_states(history, sample, slip, threshold), elastic=history.joints["elastic"].to_numpy(bool),
         crack_width_m=np.hypot(history.opening_m[sample], history.slip_by(slip)[sample], dtype=float)
     ).on_page()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.draw.run import ENERGIES, wall_picture
+from damage.draw.run import ENERGIES, has_heap, heap_picture, wall_picture
 from damage.draw.style import drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
@@ -34,6 +34,7 @@ def run_part(history, letter):
             "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
             "row": summary_row(history), "info": info(history), "history": history,
             "key": _key_numbers(history, summary, index), "still": still(history),
+            "heap": as_png(heap_picture(history)) if has_heap(history) else None,
             "drawn": drawn(history, index)}
     return part | {"words": in_words(part)}
 

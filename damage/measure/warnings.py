@@ -54,7 +54,9 @@ def warn_of_ends(history):
     ended, slid = ended_joints(history), offset_over_overlap(history)
     if ended is not None:
         others = ("bricks that meet anew touch at corners and faces alone" if history.solver == "yade" else
-                  "bricks find no new contacts, and what the run says of those there from then on is not valid")
+                  "the bricks collide as rectangles with rounded corners" if history.parameters.get("new_contacts") else
+                  "bricks find no new contacts, and what the run says of those there from then on is not valid; give "
+                  "--new-contacts")
         first = f"{ended.count} joints ended, the first" if ended.count > 1 else "1 joint ended,"
         return [f"{first} {_at(history, ended.row, ended.sample)}: its faces no longer overlap, it has no forces any "
                 f"more; {others}"]

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damage.mechanics.loose import RADIUS, Touch, make_loose, stiffness_for
 from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, STATE, Strain, System, table
 from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT
@@ -10,6 +11,10 @@ from damage.wall.supports import rows
 
 CAPACITY = 100_000
 """Largest number of events between two calls that empty the log."""
+
+IMPACT_DAMPING = 0.2
+"""Share of critical damping of a corner that touches: alone it bounces back with half of its speed."""
+GROUND_M = 20.0
 
 
 def build(layout, material):
@@ -52,6 +57,29 @@ def strain_tables(layout):
     resting = np.zeros((len(layout.supports), of.n_modes))
     return Strain(np.vstack([of.stiffness, resting]), np.vstack([of.damping, resting]), of.shapes,
                   np.column_stack([of.first, of.second])[row].astype(INDEX))
+
+
+def build_loose(layout, system, time_step, material):
+    """The Loose contacts of a layout that a System was built of; its joints on supports end from now on, too, where a
+    brick has slid by its length.
+
+    The ground reaches GROUND_M beyond the wall and as far down, and from support to support.
+    """
+    bodies, supports = layout.bodies, layout.supports
+    radius = RADIUS * layout.wall.brick.length
+    touch = Touch(radius, kn := stiffness_for(bodies.mass.min(), time_step), 0.4 * kn, material.friction,
+                  material.friction, IMPACT_DAMPING)
+    edges = np.concatenate([[supports.left[0] - GROUND_M], (supports.right[:-1] + supports.left[1:]) / 2,
+                            [supports.right[-1] + GROUND_M]])
+    half_x, half_z, at = bodies.length / 2 - radius, bodies.height / 2 - radius, np.zeros(len(supports))
+    cores = np.vstack([
+        np.column_stack([bodies.x, bodies.z, -half_x, half_x, -half_z, half_z]),
+        np.column_stack([supports.x, at, edges[:-1] - supports.x, edges[1:] - supports.x, at - GROUND_M, at - radius])])
+    interfaces = system.interfaces
+    grounded = interfaces["a"] >= len(bodies)
+    length = bodies.length[interfaces["b"][grounded]]
+    interfaces["slide_least"][grounded], interfaces["slide_most"][grounded] = -length, length
+    return make_loose(touch, cores, interfaces["a"], interfaces["b"])
 
 
 def contact_rows(layout):

@@ -86,7 +86,7 @@ class _Announcement(event.Listener):
 
 event.register("numba:compile", _Announcement())
 PLAIN = Package(Path(__file__).parent, (
-    "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "samples", "strain",
+    "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "strain",
     "step"),
     [Path(joint_law.__file__), Path(schema.__file__)])
 compiled, inlined = PLAIN.compiled, PLAIN.inlined

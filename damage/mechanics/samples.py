@@ -12,9 +12,9 @@ from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.tables import ENDING, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, RIGID, ROTATION, X, Z
 from damage.wall.joint_law import elastic_energy
 
-KINETIC, STRAIN, TOTALS = 0, 5, 6
-"""Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks [J]; and
-length of the totals."""
+KINETIC, ELASTIC, TOTALS = 0, 5, 6
+"""Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks and of
+loose contacts [J]; and length of the totals."""
 
 
 FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)

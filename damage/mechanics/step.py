@@ -1,4 +1,4 @@
-"""The plain time step: move the bodies, evaluate every interface, sum the forces.
+"""The plain time step: move the bodies, evaluate every interface and every loose contact, sum the forces.
 
 This is the definition of the model.  It runs every wall, compiled by numba or as plain Python (NUMBA_DISABLE_JIT=1).
 The fast step of the reference solver computes eight walls, or eight interfaces of one wall, at once, to the same bits.
@@ -12,10 +12,11 @@ import numpy as np
 from damage.mechanics import bodies, contacts, interfaces
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.interfaces import Resultant
+from damage.mechanics.loose import STORED, can_end, ends_now, find_loose_forces, hand_over
 from damage.mechanics.rows import change_since_last, keep_last, last_motion, line_of, pose, springs_of
-from damage.mechanics.samples import observe
+from damage.mechanics.samples import ELASTIC, observe
 from damage.mechanics.strain import kinetic_of_modes, motion_at, move_mode, observe_modes, points_at_once, push_modes
-from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, INDEX, INPUT, RIGID, ROTATION, X, Z
+from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, FRICTION, INDEX, INPUT, RIGID, ROTATION, X, Z
 
 PARTS = 8
 """Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so on."""
@@ -25,13 +26,13 @@ SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC = range(5)
 
 
 @compiled
-def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, w):
+def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, w, loose):
     """Advance a wall and write a sample at each of the steps `ends`.
 
     On entry the forces are those at the present displacements; on return, and at each sample, forces and readings are.
     system, law, controls: System, Law and Controls; field: (steps + 1, 3) acceleration of the base along x and z and
     gravity, in each step and the one after the last [m/s2]; clock: number of steps before; ends: (n,) rising numbers of
-    steps from now; scratch: Scratch; stiffness, samples, w: as of `damage.mechanics.samples.observe`.
+    steps from now; scratch: Scratch; stiffness, samples, w: as of `damage.mechanics.samples.observe`; loose: Loose.
     """
     step = 0
     for k in range(len(ends)):
@@ -42,9 +43,10 @@ def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, 
             if controls.adaptive > 0.0:
                 adapt(system, controls, scratch.sums[KINETIC])
             step += 1
-            find_forces(system, law, controls, clock + step, step == ends[k], scratch)
+            find_forces(system, law, controls, clock + step, step == ends[k], scratch, loose, controls.time_step)
         observe(system, stiffness, field[step], controls.time_step, samples, w, k)
         observe_modes(system, law.strain, controls.time_step, samples, w, k)
+        samples.totals[w, k, ELASTIC] += loose.energy[STORED]
 
 
 @inlined
@@ -121,12 +123,13 @@ def adapt(system, controls, parts):
 
 
 @inlined
-def find_forces(system, law, controls, step, singly, scratch):
-    """Add the forces of all interfaces to those of the bodies, which are zero on entry.
+def find_forces(system, law, controls, step, singly, scratch, loose, since):
+    """Add the forces of all interfaces and loose contacts to those of the bodies, which are zero on entry.
 
     Intact interfaces come first, each by its resultant springs, then the others contact point by contact point.
     step: number of the step in the log of events; singly: evaluate every contact point by itself and write the
-    readings, as for samples, so that forces are the sums of the stresses to the last bit.
+    readings, as for samples, so that forces are the sums of the stresses to the last bit; since: time since the last
+    forces [s], zero where nothing has moved.
     """
     others, damped = 0, scratch.sums[TAKEN]
     damped[:] = 0.0
@@ -134,7 +137,7 @@ def find_forces(system, law, controls, step, singly, scratch):
         interface = system.interfaces[p]
         frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a),
                                                    pose(system, interface.b))
-        if singly or not stays_intact(interface, motion):
+        if singly or not stays_intact(interface, motion) or can_end(loose, motion):
             scratch.others[others] = p
             others += 1
             continue
@@ -143,12 +146,13 @@ def find_forces(system, law, controls, step, singly, scratch):
             resultant = damp(system, controls, p, motion, resultant, change_since_last(system, p, resultant), damped)
         push(system, interface, interfaces.forces_on_bodies(frame, resultant))
     for k in range(others):
-        forces_by_contacts(system, law, controls, scratch.others[k], step, singly, damped)
+        forces_by_contacts(system, law, controls, scratch.others[k], step, singly, damped, loose)
+    find_loose_forces(system, loose, since)
     system.energy[DAMPING] += total(damped)
 
 
 @inlined
-def forces_by_contacts(system, law, controls, p, step, singly, damped):
+def forces_by_contacts(system, law, controls, p, step, singly, damped, loose):
     """Add the forces of interface p, evaluated contact point by contact point.
 
     They are springs while all that share a RelativeMotion stay in their elastic range, else the joint law applies.
@@ -158,10 +162,8 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped):
     start, size = interface.start, points_at_once(law.strain, interface)
     frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a), pose(system, interface.b))
     if interface.failed >= ENDING:
-        while interface.failed == ENDING and start < interface.stop:
-            contacts.let_go(system, start, start + size, motion_at(system, law.strain, interface, start, motion))
-            start += size
-        interface.failed = ENDED
+        if interface.failed == ENDING:
+            let_go(system, law, p, motion, loose)
         return
     total = Resultant(0.0, 0.0, 0.0)
     while start < interface.stop:
@@ -170,13 +172,26 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped):
         push_modes(system, law.strain, interface, start, resultant.normal, resultant.shear)
         total = interfaces.add(total, resultant)
         start += size
-    if contacts.ends_now(system, p, motion) or singly:
+    if ends_now(system, loose, p, step, motion) or singly:
         start = interface.start
         while start < interface.stop:
             contacts.read(system.contacts, system.states, system.readings, start, start + size,
                           motion_at(system, law.strain, interface, start, motion))
             start += size
     push(system, interface, interfaces.forces_on_bodies(frame, total))
+
+
+@inlined
+def let_go(system, law, p, motion, loose):
+    """Set the forces of interface p to zero, permanently; its bodies become a loose pair where there are such."""
+    interface, before = system.interfaces[p], system.energy[FRICTION]
+    start, size = interface.start, points_at_once(law.strain, interface)
+    while start < interface.stop:
+        contacts.let_go(system, start, start + size, motion_at(system, law.strain, interface, start, motion))
+        start += size
+    interface.failed = ENDED
+    if len(loose.cores) > 0:
+        hand_over(system, loose, interface, system.energy[FRICTION] - before)
 
 
 @inlined

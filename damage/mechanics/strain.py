@@ -7,7 +7,7 @@ Mode m of a body is its coordinate RIGID + m, of generalized force the gradient 
 from damage.mechanics import bodies
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.interfaces import RelativeMotion
-from damage.mechanics.samples import KINETIC, STRAIN
+from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import INDEX, RIGID
 
 ONE = INDEX(1)
@@ -83,4 +83,4 @@ def observe_modes(system, strain, dt, samples, w, k):
             stored += 0.5 * strain.stiffness[b, m] * place * place
             samples.displacement[w, k, b, RIGID + m] = place
     samples.totals[w, k, KINETIC] += kinetic
-    samples.totals[w, k, STRAIN] = stored
+    samples.totals[w, k, ELASTIC] = stored

@@ -9,7 +9,6 @@ so that walls that have ended are left out.
 """
 
 import hashlib
-import math
 
 import numpy as np
 
@@ -47,7 +46,7 @@ def advance_together(asked):
         if lanes is None or not lanes.are_of(walls):
             lanes = bind(walls)
         lanes.run(*steps)
-    return [_failure(wall) for wall, _ in asked]
+    return [wall.failure() for wall, _ in asked]
 
 
 def bind(walls):
@@ -57,14 +56,6 @@ def bind(walls):
     (wall,) = walls
     wall.lanes = Alone(wall)
     return wall.lanes
-
-
-def _failure(wall):
-    """None, or a FloatingPointError where the forces of a wall are not finite."""
-    if math.isfinite(wall.system.force.sum()):
-        return None
-    return FloatingPointError(f"forces are no longer finite at step {wall.step}: the time step of "
-                              f"{wall.time_step:.3g} s is too large for this wall")
 
 
 class Lanes:

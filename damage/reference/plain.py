@@ -28,7 +28,8 @@ class Alone:
             self._samples = self._room(len(steps))
         ends = np.cumsum(steps)
         plain.run(wall.system, self._law, tables.Controls(*map(float, wall.controls)), wall.field(ends[-1] + 1),
-                  wall.step - wall.first_step, ends, self._scratch, wall.stiffness, self._samples, 0)
+                  wall.step - wall.first_step, ends, self._scratch, wall.stiffness, self._samples, 0,
+                  wall.loose)
         wall.step += int(ends[-1])
 
     def samples_of(self, wall, which):
@@ -40,7 +41,7 @@ class Alone:
         self.wall.system.force[:] = 0.0
         undamped = tables.Controls(self.wall.time_step, 0.0, 0.0, 0.0, 0.0)
         plain.find_forces(self.wall.system, self._law, undamped, self.wall.step - self.wall.first_step, singly,
-                          self._scratch)
+                          self._scratch, self.wall.loose, 0.0)
 
     def _room(self, n_samples):
         return self.wall.room(1, n_samples)

@@ -15,8 +15,8 @@ from damage.wall.file import load_wall, wall_path
 
 PROG = "python3 -m damage reference"
 BACKEND = Backend("reference", {"numba": numba.__version__}, lambda layout, time_step, settings: ReferenceSolver(
-    layout, time_step, fast=settings.step == "fast"), Path(__file__).parent, softening=Softening(),
-    run_members=run_members)
+    layout, time_step, fast=settings.step == "fast", new_contacts=settings.new_contacts), Path(__file__).parent,
+    softening=Softening(), run_members=run_members)
 
 
 def run_reference(arguments):

@@ -49,8 +49,10 @@ class Settled:
         return True
 
     def keep(self, solver):
-        """Store the state of a solver at the end of its static stage."""
-        self._walls.put(self._digest, State(solver))
+        """Store the state of a solver at the end of its static stage, unless its bricks have found new contacts by
+        then."""
+        if not solver.loose.counts.any():
+            self._walls.put(self._digest, State(solver))
 
 
 class State:
@@ -76,5 +78,6 @@ class State:
 def _digest(prepared):
     """Digest of all inputs of the static stage of a Prepared run."""
     settings = prepared.settings
-    begins = (prepared.layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation)
+    begins = (prepared.layout, prepared.time_step, settings.perturb_m, settings.seed, settings.relaxation,
+              settings.new_contacts)
     return hashlib.sha256(pickle.dumps(begins)).digest()

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from damage.mechanics.samples import KINETIC, STRAIN
+from damage.mechanics.loose import LARGEST
+from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import OPENED, RIGID, SLIPPED, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
@@ -81,11 +82,15 @@ class ReferenceSolver(ReferenceWall, Solver):
         strain = samples.displacement[:, :len(self.layout.bodies), RIGID:] if self.layout.strain else None
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
-                        np.add.reduce(samples.stored, axis=1) + totals[:, STRAIN], *totals[:, KINETIC + 1:STRAIN].T,
-                        strain)
+                        np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC],
+                        *totals[:, KINETIC + 1:ELASTIC].T, strain)
 
     def forces(self):
         return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]
+
+    def largest_overlap_m(self):
+        loose = self.loose
+        return (loose.energy[LARGEST], 2 * loose.touch.radius) if len(loose.cores) else None
 
     def base_reaction(self):
         return self.base_force()[1]

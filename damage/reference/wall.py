@@ -5,12 +5,16 @@ Layout, joint law, stages, loading and history file are those of walls in YADE. 
 advance together (`damage.reference.lanes`).
 """
 
+import math
+
 import numpy as np
 
+from damage.errors import RunError
 from damage.index import THRESHOLD
 from damage.mechanics import tables
-from damage.mechanics.build import CAPACITY, build, contact_rows, strain_tables, sum_springs
-from damage.mechanics.samples import FIELD_NAMES, KINETIC, STRAIN, Samples, Stiffness, observe
+from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, strain_tables, sum_springs
+from damage.mechanics.loose import FULL, INSIDE, NONE, STORED
+from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Stiffness, observe
 from damage.mechanics.strain import observe_modes
 from damage.mechanics.tables import RIGID, ROTATION, X
 from damage.reference.fast import takes
@@ -24,16 +28,18 @@ class ReferenceWall:
     """A wall and its state; time is counted in steps.
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
-    damping [1/s]; fast: the fast or the plain step.  time_step, beta, alpha, `local_damping` (Cundall's, [-]) and
+    damping [1/s]; fast: the fast step, where it takes such a wall, or the plain step; new_contacts: bodies whose joints
+    have ended, or that had none, collide.  time_step, beta, alpha, `local_damping` (Cundall's, [-]) and
     `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be changed at any time.
     """
 
-    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, fast=True):
-        self.layout, self.time_step, self.step, self.fast = layout, time_step, 0, fast and takes(layout)
+    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, fast=True, new_contacts=False):
+        self.layout, self.time_step, self.step, self.fast = layout, time_step, 0, fast and takes(layout, new_contacts)
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         self.system, self.strain = build(layout, self.material), strain_tables(layout)
+        self.loose = build_loose(layout, self.system, time_step, self.material) if new_contacts else NONE
         row = contact_rows(layout)[0]
         self.stiffness = Stiffness(self.system.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
@@ -118,6 +124,7 @@ class ReferenceWall:
         field[2] = GRAVITY
         observe(self.system, self.stiffness, field, self.time_step, samples, 0, 0)
         observe_modes(self.system, self.strain, self.time_step, samples, 0, 0)
+        samples.totals[0, 0, ELASTIC] += self.loose.energy[STORED]
         return samples.of(0, slice(1))
 
     def room(self, n_walls, n_samples):
@@ -272,6 +279,22 @@ class ReferenceWall:
         return float(self.sample_now().totals[0, KINETIC])
 
     def elastic_energy(self):
-        """Elastic energy of all contact points and of deformable bricks [J]."""
+        """Elastic energy of all contact points, of deformable bricks and of loose contacts [J]."""
         now = self.sample_now()
-        return float(np.sum(now.stored)) + float(now.totals[0, STRAIN])
+        return float(np.sum(now.stored)) + float(now.totals[0, ELASTIC])
+
+    def failure(self):
+        """The error that ends a run of this wall in its present state, None where there is none."""
+        if not math.isfinite(self.system.force.sum()):
+            return FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
+                                      f"{self.time_step:.3g} s is too large for this wall")
+        loose, before_s = self.loose, (self.step - self.first_step) * self.time_step
+        if loose.counts[INSIDE]:
+            return RunError(f"new contacts: bricks press each other by more than the {2e3 * loose.touch.radius:.3g} mm "
+                            f"of their rounded corners before {before_s:.4g} s; expected less; give a smaller --dt: a "
+                            "third of it makes them nine times as stiff")
+        if loose.counts[FULL]:
+            return RunError(f"new contacts: more than {len(loose.pairs)} pairs of bricks are near each other before "
+                            f"{before_s:.4g} s; expected fewer; end the run with its first fallen brick, without "
+                            "--after-fall")
+        return None

@@ -13,7 +13,15 @@ from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
 from damage.provenance import shown_command
-from damage.run.settings import RELAXATIONS, SCATTER, SOFTENING_BETA_S, STEPS, RunSettings, rayleigh_factors
+from damage.run.settings import (
+    AFTER_FALL_S,
+    RELAXATIONS,
+    SCATTER,
+    SOFTENING_BETA_S,
+    STEPS,
+    RunSettings,
+    rayleigh_factors,
+)
 from damage.wall.parameters import ModelOptions
 from damage.wall.plausible import ACCEPT
 
@@ -61,7 +69,8 @@ def parse_run(arguments, prog, solver):
         loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
-        past_collapse_s=getattr(parsed, "past_collapse", 0.0), accept_implausible=parsed.accept_implausible,
+        past_collapse_s=getattr(parsed, "past_collapse", 0.0), new_contacts=getattr(parsed, "new_contacts", False),
+        after_fall=getattr(parsed, "after_fall", False), accept_implausible=parsed.accept_implausible,
         step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
         command=f"{prog} {shown_command(arguments)}".strip(), model=model_of(parsed))
@@ -175,6 +184,10 @@ def _add_run(group, solver):
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     group.add_argument("--quiet", action="store_true", help="print warnings and errors only")
     if solver == "reference":
+        group.add_argument("--new-contacts", action="store_true", help="bricks whose joints have ended fall, collide "
+                           "and come to rest; the run ends with the first fallen brick (default: they fall freely)")
+        group.add_argument("--after-fall", action="store_true", help="with --new-contacts: follow the bricks until the "
+                           f"wall rests, {AFTER_FALL_S:g} s at most (default: end with the first fallen brick)")
         group.add_argument("--step", choices=STEPS, default=STEPS[0], help="implementation of the time step: fast "
                            "(default), or plain, the definition that it is tested against; both give the same bits")
     if solver == "yade":

@@ -9,9 +9,18 @@ from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
-from damage.run.settings import ADAPTIVE_DAMPING, HOLD_AT_MOST_S, HOLD_S, LOCAL_DAMPING, RAMP_S
+from damage.run.settings import (
+    ADAPTIVE_DAMPING,
+    AFTER_FALL_S,
+    HOLD_AT_MOST_S,
+    HOLD_S,
+    LOCAL_DAMPING,
+    RAMP_S,
+    RESTS_BELOW_M_S,
+    RESTS_FOR_S,
+)
 from damage.run.solver import LOOK_STEPS, NO_MOTION
-from damage.run.watch import have_fallen, index_now, lowest_places, unbalanced_force
+from damage.run.watch import fastest_fallen, have_fallen, have_left, index_now, lowest_places, unbalanced_force
 from damage.units import GRAVITY
 from damage.wall.strain import stress_by_modes
 
@@ -25,13 +34,13 @@ class Run:
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
     writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt); settled:
     where the wall at rest is found, or kept, as damage.reference.settled.Settled.
-    stage, index, time, collapsed_at_s: where the run is.
+    stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
     """
 
     def __init__(self, layout, settings, solver, writer, keep_going, settled=None):
         self.layout, self.settings, self.solver = layout, settings, solver
         self.writer, self.keep_going, self._settled = writer, keep_going, settled
-        self.stage, self.collapsed_at_s, self._samples = "static", None, 0
+        self.stage, self.collapsed_at_s, self.rests_at_s, self._samples = "static", None, None, 0
         self.sample_steps = schedule.sample_steps(solver.time_step)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self.base, self._top_velocities, self._support_velocities = NO_MOTION, None, None
@@ -126,22 +135,53 @@ class Run:
         finished = yield from self._run_stages()
         self._write_events(self.solver.drain_events())
         self.writer.snapshot(*self._last)
-        if self.collapsed_at_s is not None and self.settings.past_collapse_s > 0:
+        if self.collapsed_at_s is not None and (self.settings.past_collapse_s > 0 or self.settings.after_fall):
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
 
     def _follow_the_fall(self):
         """What becomes of the bricks after the first one fell: snapshots alone, since joints no longer say what a wall
         is; returns True unless interrupted."""
-        solver, end = self.solver, self.collapsed_at_s + self.settings.past_collapse_s
+        solver, settings = self.solver, self.settings
+        until_rest, moves_until = settings.after_fall, len(self.base) * solver.time_step
+        end = max(self.time, moves_until) + AFTER_FALL_S if until_rest else \
+            self.collapsed_at_s + settings.past_collapse_s
         solver.damp(**self._damping("motion"))
+        if until_rest:
+            self._prescribe(self.stages[-1].end_step)  # top and supports stand still
+        last = self._last
         while self.time < end:
             if not self.keep_going(self, self.time):
                 return False
-            yield from solver.advance(SNAPSHOT_SAMPLES * self.sample_steps)
-            now = solver.instants()
-            self.writer.snapshot(*self._snapshot(self.time, now, self._motion(now), -1))
+            yield from self._advance(SNAPSHOT_SAMPLES * self.sample_steps)
+            instant = solver.instants()
+            now = self._snapshot(self.time, instant, self._motion(instant), -1)
+            self.writer.snapshot(*now)
+            if until_rest and self._rest(last, now, moves_until):
+                break
+            last = now
         return True
+
+    def _rest(self, last, now, moves_until):
+        """Whether no brick that fell has moved for RESTS_FOR_S since the base stands still; last, now: snapshots, which
+        begin with time [s] and motion."""
+        fastest = fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
+        if fastest > RESTS_BELOW_M_S or now[0] < moves_until:
+            self.rests_at_s = None
+        elif self.rests_at_s is None:
+            self.rests_at_s = last[0]
+        return self.rests_at_s is not None and now[0] - self.rests_at_s >= RESTS_FOR_S
+
+    @property
+    def fall(self):
+        """What became of the bricks that were followed until they rest, in a line; None where none were."""
+        if self.collapsed_at_s is None or not self.settings.after_fall:
+            return None
+        overlap = self.solver.largest_overlap_m()
+        rests = "not at rest" if self.rests_at_s is None else \
+            f"at rest {self.rests_at_s - self.collapsed_at_s:.2f} s after the first one fell"
+        return (f"bricks followed to {self.time:.2f} s: {rests}; they overlapped by up to {1e3 * overlap[0]:.2g} of "
+                f"{1e3 * overlap[1]:.2g} mm")
 
     def _run_stages(self):
         solver = self.solver
@@ -202,7 +242,7 @@ class Run:
             "base_shear_n": now.support_force[:, :, 0].sum(axis=1), **self._energies(now, motion)}
         problem, end = self._first_not_finite(rows, {
             "motion": motion, **now.contacts})
-        fell = np.flatnonzero(have_fallen(motion[:end], self._lowest))
+        fell = np.flatnonzero(self._have_fallen(motion[:end], now))
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
         self._write({**rows, "top_force_n": now.top_force_n}, motion, now, end)
@@ -210,6 +250,12 @@ class Run:
             raise self._failure(f"{problem} is no longer finite", time_s[end])
         self._prescribe(self._samples - 1)
         return self.collapsed_at_s is None
+
+    def _have_fallen(self, motion, now):
+        """At which of the first Instants a brick has fallen (n,)."""
+        if not self.settings.new_contacts:
+            return have_fallen(motion, self._lowest)
+        return have_left(self.layout, motion, now.joints, now.contacts["state"][:len(motion)])
 
     def _prescribe(self, interval):
         """Move the top and the supports by their velocities in this interval; they rest after the last."""

@@ -210,6 +210,8 @@ def simulate(prepared, keep_going, settled=None):
         if finished:
             run.start(prepared.modes.shape[0])
             finished = yield from run.run_all()
+            if run.fall:
+                print(run.fall, flush=True)
         collapsed = run.collapsed_at_s
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "

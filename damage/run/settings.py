@@ -27,6 +27,10 @@ SETTLE_S = 0.5
 LOCAL_DAMPING = 0.7
 ADAPTIVE_DAMPING = 1.0
 """Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to rest fastest."""
+AFTER_FALL_S = 10.0
+"""For how long bricks are followed at most after the first one fell and the base stands still [s]."""
+RESTS_BELOW_M_S, RESTS_FOR_S = 0.05, 0.2
+"""A wall rests when no brick that fell moves faster than this [m/s], for so long [s]: the rest may still vibrate."""
 RELAXATIONS = ("adaptive", "local")
 STEPS = ("fast", "plain")
 """Implementations of the reference solver's time step; both give the same bits."""
@@ -62,9 +66,10 @@ class RunSettings:
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
     by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
-    bodies are followed after the first brick fell [s]; accept_implausible: do not check whether the wall and the motion
-    are plausible; step: one of STEPS; out: history file, None for a name of its own below `results/`; quiet: print
-    warnings and errors only; command: what asked for it.
+    bodies are followed after the first brick fell [s]; new_contacts: loose bricks collide (reference solver; in YADE
+    they do in any case); after_fall: follow them until they rest; accept_implausible: do not check whether the wall and
+    the motion are plausible; step: one of STEPS; out: history file, None for a name of its own below `results/`;
+    quiet: print warnings and errors only; command: what asked for it.
     """
 
     loading: object
@@ -80,6 +85,8 @@ class RunSettings:
     seed: int = 0
     members: int = 1
     past_collapse_s: float = 0.0
+    new_contacts: bool = False
+    after_fall: bool = False
     accept_implausible: bool = False
     step: str = "fast"
     out: Path | None = None
@@ -102,6 +109,11 @@ class RunSettings:
         check_whole("--seed", self.seed, 0, MOST_SEED)
         check_whole("--members", self.members, 1, MOST_MEMBERS)
         check_range("--past-collapse [s]", self.past_collapse_s, 0, LONGEST_S)
+        if self.after_fall and not self.new_contacts:
+            raise InputError("--after-fall without --new-contacts: bricks would fall through each other; give both")
+        if self.new_contacts and self.model.bricks == "deformable":
+            raise InputError("--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give one of "
+                             "the two")
         if self.time_step_s is not None:
             check_range("--dt [s]", self.time_step_s, 1e-9, 1)
         self._check_motion()
@@ -160,6 +172,7 @@ class RunSettings:
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
                 "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m,
                 "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,
+                "new_contacts": self.new_contacts, "after_fall": self.after_fall,
                 "command": self.command}
 
 

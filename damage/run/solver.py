@@ -105,6 +105,10 @@ class Solver(Protocol):
     def forces(self):
         """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact, (n_contacts,) [N]."""
 
+    def largest_overlap_m(self):
+        """(largest overlap of bricks that found new contacts so far, what they can overlap by) [m]; None where the
+        solver does not say."""
+
     def base_reaction(self):
         """Vertical force of the wall on the ground [N], downwards positive."""
 

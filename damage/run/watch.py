@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damage.history.schema import ENDED
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.units import GRAVITY
 
@@ -22,6 +23,36 @@ def have_fallen(motion, lowest):
     """At which instants a brick has fallen (n,); motion: (n, n_bodies, 3) since the static stage; lowest:
     `lowest_places`."""
     return np.logical_or.reduce(motion[:, :len(lowest), 1] < lowest, axis=1)
+
+
+def have_left(layout, motion, joints, state):
+    """At which instants a brick has moved by more than its height and all of its joints have ended (n,): how a brick
+    has fallen where loose bricks collide.
+
+    motion: (n, n_bodies, 3) since the static stage; joints: of which contact points; state: (n, n_joints) of these.
+    """
+    ended, contacts, bodies = (state & ENDED) > 0, layout.contacts, len(layout.bodies)
+    found = np.zeros(len(motion), bool)
+    if not ended.any():
+        return found
+    both = np.concatenate([contacts.first, contacts.second])
+    joined = np.bincount(both[both >= 0], minlength=bodies)
+    of_joints = [body[:layout.n_joints][joints] for body in (contacts.first, contacts.second)]
+    for k in np.flatnonzero(ended.any(axis=1)):
+        both = np.concatenate([body[ended[k]] for body in of_joints])
+        loose = np.bincount(both[both >= 0], minlength=bodies) == joined
+        far = np.hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
+        found[k] = np.any((loose & far)[:layout.n_bricks])
+    return found
+
+
+def fastest_fallen(layout, motion, before, interval_s):
+    """Largest mean speed, of centre or end, of the bricks that have left their place by more than half of their height
+    [m/s], zero where none has; motion, before: (n_bodies, 3) since the static stage, so long [s] apart."""
+    moved = np.abs(motion - before)[:layout.n_bricks] / interval_s
+    speed = np.hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length[:layout.n_bricks] / 2
+    away = np.hypot(motion[:, 0], motion[:, 1])[:layout.n_bricks] > layout.bodies.height[:layout.n_bricks] / 2
+    return float(np.max(speed[away], initial=0.0))
 
 
 def unbalanced_force(layout, on_bodies, in_contacts):

@@ -89,6 +89,14 @@ def joint_segments(joints, bodies, motion, magnify=1.0, supports=AT_REST):
     return (first + second) / 2
 
 
+def joint_gaps(joints, bodies, motion, supports=AT_REST):
+    """How far the middles of every joint's two sides are apart after the motion, (n_joints,) [m]."""
+    middle = tributary_ends(joints).mean(axis=1, keepdims=True)
+    first, second = (displaced(bodies, motion, joints[name].to_numpy(), middle, supports=supports)[:, 0]
+                     for name in ("first_body", "second_body"))
+    return np.hypot(*(second - first).T)
+
+
 def tributary_ends(joints):
     """Ends of the tributary lengths before any motion, (n_joints, 2, 2) [m]: bed joints along x,
     head joints and bricks' cuts along z, around the contact point, or farther in where there are two in a cell."""

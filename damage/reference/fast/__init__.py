@@ -4,6 +4,9 @@ It requires rigid bodies and a fixed set of interfaces (`takes`).
 """
 
 
-def takes(layout):
-    """Whether the fast step can move the wall of a damage.wall.layout.Layout; the plain step moves every wall."""
-    return layout.strain is None
+def takes(layout, new_contacts=False):
+    """Whether the fast step can move the wall of a damage.wall.layout.Layout; the plain step moves every wall.
+
+    new_contacts: whether its bricks find new contacts.
+    """
+    return layout.strain is None and not new_contacts

@@ -6,7 +6,7 @@ from damage.mechanics.compiled import PLAIN, Package
 
 FAST = Package(Path(__file__).parent, (
     "compiled", "blocks", "rows", "bodies", "interfaces", "contacts", "step", "alone", "together"),
-    [path for path in PLAIN.sources if path.name not in ("step.py", "rows.py", "strain.py")])  # all but its own
+    [path for path in PLAIN.sources if path.name not in ("step.py", "rows.py", "loose.py", "strain.py")])
 compiled, inlined = FAST.compiled, FAST.inlined
 
 

@@ -1,0 +1,460 @@
+"""Contacts that bricks find anew as they move: rectangles with rounded corners (spheropolygons, Alonso-Marroquin 2008).
+
+A brick is its core, smaller than itself by the radius r on all sides, and a disc of radius r that goes along it.  With
+d the distance of a corner of one core from the nearest point of the other core, a pair of bodies has stored
+
+    V = sum over the corners of both cores of  k/2 max(0, 2 r - d - rest)^2
+
+The force k (2 r - d - rest) acts along d, halfway between the corner and that point, with opposite signs on both.  d is
+continuously differentiable, so that no case of corner, edge or face needs to be told from the others.  Each touching
+corner has a tangential spring, limited by friction and deleted when they part, and a dashpot.
+
+`rest` is the overlap at which a corner bears nothing: zero between bodies that meet.  Bodies that become neighbours
+while they overlap keep that overlap, and it decreases as they move apart; where a joint ends while it bears, it is
+such that the corners store what the joint had stored.
+
+A pair of bodies is jointed until its joint has ended, and loose from then on.  The search for loose pairs begins when
+the first joint of a wall ends.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from damage.mechanics import contacts
+from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, FRICTION, ROTATION, X, Z
+from damage.wall.joint_law import TENSION
+
+CORNERS = 4
+CENTRE_X, CENTRE_Z, LEFT, RIGHT, LOW, HIGH = range(6)
+"""Columns of `cores`: where a body's place is counted from, and the edges of its core from there, in its axes [m]."""
+TOUCHING, REST, SLIDE, VISCOUS = range(4)
+"""Of a corner in `springs`: 1 while it touches; rest overlap [m]; tangential spring [m]; force of the dashpot [N]."""
+PAIRS, SEARCHES, WANTED, INSIDE, FULL = range(5)
+"""Entries of `counts`: pairs in the list; searches so far; 1 to have the next step search, as when the first joint has
+ended; how often a corner of a core lay inside another, where no normal is defined; pairs that did not fit."""
+STORED, LARGEST = range(2)
+"""Entries of `energy`: stored in loose contacts now [J]; largest overlap so far [m]."""
+MOST_NEIGHBOURS = 16
+"""Pairs of neighbours for which there is room, over the number of bodies."""
+MARGIN = 4.0
+"""By how many radii two bodies may be apart to be neighbours."""
+
+
+RADIUS = 0.01
+"""Radius of a brick's corners over the length of a whole brick [-]; and the rotation of two bricks [rad] below which no
+corner of one can lie by a radius in the other."""
+STEP_SHARE = 0.07
+"""Time step over the root of mass over stiffness of a corner: a brick that bounces then keeps its energy to 0.5 %."""
+
+
+class Touch(NamedTuple):
+    """Of all loose contacts: radius of the corners [m], normal and tangential stiffness of a corner [N/m], friction
+    between bricks and on supports [-], share of critical damping of a corner that touches [-]."""
+
+    radius: float
+    kn: float
+    ks: float
+    friction: float
+    support_friction: float
+    damping: float
+
+
+class Loose(NamedTuple):
+    """Tables of the loose contacts of one wall; without bodies where none are found.
+
+    cores: (bodies, 6), the supports last; bounds: (bodies, 4) left, right, low and high edge of each body and its
+    margin at the last search, in which it had the places `seen` (bodies, 3) [m, m, rad]; order: (bodies,) of their left
+    edges; pairs: (capacity, 2) bodies, the lower row first; springs: (capacity, 8, 4), corners of the first body, then
+    of the second; kept_pairs, kept_springs: those of the last list; first: (bodies,), following: (capacity,) chain of
+    the pairs of the last list by their first body; joints: (2 interfaces,), those of body b from row joints_start[b]
+    to joints_start[b + 1]; joined: (bodies,) stamps of the search.
+    """
+
+    touch: Touch
+    cores: np.ndarray
+    bounds: np.ndarray
+    seen: np.ndarray
+    order: np.ndarray
+    pairs: np.ndarray
+    springs: np.ndarray
+    kept_pairs: np.ndarray
+    kept_springs: np.ndarray
+    first: np.ndarray
+    following: np.ndarray
+    joints: np.ndarray
+    joints_start: np.ndarray
+    joined: np.ndarray
+    counts: np.ndarray
+    energy: np.ndarray
+
+
+def stiffness_for(mass, time_step):
+    """Stiffness of a corner that suits a time step [N/m]; mass: of the lightest body [kg]."""
+    return mass * (STEP_SHARE / time_step)**2
+
+
+def make_loose(touch, cores, first, second):
+    """Loose of bodies with these cores (bodies, 6); first, second: (interfaces,) rows of the bodies of each joint."""
+    n = len(cores)
+    room = MOST_NEIGHBOURS * n
+    ends = np.concatenate([first, second]).astype(np.int64)
+    by_body = np.argsort(ends, kind="stable")
+    return Loose(
+        touch=touch, cores=cores, bounds=np.zeros((n, 4)), seen=np.zeros((n, 3)), order=np.argsort(cores[:, CENTRE_X]),
+        pairs=np.zeros((room, 2), np.int64), springs=np.zeros((room, 2 * CORNERS, 4)),
+        kept_pairs=np.zeros((room, 2), np.int64), kept_springs=np.zeros((room, 2 * CORNERS, 4)),
+        first=np.zeros(n, np.int64), following=np.zeros(room, np.int64),
+        joints=by_body % max(len(first), 1), joints_start=np.searchsorted(ends[by_body], np.arange(n + 1)),
+        joined=np.full(n, -1), counts=np.zeros(5, np.int64), energy=np.zeros(2))
+
+
+NONE = make_loose(Touch(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), np.zeros((0, 6)), np.zeros(0), np.zeros(0))
+"""Of a wall whose bodies find no new contacts."""
+
+
+class Near(NamedTuple):
+    """A corner of one core and the nearest point of another: their distance [m], the direction from that point to the
+    corner [-], and the place halfway between them [m]."""
+
+    distance: float
+    nx: float
+    nz: float
+    x: float
+    z: float
+
+
+# --- forces -----------------------------------------------------------------------------------------
+
+@inlined
+def find_loose_forces(system, loose, dt):
+    """Add the forces of all loose contacts to those on the bodies, if there are any, and search for neighbours first
+    where a body has moved far enough; dt: time since they were last found [s]."""
+    if len(loose.cores) > 0 and loose.counts[SEARCHES] + loose.counts[WANTED] > 0:
+        if loose.counts[WANTED] > 0 or have_moved(system, loose):
+            search(system, loose)
+        push_all(system, loose, dt)
+
+
+@compiled
+def push_all(system, loose, dt):
+    """Forces of all pairs in the list."""
+    loose.energy[STORED] = 0.0
+    for row in range(loose.counts[PAIRS]):
+        a, b = loose.pairs[row, 0], loose.pairs[row, 1]
+        for k in range(2 * CORNERS):
+            p, c = (a, b) if k < CORNERS else (b, a)
+            push_corner(system, loose, row, k, p, c, dt)
+
+
+@inlined
+def push_corner(system, loose, row, k, p, c, dt):
+    """Forces between a corner of the core of body p, spring k of a pair, and the core of body c.
+
+    Friction and the dashpot take half of what they would at the force before, and half at the force now: so central
+    differences do work on the bodies, and the balance is that of the elastic part.
+    """
+    touch, springs = loose.touch, loose.springs
+    near = nearest(system, loose, p, c, k % CORNERS, 3.0 * touch.radius)
+    if near.distance <= 0.0:
+        loose.counts[INSIDE] += 1
+        return
+    overlap = 2.0 * touch.radius - near.distance
+    depth = overlap - springs[row, k, REST]
+    if depth <= 0.0:
+        springs[row, k, REST] = max(overlap, 0.0)
+        if springs[row, k, TOUCHING] == 0.0:
+            return
+        depth = 0.0
+    ax, az = near.x - place_of(system, loose, p, X), near.z - place_of(system, loose, p, Z)
+    bx, bz = near.x - place_of(system, loose, c, X), near.z - place_of(system, loose, c, Z)
+    v = system.velocity
+    vx = v[p, X] - v[p, ROTATION] * az - v[c, X] + v[c, ROTATION] * bz
+    vz = v[p, Z] + v[p, ROTATION] * ax - v[c, Z] - v[c, ROTATION] * bx
+    closing, sliding = (vx * near.nx + vz * near.nz) * dt, (vz * near.nx - vx * near.nz) * dt
+    viscous = 0.0
+    if depth > 0.0 and dt > 0.0:
+        viscous = max(-damping_of(system, touch, p, c) * closing / dt, -touch.kn * depth)
+    normal = touch.kn * depth + viscous
+    on_support = system.inverse_mass[p, Z] == 0.0 or system.inverse_mass[c, Z] == 0.0
+    limit = (touch.support_friction if on_support else touch.friction) * normal / touch.ks
+    old = springs[row, k, SLIDE]
+    new = min(max(old + sliding, -limit), limit)
+    system.energy[FRICTION] += 0.5 * touch.ks * (old + new) * (old + sliding - new)
+    system.energy[DAMPING] -= 0.5 * (springs[row, k, VISCOUS] + viscous) * closing
+    loose.energy[STORED] += 0.5 * (touch.kn * depth * depth + touch.ks * new * new)
+    loose.energy[LARGEST] = max(loose.energy[LARGEST], overlap)
+    springs[row, k, TOUCHING] = 1.0 if depth > 0.0 else 0.0
+    springs[row, k, SLIDE], springs[row, k, VISCOUS] = new, viscous
+    fx, fz = normal * near.nx + touch.ks * new * near.nz, normal * near.nz - touch.ks * new * near.nx
+    force = system.force
+    force[p, X] += fx
+    force[p, Z] += fz
+    force[p, ROTATION] += ax * fz - az * fx
+    force[c, X] -= fx
+    force[c, Z] -= fz
+    force[c, ROTATION] -= bx * fz - bz * fx
+
+
+@inlined
+def damping_of(system, touch, p, c):
+    """Viscosity of a corner that touches [N s/m]: a share of the critical one of two bodies on its spring."""
+    inverse = system.inverse_mass[p, Z] + system.inverse_mass[c, Z]
+    return 2.0 * touch.damping * np.sqrt(touch.kn / inverse) if inverse > 0.0 else 0.0
+
+
+@inlined
+def place_of(system, loose, b, axis):
+    """Coordinate of the centre of a body, or of a support's reference point [m]."""
+    return loose.cores[b, CENTRE_X + axis] + system.place[b, axis]
+
+
+@inlined
+def nearest(system, loose, p, c, corner, reach):
+    """Near of a corner of the core of body p, counter-clockwise from the upper right, and the core of body c; farther
+    than `reach` [m] the distance may be any above it."""
+    cores, trig = loose.cores, system.trig
+    right, high = corner == 0 or corner == 3, corner < 2
+    cos, sin = 1.0 + trig[p, 0], trig[p, 1]
+    x, z = cores[p, RIGHT] if right else cores[p, LEFT], cores[p, HIGH] if high else cores[p, LOW]
+    dx = place_of(system, loose, p, X) + cos * x - sin * z - place_of(system, loose, c, X)
+    dz = place_of(system, loose, p, Z) + sin * x + cos * z - place_of(system, loose, c, Z)
+    # In the axes of body c: the corner, and the point of its core that is nearest.
+    cos, sin = 1.0 + trig[c, 0], trig[c, 1]
+    x, z = cos * dx + sin * dz, cos * dz - sin * dx
+    on_x = min(max(x, cores[c, LEFT]), cores[c, RIGHT])
+    on_z = min(max(z, cores[c, LOW]), cores[c, HIGH])
+    apart_x, apart_z = x - on_x, z - on_z
+    if max(abs(apart_x), abs(apart_z)) > reach:
+        return Near(2.0 * reach, 0.0, 0.0, 0.0, 0.0)
+    distance = np.sqrt(apart_x * apart_x + apart_z * apart_z)
+    if distance <= 0.0:
+        return Near(0.0, 0.0, 0.0, 0.0, 0.0)
+    half_x, half_z = 0.5 * (x + on_x), 0.5 * (z + on_z)
+    return Near(distance, (cos * apart_x - sin * apart_z) / distance, (sin * apart_x + cos * apart_z) / distance,
+                place_of(system, loose, c, X) + cos * half_x - sin * half_z,
+                place_of(system, loose, c, Z) + sin * half_x + cos * half_z)
+
+
+# --- neighbours -------------------------------------------------------------------------------------
+
+@compiled
+def have_moved(system, loose):
+    """Whether a body has moved by half of the margin since the last search."""
+    cores, seen, place = loose.cores, loose.seen, system.place
+    for b in range(len(cores)):
+        reach = max(-cores[b, LEFT], cores[b, RIGHT]) + max(-cores[b, LOW], cores[b, HIGH])
+        moved = abs(place[b, X] - seen[b, X]) + abs(place[b, Z] - seen[b, Z])
+        if moved + abs(place[b, ROTATION] - seen[b, ROTATION]) * reach > 0.5 * MARGIN * loose.touch.radius:
+            return True
+    return False
+
+
+@compiled
+def search(system, loose):
+    """List the pairs of bodies that are near each other and not jointed: sort by their left edges and sweep."""
+    order, bounds, counts = loose.order, loose.bounds, loose.counts
+    counts[SEARCHES], counts[WANTED] = counts[SEARCHES] + 1, 0
+    bound(system, loose)
+    sort(order, bounds)
+    keep(loose)
+    for k in range(len(order)):
+        a = order[k]
+        mark_joined(system, loose, a)
+        for other in range(k + 1, len(order)):
+            b = order[other]
+            if bounds[b, 0] > bounds[a, 1]:
+                break
+            if bounds[b, 2] <= bounds[a, 3] and bounds[a, 2] <= bounds[b, 3] and can_touch(system, loose, a, b):
+                list_pair(system, loose, min(a, b), max(a, b))
+
+
+@inlined
+def sort(order, bounds):
+    """Sort bodies by their left edges, by insertion: they are nearly sorted from the last time."""
+    for k in range(1, len(order)):
+        one, place = order[k], k
+        while place > 0 and bounds[order[place - 1], 0] > bounds[one, 0]:
+            order[place] = order[place - 1]
+            place -= 1
+        order[place] = one
+
+
+@inlined
+def mark_joined(system, loose, a):
+    """Mark the bodies that are jointed to body a."""
+    for j in range(loose.joints_start[a], loose.joints_start[a + 1]):
+        interface = system.interfaces[loose.joints[j]]
+        if interface.failed != ENDED:
+            loose.joined[interface.a] = loose.joined[interface.b] = a
+
+
+@inlined
+def can_touch(system, loose, a, b):
+    """Whether body b is not jointed to body a, whose joints are marked, and one of them is free."""
+    return loose.joined[b] != a and system.inverse_mass[a, Z] + system.inverse_mass[b, Z] > 0.0
+
+
+@inlined
+def bound(system, loose):
+    """Bounds of all bodies, grown by half of the margin between two."""
+    cores, bounds, grown = loose.cores, loose.bounds, (1.0 + 0.5 * MARGIN) * loose.touch.radius
+    for b in range(len(cores)):
+        cos, sin = 1.0 + system.trig[b, 0], system.trig[b, 1]
+        half_x, half_z = 0.5 * (cores[b, RIGHT] - cores[b, LEFT]), 0.5 * (cores[b, HIGH] - cores[b, LOW])
+        off_x, off_z = 0.5 * (cores[b, RIGHT] + cores[b, LEFT]), 0.5 * (cores[b, HIGH] + cores[b, LOW])
+        x = place_of(system, loose, b, X) + cos * off_x - sin * off_z
+        z = place_of(system, loose, b, Z) + sin * off_x + cos * off_z
+        wide = half_x * abs(cos) + half_z * abs(sin) + grown
+        tall = half_x * abs(sin) + half_z * abs(cos) + grown
+        bounds[b, 0], bounds[b, 1], bounds[b, 2], bounds[b, 3] = x - wide, x + wide, z - tall, z + tall
+        loose.seen[b, X], loose.seen[b, Z] = system.place[b, X], system.place[b, Z]
+        loose.seen[b, ROTATION] = system.place[b, ROTATION]
+        loose.joined[b] = -1
+
+
+@inlined
+def keep(loose):
+    """Keep the list of pairs as the last one, chained by their first bodies, and empty it."""
+    for b in range(len(loose.first)):
+        loose.first[b] = -1
+    for row in range(loose.counts[PAIRS]):
+        a = loose.pairs[row, 0]
+        loose.kept_pairs[row, 0], loose.kept_pairs[row, 1] = a, loose.pairs[row, 1]
+        for k in range(2 * CORNERS):
+            for i in range(loose.springs.shape[2]):
+                loose.kept_springs[row, k, i] = loose.springs[row, k, i]
+        loose.following[row] = loose.first[a]
+        loose.first[a] = row
+    loose.counts[PAIRS] = 0
+
+
+@inlined
+def list_pair(system, loose, a, b):
+    """Add a pair to the list, with the springs that it has had."""
+    row = add_pair(loose, a, b)
+    if row >= 0 and not carry_over(loose, row):
+        meet(system, loose, row, 0.0)
+
+
+@inlined
+def add_pair(loose, a, b):
+    """Row of a new pair; -1 where there is no room."""
+    row = loose.counts[PAIRS]
+    if row >= len(loose.pairs):
+        loose.counts[FULL] += 1
+        return -1
+    loose.counts[PAIRS] = row + 1
+    loose.pairs[row, 0], loose.pairs[row, 1] = a, b
+    return row
+
+
+@inlined
+def carry_over(loose, row):
+    """Give a pair the springs that it had in the last list; False where it was not there."""
+    last = loose.first[loose.pairs[row, 0]]
+    while last >= 0 and loose.kept_pairs[last, 1] != loose.pairs[row, 1]:
+        last = loose.following[last]
+    if last < 0:
+        return False
+    for k in range(2 * CORNERS):
+        for i in range(loose.springs.shape[2]):
+            loose.springs[row, k, i] = loose.kept_springs[last, k, i]
+    return True
+
+
+@compiled
+def meet(system, loose, row, energy):
+    """Let a pair begin with so much stored in the corners that overlap [J], equally in all; returns what they store:
+    nothing where none overlaps, and no more than a depth of a radius in each."""
+    overlapping = 0
+    for k in range(2 * CORNERS):
+        loose.springs[row, k, REST] = overlap_of(system, loose, row, k)
+        loose.springs[row, k, TOUCHING] = loose.springs[row, k, SLIDE] = loose.springs[row, k, VISCOUS] = 0.0
+        overlapping += loose.springs[row, k, REST] > 0.0
+    if overlapping == 0:
+        return 0.0
+    depth = min(np.sqrt(2.0 * max(energy, 0.0) / (overlapping * loose.touch.kn)), loose.touch.radius)
+    for k in range(2 * CORNERS):
+        if loose.springs[row, k, REST] > 0.0:
+            loose.springs[row, k, REST] -= depth
+    return 0.5 * overlapping * loose.touch.kn * depth * depth
+
+
+@inlined
+def overlap_of(system, loose, row, k):
+    """Overlap of a corner of a pair, zero where there is none [m]."""
+    p, c = loose.pairs[row, 0], loose.pairs[row, 1]
+    if k >= CORNERS:
+        p, c = c, p
+    return max(2.0 * loose.touch.radius - nearest(
+        system, loose, p, c, k % CORNERS, 2.0 * loose.touch.radius).distance, 0.0)
+
+
+# --- joints that end --------------------------------------------------------------------------------
+
+@inlined
+def can_end(loose, motion):
+    """Whether an interface may end at this RelativeMotion although it is intact."""
+    return len(loose.cores) > 0 and abs(motion.rotation) > RADIUS
+
+
+@inlined
+def ends_now(system, loose, p, step, motion):
+    """Whether an interface ends at this RelativeMotion: then it is ENDING.
+
+    A failed one ends as its faces cease to overlap.  Where bodies find new contacts it also ends as all of it gapes by
+    more than two radii; and any that is not elastic as a rounded corner of one body lies by a radius in the other,
+    which contact points within the faces do not resist: what was left of its bond has failed then.
+    """
+    interface = system.interfaces[p]
+    ends = contacts.ends_now(system, p, motion)
+    if not ends and interface.failed < ENDING and len(loose.cores) > 0:
+        if interface.failed == FAILED and motion.opening - interface.reach * abs(motion.rotation) > \
+                2.0 * loose.touch.radius:
+            ends = True
+        elif can_end(loose, motion) and corner_inside(system, loose, interface):
+            ends = break_bonds(system, interface, step, motion)
+        if ends:
+            interface.failed = ENDING
+    return ends
+
+
+@compiled
+def break_bonds(system, interface, step, motion):
+    """Let all bonds of an interface fail, and log those that had not; False of one that is elastic."""
+    for i in range(interface.start, interface.stop):
+        if system.contacts[i].tensile_strength == np.inf and system.contacts[i].cohesion == np.inf:
+            return False
+    for i in range(interface.start, interface.stop):
+        contact, state = system.contacts[i], system.states[i]
+        if state.broken == 0.0:
+            trial = contacts.present_forces(contact, state, motion)
+            state.broken = 1.0
+            values = trial.sigma / contact.area, trial.tau / contact.area, 0.0, 0.0
+            contacts.log_event(system, step, i, TENSION, values)
+    return True
+
+
+@compiled
+def corner_inside(system, loose, interface):
+    """Whether a rounded corner of one body of an interface lies by a radius in the other body."""
+    radius = loose.touch.radius
+    for corner in range(CORNERS):
+        if (nearest(system, loose, interface.a, interface.b, corner, radius).distance < radius
+                or nearest(system, loose, interface.b, interface.a, corner, radius).distance < radius):
+            return True
+    return False
+
+
+@compiled
+def hand_over(system, loose, interface, energy):
+    """List the bodies of an interface that has ended as a loose pair; energy [J]: what friction would take of what the
+    interface had stored."""
+    if loose.counts[SEARCHES] == 0:
+        loose.counts[WANTED] = 1
+    a, b = np.int64(interface.a), np.int64(interface.b)
+    row = add_pair(loose, min(a, b), max(a, b))
+    if row >= 0:
+        system.energy[FRICTION] -= meet(system, loose, row, energy)

@@ -1,0 +1,261 @@
+"""Bricks whose joints have ended find new contacts: the hand-over from joint to loose pair, walls that fall."""
+
+import io
+import re
+from contextlib import redirect_stdout
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from PIL import Image
+from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, come_to_rest, ended, run_to_the_end, shove, total_energy
+from test_plain import ACTIONS, act, as_bytes, make
+
+from benchmarks.overlaps import corners, depth, overlaps
+from damage.draw.animation import write_film
+from damage.draw.run import has_heap
+from damage.draw.wall import shape_at
+from damage.errors import RunError
+from damage.history.reader import read_history
+from damage.history.schema import ENDED as ENDED_BIT
+from damage.html.run_part import run_part
+from damage.measure.warnings import warnings_of
+from damage.mechanics.loose import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
+from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, INPUT, ROTATION, X, Z
+from damage.reference.session import run_reference
+from damage.reference.solver import ReferenceSolver
+from damage.run.settings import RESTS_BELOW_M_S
+from damage.run.watch import fastest_fallen
+from damage.wall.geometry import body_corners, body_table, joint_gaps
+from damage.wall.layout import lay_out
+from damage.wall.lintel import ElasticShare
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+
+DIAMETER = 2 * 0.01 * 0.225
+"""Twice the radius of the corners: 1 % of a whole brick's length."""
+
+
+def pair(joint=DRY, **options):
+    """Two bricks on each other, as in test_ends, that find new contacts."""
+    wall = Wall("pair", LENGTH, 2 * HEIGHT, precompression=0.0, joint=Joint(**joint))
+    layout = lay_out(wall, ModelOptions(**options))
+    wall = ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, new_contacts=True)
+    come_to_rest(wall)
+    return wall
+
+
+def test_walls_with_new_contacts_are_moved_by_the_plain_step():
+    assert not pair().fast
+
+
+@pytest.mark.parametrize("action", ["shaken", "damped by stiffness", "pushed to and fro"])
+def test_a_wall_in_which_no_joint_ends_has_the_same_bits(action):
+    fast, other = make("brittle", fast=True), make("brittle", fast=False, new_contacts=True)
+    for one, two in zip(act(fast, **ACTIONS[action]), act(other, **ACTIONS[action])):
+        if len(two) < 15:  # the tables at the end have the ends of the joints on supports
+            assert as_bytes(one) == as_bytes(two)
+    assert not other.loose.counts.any() and fast.system.states["broken"].any()
+    assert as_bytes([fast.system.place, fast.system.velocity]) == as_bytes([other.system.place, other.system.velocity])
+
+
+def test_a_brick_that_is_lifted_off_and_let_fall_lands_on_the_other():
+    """A joint that gapes by more than 2 r has ended.  From a height h a brick lands after sqrt(2 h / g), and lies on
+    the other with its weight on four corners: it sinks in by m g / (4 k)."""
+    wall = pair()
+    for height, state in ((0.99 * DIAMETER, FAILED), (0.02, ENDED)):
+        wall.displacement = [[0, 0, 0], [0, height, 0]]
+        wall.run(2)
+        assert ended(wall) == state
+    wall.velocity = np.zeros((2, 3))
+    start, began = wall.displacement[1, Z], wall.step
+    while wall.loose.energy[STORED] == 0.0:
+        wall.run(1)
+    fallen = start - wall.displacement[1, Z]
+    assert (wall.step - began) * wall.time_step == pytest.approx(np.sqrt(2 * fallen / GRAVITY), rel=0.005)
+    assert fallen == pytest.approx(0.02, abs=1e-5)
+    wall.run(round(1.0 / wall.time_step))
+    weight = wall.layout.bodies.mass[1] * GRAVITY
+    assert wall.force[1, Z] == pytest.approx(weight, rel=1e-3)
+    sunk = wall.displacement[0, Z] - wall.displacement[1, Z]
+    assert sunk == pytest.approx(weight / (4 * wall.loose.touch.kn), rel=0.1)
+    assert wall.loose.counts[PAIRS] >= 1 and wall.loose.counts[SEARCHES] >= 1
+
+
+def rotated(angle, x, z):
+    return np.cos(angle) * x - np.sin(angle) * z, np.sin(angle) * x + np.cos(angle) * z
+
+
+@pytest.mark.parametrize("joint", [DRY, {"tensile_strength": 1e5, "cohesion": 1e5, "mode_i_fracture_energy": 5.0,
+                                         "mode_ii_fracture_energy": 50.0}], ids=["dry", "softening"])
+def test_the_hand_over_passes_on_what_the_joint_has_stored(joint):
+    """The upper brick is turned about its left contact point, L/4 from its centre, and pressed down.  Its left corner
+    comes to lie by r in the lower brick, which contact points inside the faces do not resist: the joint ends, and the
+    corner takes over its elastic energy to 1 %."""
+    wall = pair(joint)
+    held = 1e-9 * wall.system.inverse_mass[1]
+    wall.system.inverse_mass[:2] = 0.0
+    while ended(wall) < ENDING:
+        angle = wall.displacement[1, ROTATION]
+        x, z = rotated(angle, -LENGTH / 4, -HEIGHT / 2)
+        wall.velocity = [[0, 0, 0], [z, -x - 1e-4, 1.0]]
+        wall.run(1)
+    assert angle == pytest.approx(0.087, rel=0.02)  # L/4 - r from the point to the corner of the core
+    wall.velocity, wall.system.inverse_mass[1] = 0.0, held  # so that it does not move in the next step
+    stored = float(wall.sample_now().stored[0, wall.layout.contacts.first >= 0].sum())
+    friction = wall.energy[FRICTION]
+    wall.run(1)
+    assert ended(wall) == ENDED and stored > 1e-3
+    assert wall.loose.energy[STORED] == pytest.approx(stored, rel=0.01)
+    assert wall.loose.energy[LARGEST] == pytest.approx(DIAMETER / 2, rel=0.001)
+    assert wall.energy[FRICTION] - friction < 0.01 * stored
+
+
+def test_a_brick_that_is_shoved_off_falls_to_the_ground_and_rests():
+    """It lies flat or on end on the ground, whose joint with the lower brick goes on; no energy is created."""
+    wall = pair()
+    shove(wall, 2.0)
+    run_to_the_end(wall)
+    stored, balance = [], []
+    for _ in range(60):
+        wall.run(round(0.05 / wall.time_step))
+        balance.append(total_energy(wall))
+        stored.append(balance[-1] - wall.energy[1:].sum() + wall.energy[INPUT])
+    assert wall.kinetic_energy() < 1e-6
+    assert np.all(np.diff(stored) < 1e-3 * stored[0]) and np.ptp(balance) < 0.005 * stored[0]
+    angle = abs(wall.displacement[1, ROTATION]) % (np.pi / 2)
+    assert min(angle, np.pi / 2 - angle) < 0.01
+    z = wall.layout.bodies.z[1] + wall.displacement[1, Z]
+    assert min(abs(z - HEIGHT / 2), abs(z - LENGTH / 2)) < 1e-3
+    assert wall.displacement[1, X] > LENGTH and wall.loose.counts[INSIDE] == 0
+
+
+def test_a_brick_that_slides_over_its_length_on_the_ground_keeps_on_sliding():
+    """Its joint ends there, and the ground bears it on: friction slows it down by mu g all along."""
+    wall = pair()
+    wall.system.inverse_mass[1] = wall.system.velocity[1] = 0.0  # the upper one is out of the way
+    wall.displacement = [[0, 0, 0], [0, 1.0, 0]]
+    wall.run(2000)
+    wall.system.place[0, X], wall.system.velocity[0, X] = 0.0, 2.0
+    speed = []
+    while wall.displacement[0, X] < 1.6 * LENGTH:
+        wall.run(20)
+        speed.append((wall.displacement[0, X], wall.velocity[0, X]))
+    assert wall.system.interfaces["failed"][0] == ENDED and wall.force[0, Z] > 0.0
+    x, v = np.array(speed).T
+    lost = 2.0**2 - v**2
+    assert lost[-1] == pytest.approx(2 * np.tan(Joint().friction_angle) * GRAVITY * x[-1], rel=0.05)
+
+
+def fallen_wall():
+    """A small wall whose spandrel of three courses over an opening has lost its lintel: dry, under its weight."""
+    wall = Wall("spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=Joint(**DRY))
+    layout = lay_out(wall, ModelOptions(lintel="none"))
+    return ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True)
+
+
+@pytest.fixture(scope="module")
+def collapse():
+    """A falling wall, its energies [J] every 0.02 s, elastic, kinetic and potential together and dissipated, and how
+    fast its fallen bricks were [m/s]."""
+    wall, found = fallen_wall(), []
+    for _ in range(200):
+        before = wall.displacement
+        wall.run(round(0.02 / wall.time_step))
+        lifted = GRAVITY * float(wall.layout.bodies.mass @ wall.displacement[:, Z])
+        found.append((wall.kinetic_energy() + wall.elastic_energy() + lifted, wall.energy[1:].sum() - wall.energy[0],
+                      fastest_fallen(wall.layout, wall.displacement, before, 0.02)))
+    return wall, np.array(found)
+
+
+def test_a_spandrel_without_a_lintel_falls_and_rests(collapse):
+    """From 0.675 m its bricks fall with up to sqrt(2 g h) = 3.6 m/s."""
+    wall, found = collapse
+    assert 2.0 < found[:, 2].max() < 4.5 and np.all(found[-10:, 2] < RESTS_BELOW_M_S)
+    lowest = (wall.layout.bodies.z + wall.displacement[:, Z]).min()
+    assert lowest > HEIGHT / 2 - DIAMETER
+
+
+def test_no_core_lies_in_another_and_no_energy_is_created(collapse):
+    wall, energies = collapse
+    released = -energies[-1, 0]
+    assert wall.loose.counts[INSIDE] == 0 and wall.loose.energy[LARGEST] < DIAMETER
+    assert np.all(np.diff(energies[:, 0]) < 0.01 * released)
+    assert np.abs(energies[:, 0] + energies[:, 1]).max() < 0.03 * released
+
+
+def test_bricks_of_the_fallen_wall_do_not_overlap_by_more_than_their_rounded_corners(collapse):
+    """By the rectangles themselves, all pairs: no more than was found as the largest overlap."""
+    wall, _ = collapse
+    places = corners(body_table(wall.layout), wall.displacement)
+    low, high = places.min(axis=1), places.max(axis=1)
+    pairs = [(a, b) for a in range(len(places)) for b in range(a)
+             if np.all((low[a] < high[b]) & (low[b] < high[a]))]
+    assert max(depth(places[a], places[b]) for a, b in pairs) < DIAMETER
+    assert wall.instants().contacts["state"].max() & ENDED_BIT
+
+
+def test_bricks_that_press_each_other_too_hard_end_the_run():
+    """With m v^2 / 2 = 4 k d^2 / 2 a brick stops within d: at 200 m/s that is more than the rounded corners hold."""
+    wall = pair()
+    wall.displacement = [[0, 0, 0], [0, 0.02, 0]]
+    wall.run(2)
+    wall.velocity = [[0, 0, 0], [0, -200.0, 0]]
+    with pytest.raises(RunError, match="bricks press each other by more than the 4.5 mm of their rounded corners"):
+        wall.run(20)
+
+
+@pytest.fixture(scope="module")
+def fallen(tmp_path_factory):
+    """What a run of the symmetric wall without a lintel says, and its history."""
+    path = tmp_path_factory.mktemp("fall") / "fall.h5"
+    words = ["symmetric", "--lintel", "none", "--harmonic", "0.2", "0.05", "--rest", "0.1", "--new-contacts",
+             "--after-fall", "--no-pictures", "--out", str(path)]
+    with redirect_stdout(io.StringIO()) as said:
+        assert run_reference(words) == 0
+    return said.getvalue(), read_history(path)
+
+
+@pytest.mark.slow
+def test_the_spandrel_of_the_symmetric_wall_falls_and_rests_within_3_s(fallen):
+    said, history = fallen
+    rest, overlap = re.search(
+        r"at rest ([\d.]+) s after the first one fell; they overlapped by up to ([\d.]+) of 4.5 mm", said).groups()
+    assert 1.0 < float(rest) < 3.0 and 0.0 < float(overlap) < 4.5
+    assert history.complete and history.parameters["new_contacts"] and history.parameters["after_fall"]
+    assert history.series["time_s"].iloc[-1] == pytest.approx(history.collapsed_at_s)
+    assert history.snapshot_time_s[-1] > history.collapsed_at_s + float(rest)
+    some = SimpleNamespace(bodies=history.bodies, displacement=history.displacement[::15])
+    assert max(overlaps(some).values()) * 1e3 < float(overlap) + 0.1
+    (warning,) = [line for line in warnings_of(history, None, ElasticShare(0, None)) if "joints ended" in line]
+    assert "the bricks collide as rectangles with rounded corners" in warning
+
+
+@pytest.mark.slow
+def test_the_piers_stand_and_the_spandrel_lies_on_the_ground(fallen):
+    _, history = fallen
+    x, z = (history.bodies[f"{name}_m"].to_numpy() for name in "xz")
+    last = history.displacement[-1]
+    over = (np.abs(x - 2.025) < 0.8) & (z > 2.475)
+    assert over.sum() > 20 and np.all(z[over] + last[over, 1] < 0.6)
+    piers = (np.abs(x - 2.025) > 1.2)
+    assert np.abs(last[piers, :2]).max() < 0.02
+
+
+@pytest.mark.slow
+def test_picture_film_and_report_show_the_fallen_bricks(fallen, tmp_path):
+    _, history = fallen
+    assert has_heap(history)
+    end = history.snapshot_time_s[-1]
+    last = len(history.snapshot_time_s) - 1
+    shape = shape_at(history, len(history.series) - 1, 0.1, magnify=1.0, snapshot=last)
+    assert shape.time_s == end
+    assert_allclose(shape.corners, body_corners(history.bodies, history.displacement[-1].astype(float)))
+    gaps = joint_gaps(history.joints, history.bodies, history.displacement[-1].astype(float))
+    hidden = np.isnan(shape.segments).any(axis=(1, 2))
+    assert np.array_equal(hidden, gaps > 0.01) and 50 < hidden.sum() < len(hidden) / 2
+    path = write_film(history, tmp_path / "film.gif", (end - 0.1, end))
+    with Image.open(path) as film:
+        assert film.n_frames >= 4
+    assert run_part(history, "A")["heap"]
