@@ -6,8 +6,8 @@ d the distance of a corner of one core from the nearest point of the other core,
     V = sum over the corners of both cores of  k/2 max(0, 2 r - d - rest)^2
 
 The force k (2 r - d - rest) acts along d, halfway between the corner and that point, with opposite signs on both.  d is
-continuously differentiable, so that no case of corner, edge or face needs to be told from the others.  Each touching
-corner has a tangential spring, limited by friction and deleted when they part, and a dashpot.
+continuously differentiable, so that corners, edges and faces need no cases of their own.  Each touching corner has a
+tangential spring, limited by friction and deleted when they part, and a dashpot.
 
 `rest` is the overlap at which a corner bears nothing: zero between bodies that meet.  Bodies that become neighbours
 while they overlap keep that overlap, and it decreases as they move apart; where a joint ends while it bears, it is
