@@ -35,7 +35,9 @@ def browser():
     options = webdriver.ChromeOptions()
     options.binary_location = which(BROWSER)
     for word in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
-                 "--window-size={},{}".format(*SIZE_PX), "--host-resolver-rules=MAP * ~NOTFOUND"):
+                 "--window-size={},{}".format(*SIZE_PX), "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+                 "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+                 "--disable-sync"):
         options.add_argument(word)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     driver = webdriver.Chrome(service=Service(which(DRIVER)), options=options)

@@ -1,12 +1,14 @@
 """How Sphinx makes a site of these documents: `bash scripts/site.sh`.
 
 The documents are written to be read as they are, too: their links to files of the repository, which a site does not
-have, become the files' names; docstrings are plain text, and shown so.
+have, become the files' names; docstrings are plain text, and shown so.  The site works from a file, too: what browsers
+refuse there, the request for another file, is needed nowhere.
 """
 
+import json
 import re
 import sys
-from itertools import groupby
+from itertools import groupby, starmap
 from pathlib import Path
 
 from docutils import nodes
@@ -15,7 +17,8 @@ from docutils.parsers.rst import Directive
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.__main__ import COMMANDS  # noqa: E402, of this repository
+from damage.__main__ import COMMANDS, DELEGATED  # noqa: E402, of this repository
+from damage.run.options import OneLineParser, make_parser  # noqa: E402
 from damage.version import VERSION  # noqa: E402
 
 project = "masonry-damage"
@@ -28,8 +31,15 @@ myst_enable_extensions = ["colon_fence"]
 html_theme = "furo"
 html_title = f"masonry-damage {VERSION}"
 html_copy_source = html_show_copyright = False
+html_show_search_summary = False  # Sphinx's own asks for each page; docs/_static/search_context.js does not
+html_static_path = ["_static"]
+html_css_files = ["narrow.css"]
+html_favicon = "_static/brick.svg"
 autodoc_preserve_defaults = True
+autodoc_inherit_docstrings = False  # what is inherited is described once; of an array it would be numpy's own
 autodoc_default_options = {"members": True, "member-order": "bysource"}
+add_module_names = False
+smartquotes = False  # they make a dash of two, as options have them
 nitpicky = False
 
 _LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(([^)#\s:]+)(#[^)]*)?\)")
@@ -47,32 +57,107 @@ def only_what_is_here(app, name, source):
     source[0] = _LINK.sub(without_link, source[0])
 
 
+_ARGUMENTS = re.compile(r"([*\w]+(?:, [*\w]+)*)((?: \[[^\]]*\])?[:;,] )")
+
+
 def as_plain_text(app, what, name, obj, options, lines):
-    """Show a docstring as it is written: paragraphs as such, what is indented or a session as it stands."""
+    """Show a docstring as it is written: paragraphs and arguments as such, drawings, formulas and sessions as they
+    stand."""
     shown = []
     for is_blank, some in groupby(lines, key=lambda line: not line.strip()):
         group = list(some)
         if is_blank:
             shown.append("")
-        elif any(line.startswith((" ", ">>>", "+-", "- ")) for line in group):
+        elif group[0].startswith((" ", ">>>")):
             shown += ["::", "", *(f"    {line}" for line in group)]
+        elif any(line.startswith(" ") for line in group) or all(map(_ARGUMENTS.match, group)):
+            shown += [f"  {_escaped(line.strip())}" if line.startswith(" ") else
+                      _ARGUMENTS.sub(r"- **\1**\2", _escaped(line), 1) for line in group]
         else:
-            shown += [re.sub(r"`([^`]+)`", r"``\1``", re.sub(r"([\\*|]|_\b)", r"\\\1", line)) for line in group]
+            shown += map(_escaped, group)
     lines[:] = [*shown, ""]
 
 
+def _escaped(line):
+    """A line of plain text as reStructuredText, what is in backticks as code."""
+    return re.sub(r"`([^`]+)`", r"``\1``", re.sub(r"([\\*|]|_\b)", r"\\\1", line))
+
+
 class Commands(Directive):
-    """A table of the commands of `python3 -m damage` and what they do."""
+    """A section for each command of `python3 -m damage`: what it does, and its options."""
 
     def run(self):
-        items = nodes.definition_list()
-        for name, (_, purpose, _) in COMMANDS.items():
-            items += nodes.definition_list_item("", nodes.term("", "", nodes.literal("", name)),
-                                                nodes.definition("", nodes.paragraph("", purpose)))
-        return [items]
+        parsers = {"reference": make_parser("reference", "reference")}
+        parsers["reference"].description = DELEGATED["reference"].partition(" (see")[0]
+        for name, (_, purpose, arguments) in COMMANDS.items():
+            parsers[name] = OneLineParser(description=purpose)
+            for add in arguments:
+                add(parsers[name])
+        return list(starmap(_command, parsers.items()))
+
+
+def _command(name, parser):
+    """The section of one command."""
+    purpose = f"{parser.description[:1].upper()}{parser.description[1:]}."
+    options = nodes.definition_list(classes=["options"])
+    words = parser.formatter_class("")
+    for action in parser._actions:
+        if action.dest != "help":
+            options += nodes.definition_list_item(
+                "", nodes.term("", "", nodes.literal("", words._format_action_invocation(action))),
+                nodes.definition("", nodes.paragraph("", words._expand_help(action) if action.help else "")))
+    return nodes.section("", nodes.title("", name), nodes.paragraph("", purpose), options,
+                         ids=[f"command-{name}"], names=[name])
+
+
+def keep_texts(app, error):
+    """Write the text of every page for the search, which shows what is around the words that it found."""
+    if error:
+        return
+    texts = {}
+    for name in sorted(app.env.found_docs):
+        page = app.env.get_doctree(name)
+        for comment in list(page.findall(nodes.comment)):
+            comment.parent.remove(comment)
+        texts[name] = " ".join(page.astext().split())
+    text = f"const SEARCH_TEXTS = {json.dumps(texts, ensure_ascii=False)};\n"
+    (Path(app.outdir) / "_static" / "search_texts.js").write_text(text, encoding="utf-8")
+
+
+def make_whole(app, error):
+    """Make one file each of Debian's furo.js and furo.css and what they import: from a file no module loads, and the
+    stylesheet is sought in the root of a server.  Debian's has dark colours for the button alone, not for the screen's
+    own choice."""
+    if error:
+        return
+    static = Path(app.outdir) / "_static"
+    script, style = static / "scripts" / "furo.js", static / "styles" / "furo.css"
+    text = script.read_text(encoding="utf-8")
+    if imported := re.match(r'import \w+ from "\./([\w-]+\.js)";', text):
+        library = script.with_name(imported[1]).read_text(encoding="utf-8")
+        # A page's element with the id "exports" is an object of that name, by which the library takes it for Node.
+        whole = f"((define, exports, global) => {{{library}\n{text[imported.end():]}}})();\n"
+        script.write_text(whole, encoding="utf-8")
+    text = style.read_text(encoding="utf-8")
+    if imported := re.match(r"@import url\(/javascript/([^)]+)\);", text):
+        library = Path("/usr/share/javascript", imported[1]).read_text(encoding="utf-8")
+        text = library + text[imported.end():]
+    if "prefers-color-scheme" not in text and (dark := re.search(r'body\[data-theme="dark"\] ({[^{}]*})', text)):
+        text += f'@media not print {{ @media (prefers-color-scheme: dark) {{ body[data-theme="auto"] {dark[1]} }} }}\n'
+    style.write_text(text, encoding="utf-8")
+
+
+def add_context(app, page, template, context, doctree):
+    """Load the texts where they are needed."""
+    if page == "search":
+        app.add_js_file("search_texts.js")
+        app.add_js_file("search_context.js", loading_method="defer")
 
 
 def setup(app):
     app.connect("source-read", only_what_is_here)
     app.connect("autodoc-process-docstring", as_plain_text)
+    app.connect("html-page-context", add_context)
+    app.connect("build-finished", keep_texts)
+    app.connect("build-finished", make_whole)
     app.add_directive("commands", Commands)

@@ -5,6 +5,7 @@
 Prints a line for each part that is not current; the exit status is 1 if there is one, 2 where there are no tables.
 """
 
+import re
 import sys
 import tempfile
 from difflib import unified_diff
@@ -16,13 +17,17 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.errors import InputError
 from damage.files import write_text
-from damage.measure.columns import read_table
+from damage.history.schema import TABLES, markdown
+from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, read_table
 from damage.paper import report
 from damage.paper.verdict import judge
+from damage.wall import plausible
 from scripts.document_tables import with_tables
 
 VERDICT = "docs/paper/verdict.md"
 RENEW = "renew it: python3 scripts/documents.py --renew"
+BLOCK = re.compile(r"(<!-- table of (.+?) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+"""A table in a document that the code makes: see `tables_of_code`."""
 
 
 def verdict_follows_from_the_tables(root):
@@ -51,10 +56,37 @@ def readme_quotes_the_verdict(root):
 
 
 def tables_show_the_files(root):
-    """The tables of all documents show what the files in docs/tables hold."""
+    """The tables of all documents show what the files in docs/tables hold, and what the code defines."""
     for path in documents_below(root):
         text = _text(path)
-        yield from _differences(path.relative_to(root), text, with_tables(text, root / "docs/tables"))
+        yield from _differences(path.relative_to(root), text, _renewed(text, root))
+
+
+def _renewed(text, root):
+    return with_tables_of_code(with_tables(text, root / "docs/tables"))
+
+
+def with_tables_of_code(text):
+    """A document's text with its tables of columns, datasets and plausible values as the code defines them.
+
+    Raises InputError where a block names what is none of them.
+    """
+    known = tables_of_code()
+
+    def made(block):
+        if block[2] not in known:
+            raise InputError(f"a table of {block[2]!r}: expected one of {', '.join(known)}")
+        return f"{block[1]}\n{known[block[2]]}\n\n{block[3]}"
+
+    return BLOCK.sub(made, text)
+
+
+def tables_of_code():
+    """{name: table in Markdown} of what the code defines and documents show."""
+    summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
+    return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
+            **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
+            "plausible values": plausible.markdown()}
 
 
 def documents_below(root):
@@ -113,7 +145,7 @@ def renew(root):
     report.update_readme(findings, root / "README.md")
     for path in documents_below(root):
         text = _text(path)
-        renewed = with_tables(text, root / "docs/tables")
+        renewed = _renewed(text, root)
         if renewed != text:
             write_text(path, renewed)
 

@@ -4,7 +4,7 @@
 #     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
 #     source scripts/environment.sh test    # also pytest with xdist, hypothesis, jinja2 and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
-#     source scripts/environment.sh browser # a Python with the packages, pytest and selenium, Chromium and its driver
+#     source scripts/environment.sh browser # as site, with pytest and selenium; Chromium and its driver
 #     source scripts/environment.sh site    # a Python with the packages, Sphinx, MyST and the theme
 #     source scripts/environment.sh gates   # a Python with the packages and pytest, shellcheck, ruff
 #
@@ -225,7 +225,7 @@ _env_main() {
         test) modules+=(snakemake pytest xdist hypothesis jinja2) ;;
         coverage) modules+=(snakemake pytest xdist hypothesis jinja2 coverage) ;;
         browser)
-            modules+=(jinja2 pytest hypothesis selenium)
+            modules+=(jinja2 pytest hypothesis selenium sphinx myst_parser furo)
             _env_programs=(chromium chromedriver pdftoppm)
             ;;
         site)

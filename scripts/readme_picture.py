@@ -4,10 +4,12 @@
     python3 scripts/readme_picture.py FILE.h5 docs/pictures/readme.png
 """
 
+import io
 import sys
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -19,29 +21,48 @@ from damage.draw.wall import wall_shape
 LINES = {"DI": style.BLACK, "DI_drift": style.GREEN, "DI_open": style.ORANGE, "DI_slip": style.BLUE}
 
 
+SIZE = 8.0, 2.9  # [inch], without the legend
+WALL_PT = 290, 190
+"""Width and height that the wall fills at most."""
+
+
 @style.styled
-def picture(history):
-    """A Figure of the wall at its maximum damage index and of the index over time."""
-    figure = Figure(figsize=(8.0, 3.0), layout="constrained")
-    wall, time = figure.subplots(1, 2, width_ratios=(1.35, 1))
-    shape, index = wall_shape(history), history.index()
-    draw_wall(wall, shape)
-    wall.legend(handles=joint_handles(shape), loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4, frameon=False,
-                fontsize=6)
-    worst = index["time_s"][index["DI"].idxmax()]
-    wall.set_title(f"at {worst:.2f} s, displacements x {shape.magnification:g}")
-    for name, colour in LINES.items():
-        time.plot(index["time_s"], index[name], color=colour, lw=1.3 if name == "DI" else 0.9, label=name)
-    time.axvline(worst, color=style.MEDIUM, lw=0.8, ls=":")
-    time.set(xlabel="time [s]", ylabel="damage index", title="damage index over time", ylim=(0, None))
-    time.legend(frameon=False, fontsize=7)
+def picture(history, beside, title=None):
+    """A Figure of a History's wall at its maximum damage index, beside(axes, time of that [s]) to its right."""
+    figure = Figure(figsize=SIZE, layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1.35, 1))
+    shape = wall_shape(history).on_page(WALL_PT)
+    draw_wall(left, shape)
+    left.set_title(f"at {shape.time_s:.2f} s, displacements × {shape.magnification:g}", fontsize=7)
+    beside(right, shape.time_s)
+    if title:
+        figure.suptitle(title)
+    style.legend_below(figure, joint_handles(shape), columns=5)
     return figure
+
+
+def draw_index(ax, history, at_s):
+    """Draw the damage index and its components over time, with a mark at a time [s]."""
+    index = history.index()
+    for name, colour in LINES.items():
+        ax.plot(index["time_s"], index[name], color=colour, lw=1.3 if name == "DI" else 0.9, label=name)
+    ax.axvline(at_s, color=style.MEDIUM, lw=0.8, ls=":")
+    ax.set(xlabel="time [s]", ylabel="damage index", ylim=(0, None))
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 1), ncols=5, handlelength=1.2)
+
+
+def save(figure, path):
+    """Write a Figure as a small PNG, of 256 colours."""
+    whole = io.BytesIO()
+    figure.savefig(whole, dpi=130)
+    Image.open(whole).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def main(arguments):
     """Draw the picture of a history; returns 0."""
     source, target = arguments
-    picture(read_history(source)).savefig(target, dpi=140)
+    history = read_history(source)
+    save(picture(history, lambda ax, at_s: draw_index(ax, history, at_s)), target)
     return 0
 
 

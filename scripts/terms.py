@@ -49,14 +49,9 @@ GLOSSARY = "docs/reference/glossary.md"
 _TABLE = re.compile(r"^\| replaced \| by \|\n(\|.*(\n|\Z))+", re.MULTILINE)
 
 EXEMPT = (
-    "CHANGELOG.md", "scripts/terms.py", GLOSSARY,  # these name the old terms
-    "damage/draw", "damage/html", "damage/reference", "damage/mechanics", "yade_scripts",
-    *(f"tests/test_{name}.py" for name in (
-        "html", "html_browser", "lanes", "pictures", "softening", "together", "yade_joint", "yade_run")),
-    "tests/yade_checks", "tests/test_gates.py",  # the last one seeds the old terms
+    "CHANGELOG.md", "scripts/terms.py", GLOSSARY, "tests/test_gates.py",  # these name the replaced terms
 )
-"""Files and folders that are not searched; the first line and the tests of the gates stay, all others are not yet
-converted."""
+"""Files and folders that are not searched."""
 
 ALLOWED = {("damage/history/reader.py", "def told(self):"),
            ("tests/test_in_memory.py", "assert history.told is active  # its earlier name")}

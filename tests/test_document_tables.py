@@ -7,7 +7,7 @@ from conftest import REPOSITORY
 
 from damage.errors import InputError
 from scripts.document_tables import main, with_tables
-from scripts.documents import tables_show_the_files
+from scripts.documents import tables_of_code, tables_show_the_files, with_tables_of_code
 
 PAGE = "docs/validation/laboratory.md"
 ROW = "| COMP1_3 | rule, tested c and φ | {} |"
@@ -29,6 +29,24 @@ def test_a_changed_number_is_found(copy):
     assert f"{PAGE}: it says '{ROW.format('74.8')}" in found
     assert f"{PAGE}: docs/tables say '{ROW.format('84.8')}" in found
     assert with_tables((copy / PAGE).read_text(), copy / "docs/tables") == text
+
+
+def test_a_changed_table_of_the_code_is_found(copy):
+    page, row = "docs/reference/measures.md", "| `peak_base_shear_n` | N |"
+    text = (copy / page).read_text()
+    (copy / page).write_text(text.replace(row, "| `peak_base_shear_n` | kN |"))
+    assert f"{page}: docs/tables say '{row}" in "\n".join(tables_show_the_files(copy))
+    assert with_tables_of_code((copy / page).read_text()) == text
+
+
+def test_every_table_of_the_code_is_in_a_document():
+    pages = "\n".join(path.read_text() for path in (REPOSITORY / "docs" / "reference").glob("*.md"))
+    assert [name for name in tables_of_code() if f"<!-- table of {name} -->" not in pages] == []
+
+
+def test_a_table_that_the_code_does_not_have_is_one_line():
+    with pytest.raises(InputError, match="a table of 'nothing': expected one of summary.csv: parameters, "):
+        with_tables_of_code("<!-- table of nothing -->\n<!-- end of table -->")
 
 
 def test_columns_rows_formats_and_equal_headings(tmp_path):

@@ -116,3 +116,14 @@ def test_tests_that_documents_name_are_there():
     faults = (REPOSITORY / "docs/reference/faults.md").read_text().partition("\n## ")[0]
     rows = [line for line in faults.splitlines() if line.startswith("| ")][2:]
     assert [row for row in rows if "`tests/" not in row] == []
+
+
+def test_the_gallery_shows_the_commands_that_its_script_runs():
+    from scripts.gallery import GALLERY
+
+    page = (REPOSITORY / "docs" / "guides" / "gallery.md").read_text().replace(" \\\n", " ")
+    commands = re.findall(r"^    python3 -m damage reference (.*)$", page, re.MULTILINE)
+    assert [sorted(words.split()) for words in commands] == [sorted(entry.words.split()) for entry in GALLERY.values()]
+    assert re.findall(r"gallery/([\w-]+)\.png", page) == list(GALLERY)
+    for name in GALLERY:
+        assert (REPOSITORY / "docs" / "pictures" / "gallery" / f"{name}.png").stat().st_size < 80_000

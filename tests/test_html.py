@@ -135,11 +135,11 @@ class TestOneRun:
     def test_energies_are_supplied_stored_dissipated_and_damped(self, tmp_path):
         parts = {f"{name}_energy_j": factor * RAMP for factor, name in enumerate(
             ("kinetic", "elastic", "gravity", "friction", "fracture", "damping"), start=1)}
-        told = Page(page([damaged(tmp_path / "energy.h5", row=parts | {"input_energy_j": 21 * RAMP}).path], [])).data
-        names = {line["series"]: line["name"] for line in told["states"]["energies"]}
+        parsed = Page(page([damaged(tmp_path / "energy.h5", row=parts | {"input_energy_j": 21 * RAMP}).path], [])).data
+        names = {line["series"]: line["name"] for line in parsed["states"]["energies"]}
         assert names == {"input_energy_j": "supplied", "stored_energy_j": "stored",
                          "dissipated_energy_j": "dissipated in joints", "damping_energy_j": "damped"}
-        arrays = unpack_arrays(told["runs"][0])
+        arrays = unpack_arrays(parsed["runs"][0])
         for name, factor in zip(names, (21, 1 + 2 + 3, 4 + 5, 6)):
             assert arrays[name] == pytest.approx(factor * RAMP, rel=1e-6)
 
@@ -178,11 +178,11 @@ class TestOneRun:
         assert {0, 20, int(one.index()["DI"].idxmax()), int(drift.idxmax()), int(drift.idxmin())} <= instants
 
     def test_measures_are_those_of_the_summary_with_unit_and_meaning(self, one, page_of_one):
-        told = [float(data["value"]) for data in page_of_one.all("data")]
+        parsed = [float(data["value"]) for data in page_of_one.all("data")]
         summary = summarise(one)
         for value in (summary["max"]["DI"], summary["residual"]["DI_slip"], summary["max_drift_ratio"],
                       summary["max_psi"], summary["peak_base_shear_n"], summary["input_energy_j"]):
-            assert value in told
+            assert value in parsed
         for words in ("max_crack_width_mm", "Korswagen's damage parameter", "largest absolute drift ratio", "put in"):
             assert words in page_of_one.text
 
@@ -258,7 +258,7 @@ class TestSaidFirst:
     @pytest.mark.parametrize(("options", "words"), [
         ({"status": "interrupted"}, "interrupted at 0.200 s"), ({"status": "failed"}, "do not rely"),
         ({"status": "unfinished"}, "without an end"), ({"collapsed_at_s": 0.15}, "collapsed at 0.150 s"),
-        ({"row": {"input_energy_j": np.linspace(0, 9, 21)}}, "energy error"),
+        ({"row": {"input_energy_j": np.linspace(0, 9, 21)}}, "energy balance error"),
     ])
     def test_a_run_that_is_not_whole_or_odd_says_so_at_the_top(self, tmp_path, options, words):
         history = damaged(tmp_path / "odd.h5", **options)
@@ -275,9 +275,9 @@ class TestSaidFirst:
         before = unpack_arrays(Page(page([path], [])).data["runs"][0])["DI_slip"]
         assert not before.any()  # offset by less than the threshold
         history = as_version_2(path)
-        told = Page(page([path], []))
-        assert "no offsets" in told.text and "slip accumulated" in told.text
-        slip = unpack_arrays(told.data["runs"][0])["DI_slip"]
+        parsed = Page(page([path], []))
+        assert "no offsets" in parsed.text and "slip accumulated" in parsed.text
+        slip = unpack_arrays(parsed.data["runs"][0])["DI_slip"]
         assert slip.any() and np.array_equal(slip, history.index(slip="accumulated")["DI_slip"].astype("f4"))
 
     @pytest.mark.parametrize(("loading", "still", "title"), [
@@ -297,13 +297,13 @@ class TestSaidFirst:
 class TestSideBySide:
     def test_differences_are_from_the_first(self, one, tmp_path):
         other = damaged(tmp_path / "two.h5", opening={2: 1e-3 * RAMP, 5: 1e-3 * RAMP})
-        told = Page(page([one.path, other.path], []))
-        assert [run["letter"] for run in told.data["runs"]] == ["A", "B"]
+        parsed = Page(page([one.path, other.path], []))
+        assert [run["letter"] for run in parsed.data["runs"]] == ["A", "B"]
         difference = summarise(other)["max"]["DI"] - summarise(one)["max"]["DI"]
         assert difference > 0
-        assert repr(difference) in [data["value"] for data in told.all("data")]
-        assert [panel["title"] for panel in told.data["charts"]][2:] == ["DI", "DI drift", "DI open", "DI slip"]
-        assert {panel["lines"][1]["dash"] for panel in told.data["charts"]} == {"dash"}
+        assert repr(difference) in [data["value"] for data in parsed.all("data")]
+        assert [panel["title"] for panel in parsed.data["charts"]][2:] == ["DI", "DI drift", "DI open", "DI slip"]
+        assert {panel["lines"][1]["dash"] for panel in parsed.data["charts"]} == {"dash"}
 
     def test_only_the_odd_one_is_named_at_the_top(self, one, tmp_path):
         other = damaged(tmp_path / "two.h5", status="interrupted")
@@ -320,16 +320,16 @@ class TestStudy:
                           damaged(folder / "runs" / "b.h5", opening={2: 2e-4 * RAMP}))
 
     def test_points_are_in_a_table_that_sorts_by_their_numbers(self, study):
-        told = Page(page([], [study]))
-        (table,) = [one for one in told.all("table") if one.get("class") == "sortable"]
-        assert table and "point-a" in told.text and "a study" in told.text
-        values = {float(cell["data-sort"]) for cell in told.all("td") if "data-sort" in cell}
+        parsed = Page(page([], [study]))
+        (table,) = [one for one in parsed.all("table") if one.get("class") == "sortable"]
+        assert table and "point-a" in parsed.text and "a study" in parsed.text
+        values = {float(cell["data-sort"]) for cell in parsed.all("td") if "data-sort" in cell}
         assert set(read_table(study / "tables" / "points.csv")["max_DI"]) <= values
 
     def test_the_worst_runs_have_parts_of_their_own_that_are_linked(self, study):
-        told = Page(page([], [study]))
-        assert [run["letter"] for run in told.data["runs"]] == ["A", "B"]
-        links = [one["href"] for one in told.all("a")]
+        parsed = Page(page([], [study]))
+        assert [run["letter"] for run in parsed.data["runs"]] == ["A", "B"]
+        links = [one["href"] for one in parsed.all("a")]
         assert links.count("#run-A") == 2  # of the contents and of the table
         (study / "runs" / "a.h5").unlink()
         assert "a.h5" in Page(page([], [study])).text
@@ -340,8 +340,8 @@ class TestStudy:
         shutil.copy(study / "runs" / "b.h5", study / "runs" / "b_again.h5")
         pd.concat([summary, again.assign(max_DI=again["max_DI"] * 2)]).to_csv(study / "tables" / "summary.csv",
                                                                               index=False)
-        told = Page(page([], [study])).text
-        order = sorted(("b_again.h5,", "b.h5,", "a.h5,"), key=told.index)
+        parsed = Page(page([], [study])).text
+        order = sorted(("b_again.h5,", "b.h5,", "a.h5,"), key=parsed.index)
         worse = summary.set_index("run")["max_DI"]
         assert order == (["b_again.h5,", "a.h5,", "b.h5,"] if 2 * worse["b"] > worse["a"]
                          else ["a.h5,", "b_again.h5,", "b.h5,"])
@@ -358,14 +358,14 @@ class TestStudy:
     def test_without_histories_the_tables_are_left(self, study):
         for path in (study / "runs").iterdir():
             path.unlink()
-        told = Page(page([], [study]))
-        assert "point-b" in told.text and not told.all("noscript") and len(told.scripts) == 1
+        parsed = Page(page([], [study]))
+        assert "point-b" in parsed.text and not parsed.all("noscript") and len(parsed.scripts) == 1
 
     def test_a_history_that_is_damaged_is_said_first_and_the_others_are_shown(self, study):
         (study / "runs" / "a.h5").write_bytes((study / "runs" / "a.h5").read_bytes()[:-99])
-        told = Page(page([], [study]))
-        assert "Histories that cannot be read" in told.text and "a.h5" in told.text
-        assert [run["letter"] for run in told.data["runs"]] == ["A"]
+        parsed = Page(page([], [study]))
+        assert "Histories that cannot be read" in parsed.text and "a.h5" in parsed.text
+        assert [run["letter"] for run in parsed.data["runs"]] == ["A"]
 
     def test_what_is_missing_or_growing_is_said_first(self, study):
         (study / "runs" / "c.part.h5").write_bytes(b"")
@@ -387,8 +387,8 @@ class TestStudy:
         (study / "figures").mkdir()
         for name in ("fig12_drift", "other"):
             Figure((2, 1)).savefig(study / "figures" / f"{name}.png", dpi=50)
-        told = Page(page([], [study]))
-        assert [one["alt"] for one in told.all("img") if one["alt"].endswith("(fig12_drift)")]
+        parsed = Page(page([], [study]))
+        assert [one["alt"] for one in parsed.all("img") if one["alt"].endswith("(fig12_drift)")]
         monkeypatch.setattr("damage.html.study_part.MOST_FIGURES_MB", 0.0)
         assert figures(study) == {"embedded": [], "named": ["figures/fig12_drift.png", "figures/other.png"]}
 
@@ -399,9 +399,9 @@ class TestStudy:
                                          run=f"r{seed}-{pga}", status="complete")
                           for seed in (1, 2, 3) for pga, damage in ((0.1, 0.01), (0.2, 0.03 * seed), (0.3, 0.2))])
         write_table(many, path)
-        told = Page(page([], [study]))
-        assert "Fragility" in told.text and "dispersion" in told.text
-        assert any("exceeding" in one["alt"] for one in told.all("img"))
+        parsed = Page(page([], [study]))
+        assert "Fragility" in parsed.text and "dispersion" in parsed.text
+        assert any("exceeding" in one["alt"] for one in parsed.all("img"))
 
 
 class TestEscaping:
@@ -415,17 +415,17 @@ class TestEscaping:
             write_table(table.assign(point=self.EVIL, motion=self.EVIL, status=self.EVIL, wall=self.EVIL),
                         folder / "tables" / name)
         (folder / "study.toml").write_text(f"name = '''{self.EVIL[:-3]}'''\ntitle = '''{self.EVIL[:-2]}'''\n")
-        told = Page(page([path], [folder]))
-        assert len(told.scripts) == 3
-        assert not [one for one in told.all("img") if "onerror" in one]
-        assert not told.all("b") and not told.all("i")
-        assert self.EVIL in told.text and "<b>&amp;'.h5" in told.text
+        parsed = Page(page([path], [folder]))
+        assert len(parsed.scripts) == 3
+        assert not [one for one in parsed.all("img") if "onerror" in one]
+        assert not parsed.all("b") and not parsed.all("i")
+        assert self.EVIL in parsed.text and "<b>&amp;'.h5" in parsed.text
 
     def test_a_command_of_a_file_is_no_html(self, tmp_path, monkeypatch):
         history = damaged(tmp_path / "evil.h5")
         monkeypatch.setattr("damage.html.report.read_history", lambda path: replace(history, command=self.EVIL))
-        told = Page(page([history.path], []))
-        assert len(told.scripts) == 3 and self.EVIL in told.text
+        parsed = Page(page([history.path], []))
+        assert len(parsed.scripts) == 3 and self.EVIL in parsed.text
 
 
 class TestFile:
@@ -481,19 +481,19 @@ def test_a_report_begins_with_the_words_of_its_author(one, tmp_path):
     assert main(["report", str(one.path), "--out", str(out), "--title", "House 7 <b>", "--author", "N. N.", "--text",
                  "First & <i>.\n\nSecond."]) == 0
     text = out.read_text(encoding="utf-8")
-    told = Page(text)
-    assert [each["content"] for each in told.all("meta") if each.get("name") == "author"] == ["N. N."]
-    assert not told.all("b") and not told.all("i")
-    words = "".join(told.words)
+    parsed = Page(text)
+    assert [each["content"] for each in parsed.all("meta") if each.get("name") == "author"] == ["N. N."]
+    assert not parsed.all("b") and not parsed.all("i")
+    words = "".join(parsed.words)
     assert words.index("House 7 <b>") < words.index(run_title(one)) < words.index("N. N.") < words.index("First & <i>.")
     assert '<p class="text">Second.</p>' in text
 
 
 def test_a_history_s_numbers_are_equal_in_json_table_point_report_and_verdict(one, tmp_path, capsys):
     assert main(["index", str(one.path), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    flat = {f"{kind}_{name}": value for kind, values in told.items() if isinstance(values, dict)
-            for name, value in values.items()} | told
+    parsed = json.loads(capsys.readouterr().out)
+    flat = {f"{kind}_{name}": value for kind, values in parsed.items() if isinstance(values, dict)
+            for name, value in values.items()} | parsed
     folder = make_study(tmp_path, one)
     row, point = (read_table(folder / "tables" / f"{name}.csv").iloc[0] for name in ("summary", "points"))
     as_evidence = Point(load_runs(folder), "the run")

@@ -75,7 +75,7 @@ def paths(driver, letter="A"):
 def shown(driver):
     """(time in words, lines of the wall, place of the cursor over the lines in time, of the ring of the hysteresis)."""
     place = "const at = document.querySelector('{}').style; return [at.left, at.top]"
-    return (by_id(driver, "time-told").text, paths(driver),
+    return (by_id(driver, "time-shown").text, paths(driver),
             *(driver.execute_script(place.format(where)) for where in ("#over-time .cursor", "#hysteresis-A .ring")))
 
 
@@ -102,7 +102,7 @@ def test_the_slider_moves_wall_cursor_and_ring_by_keys(opened):
     assert all(old != new for old, new in zip(before, after))
     slider.send_keys(Keys.ARROW_LEFT)
     assert shown(opened)[0] < after[0]
-    assert "1 slipped, 1 opened" in by_id(opened, "told-A").text
+    assert "1 slipped, 1 opened" in by_id(opened, "shown-A").text
 
 
 @of("one")
@@ -112,10 +112,10 @@ def test_what_is_reported_is_what_the_history_holds(opened, reports):
     history = read_history(reports["one"].parent / "study" / "runs" / "one.h5")
     by_id(opened, "to-end").click()
     last = history.index().iloc[-1]
-    told = by_id(opened, "told-A").text
-    assert f"DI {last['DI']:.3f} (drift {last['DI_drift']:.3f}, open {last['DI_open']:.3f}" in told
+    content = by_id(opened, "shown-A").text
+    assert f"DI {last['DI']:.3f} (drift {last['DI_drift']:.3f}, open {last['DI_open']:.3f}" in content
     by_id(opened, "to-max").click()
-    assert f"DI {history.index()['DI'].max():.3f}" in by_id(opened, "told-A").text
+    assert f"DI {history.index()['DI'].max():.3f}" in by_id(opened, "shown-A").text
 
 
 @of("two")
@@ -127,7 +127,7 @@ def test_play_moves_all_walls_to_the_end_and_stops(opened):
     opened.set_script_timeout(30)
     opened.execute_async_script("const done = arguments[0], look = () => (window.report.playing ? setTimeout("
                                 "look, 50) : done()); look()")
-    assert by_id(opened, "time-told").text == "0.200 s"
+    assert by_id(opened, "time-shown").text == "0.200 s"
     assert play.get_attribute("aria-pressed") == "false" and "Play" in play.text
     assert all(old != paths(opened, letter) for old, letter in zip(before, "AB"))
 
@@ -138,7 +138,7 @@ def test_displacements_are_magnified(opened):
     before = paths(opened)
     magnify = by_id(opened, "magnify")
     magnify.send_keys(Keys.HOME)
-    assert by_id(opened, "magnify-told").text == "× 0"
+    assert by_id(opened, "magnify-shown").text == "× 0"
     at_rest = paths(opened)
     assert at_rest != before
     corner = re.match(r"M([-\d.]+),([-\d.]+)L([-\d.]+),([-\d.]+)", at_rest[0])
@@ -208,6 +208,23 @@ def test_drawings_have_the_width_of_the_printed_page_from_any_screen(opened):
         assert widths() == widths(of="")  # those of their places
     finally:
         opened.set_window_size(size["width"], size["height"])
+
+
+@pytest.mark.parametrize("width_px", [390, 1300])
+def test_cursors_are_where_the_axes_have_the_time(driver, reports, width_px):
+    """Beside legends, which take of a plot what their font and the screen make them."""
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": width_px, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+    try:
+        open_report(driver, reports["one"])
+        found = driver.execute_script(
+            "window.report.goTo(0.15); return ['over-time', 'energy-A'].map((id) => { const div = "
+            "document.getElementById(id), {xaxis} = div._fullLayout, {times, at} = window.report; return "
+            "[div.querySelector('.cursor').offsetLeft, xaxis._offset + xaxis.l2p(times[at])]; })")
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    for cursor_px, time_px in found:
+        assert cursor_px == pytest.approx(time_px, abs=1.5)
 
 
 @of("two")

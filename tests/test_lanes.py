@@ -1,4 +1,4 @@
-"""Walls that step together: each as it would alone, to the same bits, whatever the others do."""
+"""Walls that advance together: each has the same bits as alone, whatever the others do."""
 
 import numpy as np
 import pytest
@@ -16,13 +16,13 @@ SAMPLE = 40
 
 
 def make(seed=0, wall=WALL, **options):
-    """A wall whose bonds are drawn by a seed, at rest and still without its weight."""
+    """A wall with strengths scattered by a seed, at rest and without weight."""
     layout = lay_out(wall, ModelOptions(strength_cov=0.3 if seed else 0.0, strength_seed=seed, **options))
     return ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s)
 
 
 def shake(wall, pga_g, period_s=0.02, vertical=0.0, **damping):
-    """Let it be moved from now on."""
+    """Start a harmonic base motion."""
     wall.damp(**damping)
     time_s = np.arange(600) * wall.time_step
     base = Harmonic(period_s, pga_g).base_acceleration(time_s)
@@ -31,14 +31,14 @@ def shake(wall, pga_g, period_s=0.02, vertical=0.0, **damping):
 
 
 def everything(wall):
-    """What a wall is and has told, as bytes."""
+    """State and samples of a wall, as bytes."""
     system, events = wall.system, wall.drain_events()
     instant = wall.instants()
     rows = system.states, system.contacts, system.interfaces
     parts = [np.ascontiguousarray(table[name]) for table in rows for name in table.dtype.names]
     parts += [system.place, system.velocity, system.force, system.trig]
-    told = system.readings, system.energy, np.array(events, dtype=object).astype(str)
-    return [part.tobytes() for part in (*parts, *told)], \
+    logged = system.readings, system.energy, np.array(events, dtype=object).astype(str)
+    return [part.tobytes() for part in (*parts, *logged)], \
         [np.asarray(value).tobytes() for value in (*instant.contacts.values(), *instant)
          if value is not None and value is not instant.contacts]
 
@@ -51,7 +51,7 @@ CASES = [
 
 
 def members():
-    """Ten walls, of strengths, motions and dampings of their own: more than one group of lanes."""
+    """Ten walls with different strengths, motions and damping: more than one batch."""
     walls = [make(seed) for seed in range(len(CASES))]
     walls[3].shift(np.random.default_rng(3).normal(0, 1e-7, (len(walls[3].layout.bodies), 2)))
     for wall in walls:
@@ -70,10 +70,10 @@ def alone():
     return walls
 
 
-def test_a_wall_has_the_same_bits_alone_and_as_any_lane_among_any_others(alone):
+def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(alone):
     assert len(CASES) > MOST_LANES
     assert any(wall.state.any() for wall in alone) and not all(wall.state.any() for wall in alone)
-    told = [everything(wall) for wall in alone]
+    expected = [everything(wall) for wall in alone]
     for order in (np.arange(10), np.arange(10)[::-1], np.array([4, 0, 2])):
         walls = members()
         run_together([walls[k] for k in order], 200)
@@ -82,11 +82,11 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_lane_among_any_others(alone):
         for _ in range(12):
             assert run_together([walls[k] for k in order], SAMPLE) == [None] * len(order)
         for k in order:
-            assert everything(walls[k]) == told[k], (k, order)
+            assert everything(walls[k]) == expected[k], (k, order)
 
 
-def test_a_lane_that_ends_or_fails_does_not_disturb_the_others(alone):
-    """One is left out after a while, one blows up by too large a step, one is run by itself in between."""
+def test_a_member_that_ends_or_fails_does_not_disturb_the_others(alone):
+    """One is left out after a while, one becomes unstable by too large a time step, one is run alone in between."""
     walls = [make(seed) for seed in (0, 1, 2, 0)]
     for wall in walls:
         wall.damp(local=0.7)
@@ -113,8 +113,8 @@ def test_a_lane_that_ends_or_fails_does_not_disturb_the_others(alone):
     assert everything(walls[0]) == everything(reference)
 
 
-def test_a_lane_is_a_wall_like_any_other():
-    """It is read, changed by hand and run alone between two steps of all, and its events are its own."""
+def test_a_member_is_a_wall_like_any_other():
+    """It is read, changed directly and run alone between two steps of all, and has its own events."""
     walls = [make(1), make(1)]
     for wall in walls:
         wall.damp(local=0.7)
@@ -153,7 +153,7 @@ def test_pushed_walls_and_softening_ones_step_together():
 
 @pytest.mark.parametrize(("table", "field"), [("contacts", "offset"), ("contacts", "kn"), ("contacts", "area")])
 def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_reported(table, field):
-    """What lanes take from the first wall alone is equal in all."""
+    """Columns that a batch takes from its first wall are equal in all walls."""
     one, other = make(), make()
     getattr(other.system, table)[field][0] *= 1.5
     with pytest.raises(ValueError, match="other bricks, stiffnesses or friction"):
@@ -167,7 +167,7 @@ def test_walls_of_other_bricks_or_friction_are_reported():
             run_together([make(), other], 10)
 
 
-def test_the_tables_of_a_lane_are_views_on_those_of_all():
+def test_the_tables_of_a_member_are_views_of_those_of_the_batch():
     walls = [make(seed) for seed in range(3)]
     run_together(walls, 5)
     for lane, wall in enumerate(walls):

@@ -1,4 +1,4 @@
-"""Pictures: what is drawn is what the history holds, and nothing of it hides behind a legend."""
+"""Pictures: they show the data of the history, and legends do not hide it."""
 
 import re
 import subprocess
@@ -329,9 +329,9 @@ class TestTitles:
             "record Zeerijp, BGAR east, with its vertical component, times 2, 17 to 27 s of the file, baseline of "
             "order 1 removed, band-pass 0.1 to 40 Hz")
 
-    def test_shocks_are_counted(self, cracked):
+    def test_events_are_counted(self, cracked):
         run = replace(cracked, parameters=cracked.parameters | {"sequence": [1.0, 0.5]})
-        assert run_title(run).endswith("three cycles, two shocks × 1, 0.5")
+        assert run_title(run).endswith("three cycles, two events × 1, 0.5")
 
 
 class TestOtherPictures:
@@ -459,9 +459,9 @@ class TestFiles:
     def test_a_picture_says_what_made_it(self, cracked, tmp_path, monkeypatch):
         monkeypatch.setattr(pictures, "PICTURES", {"index": index_picture})
         png, pdf = save_all(cracked, tmp_path)
-        told = Image.open(png).text
-        assert told["Software"].startswith(f"masonry-damage {damage.__version__}, commit ")
-        assert cracked.command in told["Description"] and "model unknown" in told["Description"]
+        metadata = Image.open(png).text
+        assert metadata["Software"].startswith(f"masonry-damage {damage.__version__}, commit ")
+        assert cracked.command in metadata["Description"] and "model unknown" in metadata["Description"]
         assert b"/Creator (masonry-damage" in pdf.read_bytes() and b"/Subject" in pdf.read_bytes()
 
     def test_a_file_that_fails_leaves_the_old_one_and_nothing_half_written(self, cracked, tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""Joints that soften: the law, its fibres, what a run of them needs, and walls that are known."""
+"""Softening joints: the law, its parallel elements, the options that a run requires, and walls with known results."""
 
 import math
 from dataclasses import replace
@@ -102,12 +102,12 @@ class TestLaw:
 
     def test_the_bond_goes_at_its_last_hundredth_and_says_how(self):
         states, events, _ = follow([(k * 1e-7, 0.0) for k in range(3000)])
-        gone = events.index(TENSION)
-        assert states[gone - 1].normal_stress == approx(GONE * FT, rel=1e-2)
-        assert all(state[:2] == (0.0, 0.0) and state.broken and not state.at_limit for state in states[gone:])
+        failure = events.index(TENSION)
+        assert states[failure - 1].normal_stress == approx(GONE * FT, rel=1e-2)
+        assert all(state[:2] == (0.0, 0.0) and state.broken and not state.at_limit for state in states[failure:])
         states, events, _ = follow([(-1e-6, k * 1e-6) for k in range(3000)])
-        gone = events.index(SHEAR)
-        assert not states[gone - 1].at_limit and states[gone].at_limit and states[gone].broken
+        failure = events.index(SHEAR)
+        assert not states[failure - 1].at_limit and states[failure].at_limit and states[failure].broken
         assert states[-1].shear_stress == approx(MU * 1e-6 * KN)
 
     def test_at_the_limit_means_nothing_while_cohesion_is_left(self):
@@ -181,13 +181,13 @@ class TestFibres:
             energies = fibres.mean(fibres.tensile_strength**2 / kn / 2), fibres.mean(fibres.cohesion**2 / ks / 2)
         if number > 1:
             assert_allclose([energies[0][soft], energies[1][soft]], [[G1] * soft.sum(), [G2] * soft.sum()], rtol=1e-6)
-        for strengths, whole in ((fibres.tensile_strength, contacts.tensile_strength),
-                                 (fibres.cohesion, contacts.cohesion)):
+        for strengths, intact in ((fibres.tensile_strength, contacts.tensile_strength),
+                                  (fibres.cohesion, contacts.cohesion)):
             per_contact = strengths[soft[fibres.contact]].reshape(-1, number)
-            assert_allclose(per_contact[:, 0], whole[soft])
+            assert_allclose(per_contact[:, 0], intact[soft])
             assert np.all(np.diff(per_contact) > 0)
 
-    def test_what_no_fibre_can_follow_is_refused(self):
+    def test_laws_that_parallel_elements_cannot_represent_are_refused(self):
         with pytest.raises(InputError, match="give higher ones"):
             lay_out(Wall("w", 0.675, 0.45, joint=Joint(mode_i_fracture_energy=0.1, mode_ii_fracture_energy=50.0)),
                     ModelOptions(fibres=8))
@@ -247,7 +247,7 @@ class TestRun:
         assert status == 0 and summarise(history)["energy_error_fraction"] < 0.01
         assert history.series["fracture_energy_j"].iloc[-1] > 0.1
         partly = (history.opening_m[-1] > 0) & ~history.broken[-1]
-        assert partly.any()  # open, and not broken: a part of the bond still holds
+        assert partly.any()  # open, and not failed: a part of the bond is intact
         assert np.all(np.diff(history.broken.astype(int), axis=0) >= 0)
 
     def test_half_the_step_cracks_the_same_joints(self, tmp_path):
@@ -260,7 +260,7 @@ class TestRun:
 
 
 class TestParameters:
-    @pytest.mark.parametrize(("values", "told"), [
+    @pytest.mark.parametrize(("values", "message"), [
         ({"mode_i_fracture_energy": 5.0}, "neither for a brittle bond"),
         ({"mode_ii_fracture_energy": 5.0}, "neither for a brittle bond"),
         ({"mode_i_fracture_energy": -5.0, "mode_ii_fracture_energy": 1.0}, "mode_i_fracture_energy"),
@@ -268,8 +268,8 @@ class TestParameters:
         ({"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0, "tensile_strength": 0.0}, "both above zero"),
         ({"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0, "tensile_strength": 1e6}, "both above zero"),
     ])
-    def test_bad_fracture_energies_are_refused(self, values, told):
-        with pytest.raises(InputError, match=told):
+    def test_bad_fracture_energies_are_refused(self, values, message):
+        with pytest.raises(InputError, match=message):
             Joint(**values)
 
     def test_none_and_zero_are_brittle(self):
@@ -296,8 +296,8 @@ class TestScatter:
 
     def test_offsets_that_break_joints_are_refused(self, tmp_path, capsys):
         assert run(tmp_path, "--perturb", 1e-5, wall=Wall("pier", 1.35, 1.2))[0] == 2
-        told = capsys.readouterr().err
-        assert "--perturb 1e-05" in told and "--scatter" in told and told.count("\n") == 1
+        error = capsys.readouterr().err
+        assert "--perturb 1e-05" in error and "--scatter" in error and error.count("\n") == 1
 
 
 def test_the_step_of_a_softening_wall_is_stable():

@@ -1,4 +1,4 @@
-"""Runs that step together leave the histories that they leave alone, whatever the others do."""
+"""Runs that advance together write the same histories as alone, whatever the others do."""
 
 import os
 import resource
@@ -26,7 +26,7 @@ SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--streng
 OTHERS = {3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
           4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
           5: (*SHAKEN, "--perturb", "1e-8"),
-          6: (*SHAKEN, "--cells", "3")}  # cannot be a lane among the others
+          6: (*SHAKEN, "--cells", "3")}  # cannot be in a batch with the others
 PROGRAM = '''
 import sys
 from damage.reference.settled import SettledWalls, State
@@ -137,8 +137,8 @@ def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, mo
     asked["m2"] += ["--dt", "0.1"]
     ended = dict(run_references(asked.items()))
     assert ended == dict.fromkeys(asked, 0) | {"m2": 2, "m7": 1, "m8": 1}
-    told = without_progress(capsys.readouterr().err).splitlines()
-    assert sorted(line[:24] for line in told) == [
+    messages = without_progress(capsys.readouterr().err).splitlines()
+    assert sorted(line[:24] for line in messages) == [
         "error: m2: --dt 0.1 s is", "error: m7: the run blew ", "error: m8: out of memory"]
     assert {read_history(tmp_path / "together" / f"{name}.h5").status for name in ("m7", "m8")} == {"failed"}
     for name in alone.keys() - {"m2", "m7", "m8"}:
@@ -160,8 +160,8 @@ def test_an_error_of_steps_ends_those_that_took_them_together(fewest, tiny, alon
     ended = dict(run_references(lines(tiny, tmp_path / "together").items()))
     assert (len(together_with) > 5) == (fewest == 6)
     assert ended == {name: int(name in together_with) for name in ended}
-    told = without_progress(capsys.readouterr().err).splitlines()
-    assert sorted(line[:24] for line in told) == [f"error: {name}: out of memory" for name in sorted(together_with)]
+    messages = without_progress(capsys.readouterr().err).splitlines()
+    assert sorted(line[:24] for line in messages) == [f"error: {name}: out of memory" for name in sorted(together_with)]
     for name in ended:
         history = tmp_path / "together" / f"{name}.h5"
         assert read_history(history).status == "failed" if name in together_with else contents(history) == alone[name]
@@ -181,8 +181,8 @@ def test_a_signal_ends_all_politely(name, tiny, tmp_path):
     while not names[-1].is_file() and process.poll() is None and time.monotonic() < until:
         time.sleep(0.02)
     process.send_signal(getattr(signal, name))
-    told, errors = process.communicate(timeout=100)
-    assert process.returncode == 0 and told.splitlines()[-1] == str([(str(name), 130) for name in names]), errors
+    output, errors = process.communicate(timeout=100)
+    assert process.returncode == 0 and output.splitlines()[-1] == str([(str(name), 130) for name in names]), errors
     assert [read_history(path).status for path in names] == ["interrupted"] * 8
 
 

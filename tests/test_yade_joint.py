@@ -23,7 +23,7 @@ LAW = LawParameters(KN, KS, FT, C, Material(MU))
 PRESSURES = {"0": 0.0, "0.1": 0.1e6, "0.3": 0.3e6, "1": 1.0e6}  # [Pa]
 
 TOLERANCE = 2e-3
-"""A bond's members lie h = 0.075 m apart.  While it holds, its elastic shear s tilts the line between them by s / h,
+"""A bond's members lie h = 0.075 m apart.  Before it fails, its elastic shear s tilts the line between them by s / h,
 which takes s / h off tan(phi) (0.03 % at the 2.4e-5 m of 1 MPa); a break shows one step late."""
 
 
@@ -115,7 +115,7 @@ def test_cyclic_shear_encloses_the_rectangle_of_friction(driven):
 
 @pytest.fixture(scope="module")
 def far(yade_command, tmp_path_factory):
-    """What tests/yade_checks/slide_and_tilt.py finds."""
+    """Results of tests/yade_checks/slide_and_tilt.py."""
     out = tmp_path_factory.mktemp("far") / "results.npz"
     done = yade_command(REPOSITORY / "tests/yade_checks/slide_and_tilt.py", out)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -139,7 +139,7 @@ def test_a_tilted_block_touches_at_its_contact_point(far):
 
 @pytest.fixture(scope="module")
 def soft(yade_command):
-    """Paths of a joint that softens, in coarse steps, by 16 fibres: {name: (Driven in YADE, in the reference)}."""
+    """Paths of a joint that softens, in coarse steps, 16 parallel elements: {name: (Driven in YADE, in reference)}."""
     made = softening.paths(fine=200, coarse=120)
     return {name: (here, softening.drive(made[name], 16))
             for name, here in softening.drive_in_yade(made, 16).items()}
@@ -154,8 +154,9 @@ def test_a_softening_joint_has_its_peaks(soft):
     assert_allclose(soft["tension"][0].normal_stress.max(), softening.JOINT.tensile_strength, rtol=8e-3)
 
 
-def test_its_fibres_dissipate_what_the_reference_solver_s_do(soft):
-    """Along pure, mixed and reversed paths, by the work done and by what the tracker tells."""
+def test_parallel_elements_dissipate_as_in_the_reference_solver(soft):
+    """Along pure, mixed and reversed paths, by the work done and by the tracker."""
     for name, (here, there) in soft.items():
-        for told in ("dissipated", "friction", "fracture", "stored"):
-            assert_allclose(getattr(here, told), getattr(there, told), rtol=5e-3, atol=1e-3, err_msg=f"{name}, {told}")
+        for energy in ("dissipated", "friction", "fracture", "stored"):
+            assert_allclose(getattr(here, energy), getattr(there, energy), rtol=5e-3, atol=1e-3,
+                            err_msg=f"{name}, {energy}")

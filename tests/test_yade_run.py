@@ -1,4 +1,4 @@
-"""Whole runs in YADE through the real command: energy, damage, interrupts."""
+"""Complete runs in YADE through the real command: energy, damage, interrupts."""
 
 import os
 import re
@@ -87,7 +87,7 @@ class TestDamagedWall:
         # The kinematic shear stress is the law's but for the tilt of YADE's normals.
         assert np.all(np.abs(shear.shear_stress_pa) > 0.98 * strength)
 
-    def test_each_joint_breaks_once_and_stays_broken(self, shaken):
+    def test_each_joint_fails_once_and_for_good(self, shaken):
         history, _ = shaken
         breaks = history.events[history.events.kind.isin(["tension", "shear"])]
         assert not breaks.joint.duplicated().any()
@@ -97,8 +97,8 @@ class TestDamagedWall:
     def test_first_passings_of_the_threshold_agree_with_the_samples(self, shaken):
         history, _ = shaken
         for kind, value in (("opened", history.opening_m), ("slipped", np.abs(history.slip_m))):
-            told = set(history.events.joint[history.events.kind == kind])
-            assert told >= set(np.flatnonzero((value > 1.01e-4).any(axis=0)))
+            logged = set(history.events.joint[history.events.kind == kind])
+            assert logged >= set(np.flatnonzero((value > 1.01e-4).any(axis=0)))
         assert len(history.events[history.events.kind == "opened"]) > 0
 
     def test_intact_joints_have_no_opening_and_no_slip(self, shaken):
@@ -153,10 +153,10 @@ def listening(pid):
     return found
 
 
-@pytest.mark.parametrize("command, at_start, told", [(COMMAND, 0, ""), (("yade", "-n"), 2, "starts YADE without them")],
+@pytest.mark.parametrize("command, at_start, text", [(COMMAND, 0, ""), (("yade", "-n"), 2, "starts YADE without them")],
                          ids=["launcher", "plain"])
-def test_nobody_can_reach_a_run_over_the_network(small_wall, tmp_path, yade_command, command, at_start, told):
-    """By the launcher YADE opens no port, by its own command two; while a run goes on none is open."""
+def test_nobody_can_reach_a_run_over_the_network(small_wall, tmp_path, yade_command, command, at_start, text):
+    """By the launcher YADE opens no port, by its own command two; during a run none is open."""
     out, log = tmp_path / "small.h5", tmp_path / "log"
     with log.open("w") as file, subprocess.Popen([
             *command, small_wall, "--harmonic", "0.1", "0.1", "--rest", "60", "--out", out, "--no-pictures"],
@@ -171,7 +171,7 @@ def test_nobody_can_reach_a_run_over_the_network(small_wall, tmp_path, yade_comm
             child.kill()
     assert len(before) == at_start  # of the plain command two: the test sees open ones
     assert now == [] and count_samples(out) > 0
-    assert told in log.read_text() and ("cookie" in log.read_text()) == (at_start > 0)
+    assert text in log.read_text() and ("cookie" in log.read_text()) == (at_start > 0)
 
 
 def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command):
@@ -194,7 +194,7 @@ def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command)
 
 
 def test_perturbed_bricks_change_the_result_only_within_reason(shaken, small_wall, tmp_path, yade_command):
-    """Beside the same run unperturbed, for half a cycle: later breaks pull the two apart."""
+    """Compared with the same run unperturbed for half a cycle: after later failures the two diverge."""
     out = tmp_path / "small.h5"
     done = yade_command(small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out,
                         "--perturb", 1e-9, "--no-pictures")
@@ -213,7 +213,7 @@ def test_help_names_every_option(small_wall, yade_command):
 
 @pytest.fixture(scope="module")
 def fallen(yade_command, tmp_path_factory):
-    """What tests/yade_checks/loose_bricks.py finds."""
+    """Results of tests/yade_checks/loose_bricks.py."""
     out = tmp_path_factory.mktemp("loose") / "results.npz"
     done = yade_command(REPOSITORY / "tests/yade_checks/loose_bricks.py", out)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,6 +1,6 @@
-"""Walls in YADE.  Importing this package imports nothing of YADE."""
+"""Walls in YADE.  Importing this package does not import YADE."""
 
 from pathlib import Path
 
 COMMAND = (str(Path(__file__).resolve().parents[1] / "yade"), "-n", "-j1")
-"""Runs a script in YADE without a screen, on one core, and without YADE's network servers."""
+"""Command that runs a script in YADE without a screen, on one core, and without YADE's network servers."""

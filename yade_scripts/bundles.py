@@ -1,12 +1,13 @@
-"""Bonds that soften, as fibres (`damage.wall.fibres`): one bond and one dry contact for all fibres of a contact point.
+"""Softening bonds in YADE as parallel elements (`damage.wall.fibres`): one bond and one dry contact for each contact
+point.
 
-All fibres of a contact point feel the same opening and shear displacement, and those that hold have been elastic ever
-since: together they are one bond, of their share of the area, that breaks with the weakest.  Those that broke are one
-dry contact.  Each enters it at its limit, where the others are too when it breaks in sliding on; where they are not,
-their stresses become one, the mean, and what that takes of elastic energy counts as friction.
+All elements of a contact point have the same opening and shear displacement.  The intact ones have always been elastic:
+together they are one bond with their share of the area, which fails with the weakest.  The failed ones are one dry
+contact.  An element joins it with its shear stress at the friction limit.  Where the stress of the others differs, all
+take the mean, and the loss of elastic energy counts as friction.
 
-YADE's law lets go of all a bond bore when it breaks.  What the other fibres bear is put back in the same step, as
-forces on its two members, before anything moves.
+YADE's law removes the entire force of a bond that fails.  The force of the intact elements is restored in the same
+step, as forces on its two members, before the bodies move.
 """
 
 import math
@@ -19,7 +20,7 @@ from damage.wall.joint_law import friction_left, material_of, stays_elastic
 
 
 class Broken(NamedTuple):
-    """A fibre that broke: its share of the area [-], "tension" or "shear", whether it was the last."""
+    """Failed parallel element: its share of the area [-], kind "tension" or "shear", whether it was the last one."""
 
     share: float
     kind: str
@@ -27,11 +28,11 @@ class Broken(NamedTuple):
 
 
 class Bundles:
-    """The fibres of a YadeWall whose layout has them."""
+    """Parallel elements of a YadeWall whose layout has them."""
 
     def __init__(self, model):
         self.model, self.fibres, contacts = model, model.layout.fibres, model.layout.contacts
-        # Row of the weakest fibre that holds, of every contact point; of the first of the next one's.
+        # For each contact point the row of its weakest intact element, and the row after its last one.
         self._weakest = np.flatnonzero(np.append(True, self.fibres.last[:-1]))
         self._end = np.flatnonzero(self.fibres.last) + 1
         self._area, self._normal, self._shear = contacts.area, contacts.normal_stiffness, contacts.shear_stiffness
@@ -40,25 +41,25 @@ class Bundles:
         self._friction = friction_left(False, material_of(model.layout.wall.joint))
 
     def held(self, joint):
-        """Share of the area that holds [-]."""
+        """Share of the area of a contact point that is intact [-]."""
         return float(self.fibres.share[self._weakest[joint]:self._end[joint]].sum())
 
     def give_way(self, joint, sigma, tau):
-        """The weakest fibres of a bond that YADE's law has broken do, the others hold on.
+        """Fail the weakest elements of a bond that failed in YADE's law, and restore the others.
 
-        sigma, tau [Pa]: stresses in the fibres that held.  Returns [Broken, ...].
+        sigma, tau: stresses in the elements that were intact [Pa].  Returns the failed ones, [Broken, ...].
         """
         bond = self.model.bonds[joint]
-        let_go = bond.phys.normalForce + bond.phys.shearForce  # what the law made of it in this step
+        let_go = bond.phys.normalForce + bond.phys.shearForce  # force by the law in this step
         broken = self._weakest_of(joint, sigma, tau)
-        gone, area, last = sum(one.share for one in broken), self._area[joint], broken[-1].last
+        failed, area, last = sum(one.share for one in broken), self._area[joint], broken[-1].last
         pressed = min(sigma, 0.0)
         rubs = math.copysign(min(abs(tau), -pressed * self._friction), tau)
-        bears = self._force(joint, bond.geom, gone * area * pressed, gone * area * rubs)
+        bears = self._force(joint, bond.geom, failed * area * pressed, failed * area * rubs)
         held = 0.0 if last else self.held(joint)
         bears += self._force(joint, bond.geom, held * area * sigma, held * area * tau)
         _push(bond, bears - let_go)
-        self._rub(joint, gone, rubs)
+        self._rub(joint, failed, rubs)
         if last:
             self.model.part(joint)
         else:
@@ -66,7 +67,7 @@ class Bundles:
         return broken
 
     def _weakest_of(self, joint, sigma, tau):
-        """The fibres that break, at least the weakest that holds: [Broken, ...]."""
+        """Elements that fail, at least the weakest intact one: [Broken, ...]; stresses [Pa]."""
         fibres, broken = self.fibres, []
         while True:
             row = self._weakest[joint]
@@ -79,10 +80,10 @@ class Bundles:
                 return broken
 
     def _bond_again(self, joint, bond, held, sigma, tau):
-        """Make of a broken bond that of the fibres that hold."""
+        """Make a failed bond the bond of its intact elements, `held` of the area, with these stresses [Pa]."""
         row, area, phys = self._weakest[joint], held * self._area[joint], bond.phys
         phys.isCohesive, phys.crossSection = True, float(area)
-        # The line between the members grows with the square of the slip; what it was too long falls away here.
+        # The distance of the members grows with the square of the slip; setting initD removes the excess.
         phys.initD = bond.geom.penetrationDepth + float(sigma / self._normal[joint])
         phys.kn, phys.ks = float(area * self._normal[joint]), float(area * self._shear[joint])
         phys.FnMax = float(area * self.fibres.tensile_strength[row])
@@ -91,7 +92,7 @@ class Bundles:
         phys.shearForce = self._force(joint, bond.geom, 0.0, area * tau)
 
     def _rub(self, joint, share, stress):
-        """Let the fibres that broke, a share of the area, rub with a shear stress [Pa] beside those that did before."""
+        """Add failed elements, a share of the area, with their shear stress [Pa] to the dry contact of a joint."""
         if joint not in self.model.frayed:
             self.model.fray(joint)
         dry, area = self.model.frayed[joint], share * self._area[joint]
@@ -101,13 +102,13 @@ class Bundles:
         self.model.rub(joint)
 
     def _force(self, joint, geom, normal, shear):
-        """Of an interaction on its second member, by YADE's order: normal (tension positive) and shear force [N]."""
+        """Force vector of an interaction on its second member in YADE's order; normal (tension positive), shear [N]."""
         n, along = geom.normal, -float(self._handed[joint] * shear)
         return -float(normal) * n + along * Vector3(n[2], 0, -n[0])
 
 
 def _push(bond, force):
-    """Add a force [N] at the contact point on a bond's second member, and against it on the first."""
+    """Add a force [N] at the contact point to a bond's second member, and its opposite to the first."""
     geom = bond.geom
     for member, sign, radius in ((bond.id1, -1.0, geom.refR1), (bond.id2, 1.0, geom.refR2)):
         O.forces.addF(member, sign * force)

@@ -1,17 +1,17 @@
-"""Joints that crush, (C1) and (C2) of the joint law: YADE's laws do not know of it, their rest positions can be moved.
+"""Crushing of joints in YADE, (C1) and (C2) of the joint law, by moving the rest positions of its contacts.
 
-A bond at rest is `initD` long; a tip on a face has its radius for an offset, so that either moves by the closure.  Both
-are looked at after the forces of a step are known, and what they are over the strength is taken back before anything
-moves; friction alone had it for its limit in that step.
+YADE's laws have no crushing.  The rest length of a bond is `initD`, that of a tip on a face its radius; both change by
+the plastic closure.  After the forces of a step are known, the force beyond the strength is removed before the bodies
+move.  Only the friction limit of that step includes it.
 """
 
 import numpy as np
 
-_NEAR = 5e-5  # [m], a joint that is so much farther from its strength needs no look until the next time: at 0.3 m/s
+_NEAR = 5e-5  # [m], a joint farther than this from its strength is not checked until the next choice (up to 0.3 m/s)
 
 
 class Crushing:
-    """Watches the joints of a SceneReader's wall that can crush."""
+    """Crushing of the joints of a SceneReader's wall."""
 
     def __init__(self, scene):
         contacts, n = scene.model.layout.contacts, scene.model.layout.n_joints
@@ -21,9 +21,10 @@ class Crushing:
         self._near = []
 
     def step(self, anew):
-        """After every step; anew: choose anew which joints may crush until the next time.
+        """Crush joints after a step; returns [(joint, increment of its plastic closure [m]), ...].
 
-        Returns [(joint, by how much it closed for good [m]), ...]."""
+        anew: choose anew the joints that are checked at every step.
+        """
         opening, limit = self._scene.opening_of, self._limit
         if anew:
             self._near = [joint for joint in self._joints if opening(joint) < limit[joint] + _NEAR]

@@ -1,9 +1,9 @@
-"""What friction takes in the dry contacts of YADE's law, exactly as central differences do work on the bodies.
+"""Work of friction in the dry contacts of YADE's law, consistent with the work of central differences on the bodies.
 
-A step in which the shear force falls from F to F' [N] while the contact slides by ds [m] takes (F + F') / 2 ds; one in
-which the contact opens while its bodies slide by du [m] takes F / 2 (F / k_s + du).  YADE's law sums F' ds over all its
-contacts and steps; the rest is added here.  It is found step by step: contacts that are hardly pressed open and close
-from one to the next.
+A step in which the shear force decreases from F to F' [N] while the contact slides by ds [m] dissipates
+(F + F') / 2 ds.  A step in which the contact opens while its bodies slide by du [m] dissipates F / 2 (F / k_s + du).
+YADE's law sums F' ds over all contacts and steps; this module adds the difference.  It does so at every step, since
+lightly compressed contacts open and close from one step to the next.
 """
 
 from yade import Vector3
@@ -12,7 +12,7 @@ from yade import Vector3
 class FrictionWork:
     """Work of friction in all contacts of a Law2_ScGeom_FrictPhys_CundallStrack that traces its energy.
 
-    Contacts are joints' own, added as they come; of others, loose bricks' collisions, it knows YADE's sum alone.
+    The contacts of joints are added as they form.  For collisions of loose bricks only YADE's sum is available.
     """
 
     def __init__(self, law):
@@ -20,46 +20,46 @@ class FrictionWork:
 
     @property
     def total(self):
-        """So far [J]."""
+        """Work of friction so far [J]."""
         return self._law.plasticDissipation() + self._rest
 
     def add(self, contact, limit):
-        """Watch this interaction, which begins with the shear force of a bond that broke.
+        """Add an interaction that begins with the shear force of a failed bond.
 
-        limit [N]: to which that falls in the next step; what the bond loses by it is fracture, no friction.
+        limit: to which that force falls in the next step [N]; the energy lost by this is fracture, not friction.
         """
         self._rest -= max(contact.phys.shearForce.norm() - limit, 0.0) ** 2 / (2 * contact.phys.ks)
         self.renew(contact)
 
     def renew(self, contact):
-        """Watch this interaction from where it is now, with the stiffness and the shear force that it was given."""
+        """Add or update an interaction with its present state, stiffness and shear force."""
         geom, phys, key = contact.geom, contact.phys, (contact.id1, contact.id2)
-        # YADE hands out these vectors themselves: what is read here once goes on to show their values.
+        # YADE returns references: these vectors always have the present values.
         self._watched[key] = _Watched(geom, phys.shearForce, geom.shearInc, 0.5 / phys.ks)
         self._near = list(self._watched.values())
 
     def forget(self, contact):
-        """Watch this interaction no more."""
+        """Remove an interaction."""
         del self._watched[contact.id1, contact.id2]
 
     def end(self, contact, stored):
-        """Watch this interaction no more, whose elastic energy [J] goes."""
+        """Remove an interaction whose elastic energy `stored` [J] dissipates."""
         self.forget(contact)
         self._near = list(self._watched.values())
         self._rest += stored
 
     def choose(self, reach):
-        """From now on look only at contacts that are closed, or open by less than a reach [m]."""
+        """Check only contacts that are closed, or open by less than a reach [m], until the next call."""
         self._near = [one for one in self._watched.values() if one.closed or one.geom.penetrationDepth > -reach]
 
     def step(self):
-        """After every step."""
+        """Add the work of a step; to be called after every step."""
         self._rest += sum(map(_what_is_left_out, self._near))
 
 
 class _Watched:
-    """A contact: geom; force [N] and increment of the slide [m], as they are now; half its shear compliance [m/N];
-    before: force of the last step; closed: in the last step."""
+    """State of a contact: geom; force, increment: references to its shear force [N] and shear increment [m]; half its
+    shear compliance [m/N]; before: shear force in the last step [N]; closed: in the last step."""
 
     __slots__ = "before", "closed", "force", "geom", "half_compliance", "increment"
 
@@ -69,7 +69,7 @@ class _Watched:
 
 
 def _what_is_left_out(one):
-    """Of the last step's work in a contact what YADE's sum leaves out [J]."""
+    """Work of friction in a contact in the last step that YADE's sum lacks [J]."""
     is_closed = one.geom.penetrationDepth >= 0
     if not (is_closed or one.closed):
         return 0.0

@@ -1,9 +1,9 @@
-"""What YADE's law does not keep of a joint, from samples of it: inelastic opening and slip, the
-shear limit, friction work and fracture energy.
+"""State of joints that YADE's law does not store, computed at samples: inelastic opening, slip, offset, shear limit,
+friction work and fracture energy.
 
-Offset is the shear displacement of a broken joint less its elastic part, open or closed.  Slip is what of it came
-about while the contact was closed: frozen while it is open, and over a sample in which it opens or closes.  A joint
-whose faces no longer overlap has ended, and keeps what it had then.
+Offset is the shear displacement of a failed joint less its elastic part, open or closed.  Slip is the part of it that
+accumulates while the contact is closed; it is constant while the contact is open, and over a sample in which it opens
+or closes.  A joint ends where its faces cease to overlap, and then keeps its state.
 """
 
 import numpy as np
@@ -12,15 +12,16 @@ from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.wall.joint_law import friction_left, material_of
 from damage.wall.kinematics import slide_limits
 
-_SLIDES = 1e-7  # [m] of plastic slip between two samples shows that the joint slid
+_SLIDES = 1e-7  # [m], plastic slip between two samples from which the joint counts as sliding
 
 
 class JointTracker:
-    """State of all joints; arrays of shape (n_joints,): opening, slip, offset [m], broken, at_limit, crushed,
-    ended; dry: share of the area whose bond is gone [-].  Of joints that are fibres opening, slip and offset are the
-    means over all, by shares, and broken and at the limit are those whose last one is.
+    """State of all joints, arrays (n_joints,): opening, slip, offset [m]; broken (failed), at_limit, crushed, ended;
+    dry: failed share of the area [-].  With parallel elements opening, slip and offset are means by shares; broken and
+    at_limit are those of the last element.
 
-    friction_energy, fracture_energy [J]; of the first what fibres take as they break: breaking_energy.
+    friction_energy, fracture_energy: dissipated so far [J]; breaking_energy: part of the former by the failure of
+    parallel elements [J].
     """
 
     def __init__(self, layout, threshold):
@@ -39,8 +40,10 @@ class JointTracker:
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
     def breaks(self, joint, kind, sigma, tau, share=1.0, last=True):
-        """A bond breaks in "tension" or "shear" under stresses sigma, tau [Pa] (tension positive), all of it or the
-        `last` share that holds."""
+        """Record the failure of a bond, or of a share of it, in "tension" or "shear" at stresses sigma, tau [Pa].
+
+        Tension is positive.  last: whether no intact share remains.
+        """
         kn, ks, area = self.normal_stiffness[joint], self.shear_stiffness[joint], self.area[joint] * share
         self.broken[joint] |= last
         self.dry[joint] += share
@@ -54,9 +57,9 @@ class JointTracker:
         self.at_limit[joint] |= kind == "shear" and last
 
     def fibre_breaks(self, joint, kind, sigma, tau, share, last):
-        """`breaks` of a share of a joint whose dry part, if it has one, was sampled at this instant.
+        """Record the failure of a parallel element, as `breaks`; the dry part of the joint was sampled at this time.
 
-        The fibre slides at once down to its limit, and shares its stress with those that are dry.
+        The element slides at once until its stress is at the friction limit; then it and the dry part take their mean.
         """
         ks, area, dry, stress = self.shear_stiffness[joint], self.area[joint], self.dry[joint], self._stress[joint]
         self.breaks(joint, kind, sigma, tau, share, last)
@@ -77,26 +80,26 @@ class JointTracker:
         self.breaking_energy += energy
 
     def crushes(self, joint, more):
-        """A joint is crushed by so much more [m]."""
+        """Record an increment of plastic closure of a joint [m]."""
         self.crushed[joint] = True
         self.fracture_energy += float(self._crushing[joint]) * more
 
     def contact_data(self):
-        """{column of the history's FRAMES: (n_joints,)} of this instant."""
+        """{column of the history's FRAMES: (n_joints,)} at this time."""
         return {"opening_m": self.opening, "slip_m": self.slip, "offset_m": self.offset,
                 "state": BROKEN * self.broken + AT_LIMIT * self.at_limit + CRUSHED * self.crushed + ENDED * self.ended}
 
     @property
     def followed(self):
-        """Indices of the joints to sample: those whose bond has gone, at least in part, and that have not ended."""
+        """Indices of the joints to sample: failed at least in part, and not ended."""
         return np.flatnonzero((self.dry > 0) & ~self.ended)
 
     def sample(self, joints, opening, shear, tau, gap=None):
-        """Take a sample of broken joints.
+        """Update failed joints from a sample.
 
-        joints: indices (m,); opening, shear displacement [m] and shear stress tau [Pa]: (m,); gap: what is seen of the
-        opening where that is not all of it (m,).
-        Yields (joint, "opened" | "slipped") at the first passing of the threshold.
+        joints: indices (m,); opening, shear: displacements, (m,) [m]; tau: shear stress, (m,) [Pa]; gap: opening to
+        record where it differs from that of the contact, (m,) [m], or None.  Returns [(joint, "opened" | "slipped"),
+        ...] where opening or slip exceeds the threshold for the first time.
         """
         is_open, area = opening > 0, self.area[joints] * self.dry[joints]
         plastic = shear - tau / self.shear_stiffness[joints]
@@ -104,7 +107,7 @@ class JointTracker:
         increment = np.where(stays_closed, plastic - self._plastic[joints], 0.0)
         mean_stress = (np.abs(tau) + np.abs(self._stress[joints])) / 2
         self.friction_energy += float(np.sum(mean_stress * np.abs(increment) * area))
-        # What shear a joint still held when it opens slides off, as its limit falls to nothing.
+        # The elastic shear energy of a joint dissipates by friction as it opens, since its limit falls to zero.
         opens = is_open & ~self._open[joints]
         held = np.where(opens, self._stress[joints] ** 2 / (2 * self.shear_stiffness[joints]), 0.0)
         self.friction_energy += float(np.sum(held * area))

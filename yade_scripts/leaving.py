@@ -1,4 +1,4 @@
-"""Run a script in YADE with nobody else at its prompt, and leave with an exit status instead of at that prompt."""
+"""Run a script in YADE without its servers, and end the process with an exit status instead of a prompt."""
 
 import os
 import shutil
@@ -14,8 +14,8 @@ from yade_scripts.servers import close_servers
 
 
 def run_and_leave(function):
-    """Close YADE's servers, call `function()` and end the process: with the status it returns (None is 0), or 1 if it
-    raises."""
+    """Close YADE's servers, call `function()` and end the process with the status that it returns (None is 0), or 1 if
+    it raises."""
     status = 1
     try:
         if close_servers() and "--quiet" not in sys.argv:
@@ -37,6 +37,6 @@ def run_and_leave(function):
 
 
 def _age_s():
-    """How long this process has been running [s]."""
+    """Age of this process [s]."""
     started = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])  # [ticks since the system's boot]
     return time.clock_gettime(time.CLOCK_BOOTTIME) - started / os.sysconf("SC_CLK_TCK")

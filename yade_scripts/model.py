@@ -1,16 +1,16 @@
-"""A wall in YADE: rigid clumps, a bond for each contact point, and once it broke a point on a face.
+"""A wall in YADE: rigid clumps, a bond for each contact point, and a dry contact once it has failed.
 
 A bond joins two massless members that lie symmetrically on either side of the contact point, on the joint's normal.
 Its law is YADE's JCFpm (Scholtès & Donzé 2012, doi:10.1016/j.ijrmms.2012.03.011) without smooth joints, with the
-stiffness, strength and area of the joint.  While it holds, what slides is the joint's elasticity, micrometres on the
-75 mm between the members: so far the line between them is the face's normal.
+stiffness, strength and area of the joint.  While it is intact, its shear displacement is elastic, micrometres over the
+75 mm between the members, so that the line between them is the normal of the face.
 
-When a bond breaks, a tip and a face take its place: a sphere of 0.5 mm that touches the contact point from inside one
-brick, and the box of the other, by YADE's law of friction (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on
-both bricks in one and the same point.  The normal is the face's own, turns with its brick, and stays when the joint
-slides; the tip goes round a corner where it leaves the face.  Neighbouring contact points take turns in which brick
-has the face.  Of a bond that softens, some fibres hold and some are dry (`bundles`); what crushes moves a bond's rest
-position, or makes a tip smaller (`crushing`).
+A failed bond is replaced by a tip and a face: a sphere of 0.5 mm that touches the contact point from inside one brick,
+and the box of the other, with YADE's law of friction (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on both
+bricks in the same point.  The normal is that of the face.  It rotates with its brick, and does not change as the joint
+slides; the tip moves round a corner where it leaves the face.  The face belongs to either brick alternately along a
+joint.  A softening bond has intact and failed parallel elements (`bundles`).  Crushing moves the rest position of a
+bond, or reduces the radius of a tip (`crushing`).
 """
 
 from collections import Counter
@@ -28,30 +28,30 @@ from yade_scripts.friction_work import FrictionWork
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
-TIP = 5e-4  # [m], radius: a tip that is pressed in deeper than this, by 33 MPa, would not know its face
-_DEEP = 1.5  # [-], radius over the depth at which its joint crushes below which a tip is exchanged for another
-_POINT = 1e-3  # [m], radius of bond members, which plays no part
-_CORNER = 1e-3  # [m], radius of the spheres in the corners, by which loose bricks meet
-_INSET = 5e-4  # [m], their distance from the faces: bricks that are held by joints do not touch by them
-_CRUSHED_INSET = 5e-3  # [m], the same where joints can crush: two bricks may come so much closer
-_NEAR = 5e-5  # [m], opening from which on a tip needs no look until the next time: at 0.3 m/s
+TIP = 5e-4  # [m], radius: beyond this depth, at 33 MPa, a tip would be assigned to another face
+_DEEP = 1.5  # [-], least radius of a tip over the depth at which its joint crushes, below which it is replaced
+_POINT = 1e-3  # [m], radius of bond members, without effect
+_CORNER = 1e-3  # [m], radius of the spheres in the corners, the contacts of loose bricks
+_INSET = 5e-4  # [m], their distance from the faces, so that they do not touch while joints hold
+_CRUSHED_INSET = 5e-3  # [m], the same where joints can crush, which brings bricks closer
+_NEAR = 5e-5  # [m], opening from which a tip is not checked until the next choice (up to 0.3 m/s)
 _MARGIN = 1e-2  # [m], a contact point closer to the end of a face than this has its tip on that brick
-_REACH = 3e-2  # [m], how far a face goes on where the contact point lies at the ends of both
+_REACH = 3e-2  # [m], extension of a face where the contact point lies at the ends of both faces
 _COLLISION = 2e8  # [N/m], normal stiffness of loose bricks' contacts
 _COLLISION_SHEAR = 0.4  # [-], shear stiffness over the normal
-_GROUND = 10.0  # [m], how far the ground reaches beyond the wall
-_SEEN, _FACE = 1, 2  # bits of masks: what the collider sees; faces do not meet faces
+_GROUND = 10.0  # [m], extension of the ground beyond the wall
+_SEEN, _FACE = 1, 2  # bits of masks: seen by the collider; faces do not collide with faces
 
 
 class YadeWall:
-    """A wall at rest, unloaded and bonded; all in the order of the layout.
+    """A wall in YADE, initially at rest, unloaded and intact; arrays are in the order of the layout.
 
-    clumps: body ids (n_bodies,); members: [ids of the members that feel contacts] of each clump; bonds: YADE
+    clumps: body ids (n_bodies,); members: [ids of the members that have contacts] of each clump; bonds: YADE
     interactions (n_contacts,); signs: +1 where YADE's second body is the layout's second (n_contacts,);
     ground: [ids of the bodies] of each support, whose motion is prescribed; bonded: whether the interaction is still
-    the first one (n_contacts,); frayed: {joint: dry contact beside a bond that holds in part}; closure: by how much
-    contact points are crushed (n_joints,) [m]; turning: states that show how the bodies have turned; tips: a _Tip for
-    each contact point that may break; faces: {(body, kind): id} of the boxes.
+    the bond (n_contacts,); frayed: {joint: dry contact beside a partly failed bond}; closure: plastic closure of
+    contact points (n_joints,) [m]; turning: states with the rotations of the bodies; tips: {contact point: _Tip} of
+    those that may fail; faces: {(body, kind): id} of the boxes.
     """
 
     def __init__(self, layout, parts, bonds, newton, law, work):
@@ -72,7 +72,7 @@ class YadeWall:
         self.corners = set()  # ids of the spheres in the bricks' corners
 
     def loosen(self, joint):
-        """A tip on a face, with the shear force that the broken bond had left."""
+        """Replace a failed bond by a tip on a face, with the shear force of the bond after its failure."""
         bond, tip = self.bonds[joint], self.tips[joint]
         sign = 1.0 if tip.is_second else -1.0
         shear = self.signs[joint] * sign * bond.phys.shearForce
@@ -84,33 +84,34 @@ class YadeWall:
         self._work.add(contact, self.friction * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0))
 
     def friction_work(self):
-        """What friction has taken [J]."""
+        """Work of friction so far [J]."""
         return self._work.total
 
     def follow(self, anew):
-        """After every step; anew: choose anew which joints may close or slide until the next time."""
+        """Update the work of friction after a step; anew: choose anew the joints that may close or slide until the next
+        choice."""
         if anew:
             self._work.choose(_NEAR)
         self._work.step()
 
     def fray(self, joint):
-        """A tip on a face beside a bond that holds, without stiffness so far: the contact of the fibres that break."""
+        """Add a dry contact without stiffness beside a bond, for its failed parallel elements."""
         self.frayed[joint] = self._touch(joint, 0.0, 0.0)
 
     def rub(self, joint):
-        """What rubs beside a bond that holds has another stiffness and shear force from now on."""
+        """Register a new stiffness and shear force of the dry contact beside a bond."""
         self._work.renew(self.frayed[joint])
 
     def part(self, joint):
-        """The last fibre of a bond has gone: the contact of the broken ones takes its place."""
+        """Replace a bond by its dry contact after its last parallel element has failed."""
         bond = self.bonds[joint]
         O.interactions.erase(bond.id1, bond.id2)
         self.bonds[joint], self.bonded[joint] = self.frayed.pop(joint), False
         self.signs[joint] = 1.0 if self.tips[joint].is_second else -1.0
 
     def crush(self, joint, more):
-        """Move the rest position of a contact point by a closure [m]; whether what rubs there is another interaction
-        now."""
+        """Move the rest position of a contact point by an increment of plastic closure [m]; returns whether its dry
+        contact is a new interaction."""
         self.closure[joint] += more
         _ease(self.bonds[joint], more)
         if self.bonded[joint]:
@@ -126,22 +127,22 @@ class YadeWall:
         return True
 
     def end(self, joint, stored):
-        """Take the contact of a joint whose faces no longer overlap away, with the elastic energy [J] that it has."""
+        """Remove the contact of a joint whose faces no longer overlap; stored: its elastic energy [J]."""
         contact = self.bonds[joint]
         self._work.end(contact, stored)
         if contact.isReal:
             O.interactions.erase(contact.id1, contact.id2)
 
     def _exchange(self, joint):
-        """Another tip in the place of one that crushing has made too small, farther inside its brick."""
+        """Replace a tip that crushing has made too small by one farther inside its brick."""
         place = self.frayed if joint in self.frayed else self.bonds
         old = place[joint]
         stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
         self._work.forget(old)
-        gone = self._tip_of[joint]
-        force, torque, there = O.forces.f(gone, True), O.forces.t(gone, True), Vector3(O.bodies[gone].state.pos)
-        self.members[self.tips[joint].body].remove(gone)
-        O.bodies.erase(gone)  # left where it is it would meet the face again
+        worn = self._tip_of[joint]
+        force, torque, there = O.forces.f(worn, True), O.forces.t(worn, True), Vector3(O.bodies[worn].state.pos)
+        self.members[self.tips[joint].body].remove(worn)
+        O.bodies.erase(worn)  # else it would touch the face again
         place[joint] = contact = self._touch(joint, *stiffness)
         point = self._tip_of[joint]
         O.forces.addF(point, force)
@@ -150,7 +151,7 @@ class YadeWall:
         self._work.renew(contact)
 
     def _touch(self, joint, normal_stiffness, shear_stiffness):
-        """The dry contact of a tip, which it makes where the joint's closure has left it, and its face."""
+        """Create the tip of a joint, moved by its plastic closure, and return its contact with the face."""
         tip, radius = self.tips[joint], max(TIP, 2 * _DEEP * self._depth[joint])
         inwards = radius + self.closure[joint]
         place = tip.x + inwards * tip.inwards[0], tip.z + inwards * tip.inwards[1]
@@ -162,8 +163,10 @@ class YadeWall:
         return contact
 
     def arm(self):
-        """From now on any two bricks that meet collide, and any brick with the ground: by spheres in the corners of all
-        bricks and caps, which meet faces and each other."""
+        """Enable collisions of all bricks with each other and with the ground from now on.
+
+        They are contacts of spheres in the corners of all bricks and top masses with faces and with each other.
+        """
         if self.corners:
             return
         bodies, inset = self.layout.bodies, _CORNER + (_CRUSHED_INSET if self._depth.any() else _INSET)
@@ -176,24 +179,24 @@ class YadeWall:
             self.corners.update(self._attach(body, balls))
 
     def tidy(self):
-        """Forget what need not be looked at any more: collisions that are over, joints out of reach."""
+        """Delete collisions that are over and contacts of joints that are out of reach."""
         for contact in self.collisions():
             if contact.geom.penetrationDepth < 0:
                 O.interactions.erase(contact.id1, contact.id2)
         for joint in np.flatnonzero(~self.bonded):
             contact = self.bonds[joint]
-            # A face that goes on beyond its brick must not be met by one that comes back another way.
+            # A face that extends beyond its brick must not be touched by a tip that returns another way.
             if self.tips[joint].face[1] != "box" and contact.isReal and contact.geom.penetrationDepth < -_REACH / 10:
                 O.interactions.erase(contact.id1, contact.id2)
 
     def collisions(self):
-        """Contacts of loose bricks, in the making or over, too: YADE's interactions."""
+        """YADE's interactions between loose bricks, also those that only begin or are over."""
         if not self.corners:
             return []
         return [i for i in O.interactions if i.isReal and (i.id1 in self.corners or i.id2 in self.corners)]
 
     def _attach(self, body, parts):
-        """Make parts, at their places in the wall as it was built, members of a brick wherever it is; their ids."""
+        """Add parts, with positions in the undeformed wall, to a brick at its present position; returns their ids."""
         bodies, brick = self.layout.bodies, self.turning[body]
         start = Vector3(bodies.x[body], 0, bodies.z[body])
         for part in parts:
@@ -203,7 +206,7 @@ class YadeWall:
         state = O.bodies[self.clumps[body]].state
         velocities = Vector3(state.vel), Vector3(state.angVel)
         O.bodies.addToClump(ids, self.clumps[body])
-        # YADE has stopped the clump and reckoned mass and axes anew; axes play no part where all inertias are one.
+        # YADE has stopped the clump and recomputed mass and axes; axes do not matter where all inertias are equal.
         state.vel, state.angVel = velocities
         state.mass, state.inertia = bodies.mass[body], Vector3(1, 1, 1) * bodies.inertia[body]
         self.members[body] += ids
@@ -212,8 +215,8 @@ class YadeWall:
 
 @dataclass(frozen=True)
 class _Tip:
-    """Place x, z [m] of a contact point as the wall was built; inwards: unit vector from there into the body that has
-    the tip, whether that is the layout's second; face: (body, kind) of the other side."""
+    """Tip of a contact point: its position x, z in the undeformed wall [m]; inwards: unit vector from there into the
+    body of the tip; is_second: whether that is the layout's second body; face: (body, kind) of the other side."""
 
     x: float
     z: float
@@ -224,13 +227,14 @@ class _Tip:
 
 
 def _ball(place, radius, material):
+    """A sphere at (x, z) [m] that the collider does not see."""
     ball = utils.sphere((place[0], 0, place[1]), radius, material=material, color=(0.3, 0.3, 0.3))
     ball.bounded = False
     return ball
 
 
 def _ease(contact, closure):
-    """Take off both bodies what a contact that has closed for good [m] does not bear, before anything moves."""
+    """Reduce the force of a contact on both bodies by its increment of plastic closure [m], before the bodies move."""
     geom, force = contact.geom, contact.phys.kn * closure * contact.geom.normal
     contact.phys.normalForce -= force
     for body, on_it in ((contact.id1, force), (contact.id2, -force)):
@@ -239,7 +243,7 @@ def _ease(contact, closure):
 
 
 def build(layout, dt):
-    """Build the model in YADE's scene, emptied before, with this time step [s]; returns a YadeWall."""
+    """Build a wall in YADE's scene, which is cleared; dt: time step [s]; returns a YadeWall."""
     O.reset()
     O.dt = dt
     ig2 = yade.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False)
@@ -263,7 +267,7 @@ def build(layout, dt):
 
 
 def _set_bond(phys, layout, index):
-    """Give a JCFpm bond the area, stiffness and strength of its contact point."""
+    """Set area, stiffness and strength of a JCFpm bond to those of its contact point."""
     contacts = layout.contacts
     area = float(contacts.area[index])
     phys.isCohesive = True
@@ -276,7 +280,10 @@ def _set_bond(phys, layout, index):
 
 
 def _set_clump(state, mass, inertia):
-    """In-plane motion; YADE sorts a clump's inertia with permuted axes, so all three are I_yy."""
+    """Set mass and inertia of a clump, and restrict it to motion in the plane.
+
+    All three inertias are I_yy, since YADE permutes the axes of a clump.
+    """
     state.mass = mass
     state.inertia = Vector3(inertia, inertia, inertia)
     state.blockedDOFs = "yXZ"
@@ -285,16 +292,16 @@ def _set_clump(state, mass, inertia):
 
 
 def _brick_color(layout, body):
-    """Red, green, blue [-]: bricks in turns, so that they tell apart; caps grey."""
+    """Colour (red, green, blue) [-]: bricks alternate, so that neighbours differ; top masses are grey."""
     colors = ((0.75, 0.42, 0.32), (0.66, 0.35, 0.27), (0.82, 0.50, 0.38))
     return colors[body % len(colors)] if layout.bodies.course[body] >= 0 else (0.6, 0.6, 0.6)
 
 
 class _Parts:
-    """Adds the bodies to YADE's scene.
+    """Bodies of a wall in YADE's scene, added by the constructor.
 
     clumps, members, ground: as in YadeWall; ends: ids of the members that each bond joins (n_contacts, 2);
-    tips: a _Tip for each contact point that may break; faces: {(body, kind): id} of the boxes; tip: material.
+    tips: {contact point: _Tip} of those that may fail; faces: {(body, kind): id} of the boxes; tip: material.
     """
 
     def __init__(self, layout):
@@ -320,8 +327,10 @@ class _Parts:
         self._solid, self.tip, self._bond = (O.materials[O.materials.append(one)] for one in materials)
 
     def _plan_points(self):
-        """Of every body, the supports last, {(x, z, number): [(contact, side), ...]}: two points to a bond on the
-        joint's normal, as far before it as behind; bonds share points where they fall together."""
+        """Bond members of each body, the supports last: {(x, z, number): [(contact, side), ...]}.
+
+        A bond has two members on the normal of the joint, at equal distances from it; bonds share coincident members.
+        """
         contacts, cells = self.layout.contacts, self.layout.cells
         width = cells.right - cells.left
         n_bodies = len(self.layout.bodies)
@@ -329,7 +338,7 @@ class _Parts:
         ends = np.column_stack([rows(contacts.first, n_bodies), contacts.second])
         for index in range(len(contacts)):
             x, z = contacts.x[index], contacts.z[index]
-            # At corners two overlaps may end in one place; YADE keeps one bond between two members.
+            # At corners two overlaps may end in one point; YADE allows one bond between two members.
             twin = contacts.first[index], contacts.second[index], round(x, 7), round(z, 7)
             alike[twin] += 1
             if contacts.upright[index]:
@@ -343,11 +352,11 @@ class _Parts:
         return wanted
 
     def _add_points(self, body):
-        """Bond members of the body in this row."""
+        """Bond members (spheres) of the body in this row."""
         return [_ball(place[:2], _POINT, self._bond) for place in self._points[body]]
 
     def _note(self, body, ids):
-        """Give the ids of the bond members of the body in this row to the contact points that they belong to."""
+        """Assign the ids of the bond members of the body in this row to their contact points."""
         for identity, users in zip(ids, self._points[body].values()):
             for index, side in users:
                 self.ends[index][side] = identity
@@ -376,8 +385,7 @@ class _Parts:
         _set_clump(O.bodies[clump].state, bodies.mass[body], bodies.inertia[body])
 
     def _add_support(self, support):
-        """A box as high as a brick, up to the middle of the way to its neighbours, or beyond the wall where it has
-        none."""
+        """Add a support: a box of the height of a brick, up to halfway to its neighbours, or beyond the wall."""
         brick, all_of = self.layout.wall.brick, self.layout.supports
         edges = [all_of.left[0] - _GROUND, *((all_of.right[:-1] + all_of.left[1:]) / 2), all_of.right[-1] + _GROUND]
         left, right, row = edges[support], edges[support + 1], len(self.layout.bodies) + support
@@ -393,7 +401,7 @@ class _Parts:
 
 
 def _tips(layout):
-    """{contact point: _Tip} of all that may break."""
+    """{contact point: _Tip} of all that may fail."""
     contacts = layout.contacts
     found = {}
     for index in range(layout.n_joints):
@@ -404,7 +412,7 @@ def _tips(layout):
         if min(margins) > _MARGIN or abs(margins[0] - margins[1]) < 1e-6:
             side = index % 2 if bodies[0] >= 0 else 1
         else:
-            side = int(margins[0] > margins[1])  # the tip is where the face is nearer to its end
+            side = int(margins[0] > margins[1])  # the tip is on the side whose face ends nearer
         head = contacts.upright[index]
         kind = "box" if max(margins) > _MARGIN else "head" if head else "bed"
         inwards = 1.0 if side else -1.0
@@ -414,7 +422,7 @@ def _tips(layout):
 
 
 def _margin(layout, body, index):
-    """Distance of a contact point from the nearer end of the body's face [m]."""
+    """Distance of a contact point from the nearer end of a body's face [m]."""
     contacts, bodies = layout.contacts, layout.bodies
     if body < 0:
         return _GROUND

@@ -1,9 +1,9 @@
-"""Run one wall in YADE from the command line of `./yade walls/NAME.py`."""
+"""Run of one wall in YADE by the command line `./yade walls/NAME.py`."""
 
 from damage.memory import YADE
 from damage.start import begin
 
-begin(YADE)  # before what takes its time to import
+begin(YADE)  # before the slow imports
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ from damage.errors import InputError
 from damage.start import EXIT_MISSING, missing_library
 
 FIBRES = 16
-"""Of a joint that softens, where no other number is asked for (docs/model/model.md)."""
+"""Default number of parallel elements of a softening joint (docs/model/model.md)."""
 
 
 def main(make_wall):
@@ -30,8 +30,10 @@ def main(make_wall):
 
 
 def _run(make_wall, path):
-    """The exit status of a run of the wall of the file at `path`; libraries are imported here, to tell of a missing
-    one."""
+    """Exit status of a run of the wall of the file at `path`.
+
+    Libraries are imported here, so that a missing one gives a message instead of a traceback.
+    """
     try:
         import yade
 

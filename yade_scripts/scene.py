@@ -1,5 +1,7 @@
-"""Arrays from YADE's scene, read between the interaction loop and the integration of a step: the
-positions and forces of one instant, and the velocities half a step earlier."""
+"""Arrays from YADE's scene, read between the interaction loop and the integration of a step.
+
+Positions and forces are of one time, velocities half a step earlier.
+"""
 
 from typing import NamedTuple
 
@@ -10,8 +12,8 @@ from damage.units import GRAVITY
 from yade_scripts.bundles import Bundles
 
 
-class _Gone(NamedTuple):
-    """Stands in for the geometry of a contact that was taken away."""
+class _Removed(NamedTuple):
+    """Geometry of a contact that was removed."""
 
     penetrationDepth: float = 0.0  # YADE's name
 
@@ -27,13 +29,13 @@ class SceneReader:
         self.states = [O.bodies[clump].state for clump in model.clumps]
         self.geometries = [bond.geom for bond in model.bonds]
         self.physics = [bond.phys for bond in model.bonds]
-        self.rubbing = list(zip(self.physics, self.geometries))  # of what slides at each contact point
+        self.rubbing = list(zip(self.physics, self.geometries))  # of the interaction that slides at each contact point
         self.frayed = model.frayed
-        # Shares of the contact points' areas [-] that the bonds stand for, and what slides.
+        # Shares of the areas of the contact points [-] of the bonds, and of the interactions that slide.
         self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
         self.bundles = Bundles(model) if model.layout.fibres else None
         self.area, self.signs, self.bonded = contacts.area, model.signs, model.bonded
-        self.holding = list(range(model.layout.n_joints))  # joints whose bond has not broken
+        self.holding = list(range(model.layout.n_joints))  # joints whose bond has not failed
         self._breaks_seen = 0
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
         self.shear_stiffness = contacts.shear_stiffness * contacts.area
@@ -46,23 +48,23 @@ class SceneReader:
         self.handed = np.where(contacts.upright, -1.0, 1.0)
 
     def newly_broken(self):
-        """Joints whose bond broke since the last call: (m,) of int, or () while none does."""
+        """Joints whose bond failed since the last call, (m,) int, or () without any."""
         breaks = self.model.law.nbTensCracks + self.model.law.nbShearCracks
         if breaks == self._breaks_seen:
             return ()
         self._breaks_seen = breaks
         broken = [joint for joint in self.holding if not self.physics[joint].isCohesive]
-        gone = set(broken)
-        self.holding = [joint for joint in self.holding if joint not in gone]
+        failed = set(broken)
+        self.holding = [joint for joint in self.holding if joint not in failed]
         return np.array(broken, dtype=int)
 
     def loosen(self, joint):
-        """Make of a broken bond the dry joint that it leaves."""
+        """Replace a failed bond by a dry contact."""
         self.model.loosen(joint)
         self._look_at(joint)
 
     def give_way(self, joint, sigma, tau):
-        """`Bundles.give_way` of a bond that YADE's law has broken."""
+        """`Bundles.give_way` of a bond that failed in YADE's law."""
         broken = self.bundles.give_way(joint, sigma, tau)
         if broken[-1].last:
             self.share[joint] = self.dry_share[joint] = 1.0
@@ -75,7 +77,7 @@ class SceneReader:
         return broken
 
     def crush(self, joint, more):
-        """Let a contact point close for good by so much more [m]."""
+        """Increase the plastic closure of a contact point by `more` [m]."""
         if self.model.crush(joint, more):
             if self.bonded[joint]:
                 dry = self.frayed[joint]
@@ -84,21 +86,22 @@ class SceneReader:
                 self._look_at(joint)
 
     def end(self, joint):
-        """Take the forces of a joint whose faces no longer overlap away."""
+        """Remove the contact of a joint whose faces no longer overlap."""
         geom, phys = self.geometries[joint], self.physics[joint]
         depth = max(geom.penetrationDepth, 0.0)
         self.model.end(joint, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
-        self.geometries[joint], phys.normalForce, phys.shearForce = _Gone(), Vector3.Zero, Vector3.Zero
+        self.geometries[joint], phys.normalForce, phys.shearForce = _Removed(), Vector3.Zero, Vector3.Zero
 
     def _look_at(self, joint):
+        """Read the present interaction of a joint from now on."""
         bond = self.model.bonds[joint]
         self.geometries[joint], self.physics[joint] = bond.geom, bond.phys
         self.rubbing[joint] = bond.phys, bond.geom
 
     def motion(self, select=None):
-        """Displacement and rotation (x towards z) since the wall was built: (n_bodies, 3).
+        """Displacements and rotations (x towards z) since the wall was built, (n_bodies, 3) [m, m, rad].
 
-        select: indices of the bodies to read, all others stay zero; None for all.
+        select: indices of the bodies to read, all others are zero; None for all.
         """
         select = range(len(self.states)) if select is None else select
         raw = np.array([(p[0], p[2], q[0], q[1], q[2], q[3]) for p, q in
@@ -108,28 +111,31 @@ class SceneReader:
         # Quaternion now times the inverse of the first one: YADE's clumps start on permuted axes.
         real = w * w0 + x * x0 + y * y0 + z * z0
         about_y = w0 * y - w * y0 - z * x0 + x * z0
-        turn = -2 * np.arctan2(np.copysign(1.0, real) * about_y, np.abs(real))
+        rotation = -2 * np.arctan2(np.copysign(1.0, real) * about_y, np.abs(real))
         motion = np.zeros((len(self.states), 3))
-        motion[select] = np.column_stack([raw[:, :2] - self.start[select], turn])
+        motion[select] = np.column_stack([raw[:, :2] - self.start[select], rotation])
         return motion
 
     def velocities(self):
-        """Velocities half a step ago (n_bodies, 3) [m/s, m/s, rad/s]."""
-        return np.array([(vel[0], vel[2], -turn[1])
-                         for vel, turn in ((s.vel, s.angVel) for s in self.states)])
+        """Velocities half a step ago, (n_bodies, 3) [m/s, m/s, rad/s]."""
+        return np.array([(vel[0], vel[2], -rotating[1])
+                         for vel, rotating in ((s.vel, s.angVel) for s in self.states)])
 
     def synchronous_velocities(self, half_step, base_acceleration):
-        """Velocities at the instant of the positions: v(t - dt/2) + dt/2 a(t)."""
+        """Velocities at the time of the positions, v(t - dt/2) + dt/2 a(t), (n_bodies, 3) [m/s, m/s, rad/s].
+
+        half_step: dt/2 [s]; base_acceleration: along x and z [m/s2].
+        """
         field = (-base_acceleration[0], -GRAVITY - base_acceleration[1], 0.0)
         return self.velocities() + half_step * self.follows * (self.resultants() / self.mass + field)
 
     def resultants(self):
-        """Forces and moment of the contacts on every body: (n_bodies, 3) [N, N, N m]."""
+        """Forces and moments of the contacts on each body, (n_bodies, 3) [N, N, N m]."""
         return np.array([self._resultant(members, state.pos[0], state.pos[2])
                          for members, state in zip(self.members, self.states)])
 
     def contact_forces(self):
-        """Size of the force in every contact (n_contacts,) [N]."""
+        """Magnitudes of the forces in all contacts, (n_contacts,) [N]."""
         forces = np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
         for joint, dry in self.frayed.items():
             forces[joint] += (dry.phys.normalForce + dry.phys.shearForce).norm()
@@ -149,30 +155,32 @@ class SceneReader:
         return along, upward, moment
 
     def openings(self):
-        """Normal opening of every contact [m], tension positive: (n_contacts,)."""
+        """Normal openings of all contacts, tension positive, (n_contacts,) [m]."""
         return np.array([(p.initD if bonded else 0.0) - g.penetrationDepth
                          for g, p, bonded in zip(self.geometries, self.physics, self.bonded)])
 
     def opening_of(self, index):
-        """Normal opening of one contact [m], of its dry part where there is one."""
+        """Normal opening of a contact point [m], of its dry part where there is one."""
         if index in self.frayed:
             return -self.frayed[index].geom.penetrationDepth
         rest = self.physics[index].initD if self.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
 
     def shear_stresses(self, select):
-        """Shear stress on the second body's side [Pa] of the contacts `select`, of their dry parts where there are
-        such, signed like the shear displacement: (m,)."""
-        # The force lies in the plane: its share of the tangent, which is the normal turned by a right angle.
+        """Shear stresses of the contact points `select` (indices), of their dry parts where there are any, (m,) [Pa].
+
+        Signs are those of the shear displacement of the second body.
+        """
+        # The force lies in the plane: its component along the tangent, the normal rotated by a right angle.
         along = np.array([p.shearForce[0] * n[2] - p.shearForce[2] * n[0] for p, n in
                           ((p, g.normal) for p, g in (self.rubbing[i] for i in select))])
-        # Turning the normal's sign turns the tangent's, so that YADE's order of the bodies plays no part.
+        # The signs of normal and tangent change together, so that YADE's order of the bodies does not matter.
         return -along * self.handed[select] / (self.area[select] * self.dry_share[select])
 
     def elastic_energy(self, broken):
-        """Elastic energy of all bonds and of the dry contacts that they leave [J].
+        """Elastic energy of all bonds and dry contacts [J].
 
-        broken: (n_joints,) of bool.
+        broken: whether joints have failed, (n_joints,) bool.
         """
         opening = self.openings()
         acting = opening < 0
@@ -188,8 +196,10 @@ class SceneReader:
             + np.sum(shear**2 / (self.shear_stiffness * self.share)))
 
     def support_forces(self, displacement):
-        """Forces and moments of the wall on the supports, (n_supports, 3) [N, N, N m]; displacement: (n_supports, 3) of
-        their reference points, about which the moments are [m, m, rad]."""
+        """Forces and moments of the wall on the supports, (n_supports, 3) [N, N, N m].
+
+        displacement: of their reference points, about which the moments are, (n_supports, 3) [m, m, rad].
+        """
         return np.array([self._resultant(members, x + ux, uz) for members, x, (ux, uz, _) in
                          zip(self.model.ground, self.model.layout.supports.x, displacement)])
 

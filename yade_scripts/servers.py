@@ -1,5 +1,8 @@
-"""Closes the network servers that YADE's own command starts before it runs a script: on all interfaces a prompt that
-executes code behind a guessable cookie, and one that pauses runs without any.  The launcher `yade` starts neither."""
+"""Closing of the network servers that YADE's own command starts before it runs a script.
+
+They listen on all network interfaces: one executes code after a guessable cookie, one pauses runs without any.  The
+launcher `yade` of this project starts neither.
+"""
 
 import gc
 import os
@@ -10,12 +13,12 @@ from contextlib import suppress
 from threading import Thread
 
 PATIENCE_S = 1.0
-"""How long the threads of servers may take to end; what they can still reach is closed by then."""
+"""Time that the threads of servers have to end [s]; their connections are closed before."""
 
 
 def close_servers():
-    """Close every server of this process with all its connections, in little more than PATIENCE_S at most; returns
-    how many servers there were."""
+    """Close all servers of this process with their connections, within little more than PATIENCE_S; returns the number
+    of servers."""
     servers = [thing for thing in gc.get_objects() if issubclass(type(thing), socketserver.BaseServer)]
     ports = {server.server_address[1] for server in servers}
     for server in servers:
@@ -37,7 +40,7 @@ def close_servers():
 
 
 def _refuse(server):
-    """Let a server accept nobody: neither a new connection, nor one on its way, nor a cookie."""
+    """Have a server refuse new and pending connections, and all cookies."""
     server.verify_request = lambda request, client: False
     server.RequestHandlerClass = lambda request, client, server: None
     server.handle_error = lambda request, client: None  # of connections that are closed while they talk
@@ -45,7 +48,7 @@ def _refuse(server):
 
 
 def _close_connections(ports):
-    """Shut down every connection of this process that was accepted on one of these ports."""
+    """Shut down all connections of this process that were accepted on these ports."""
     for name in os.listdir("/proc/self/fd"):
         with suppress(OSError), socket.fromfd(int(name), socket.AF_INET, socket.SOCK_STREAM) as connection:
             address = connection.getsockname()

@@ -1,8 +1,7 @@
-"""YADE's side of a run: the verbs of `damage.run.solver` for a wall in YADE's scene.
+"""Interface of `damage.run.solver` for a wall in YADE's scene.
 
-A step integrates first and then works out the forces, so that it ends where positions and forces belong to the same
-instant.  There one Python engine logs every break, follows the broken joints, hands out samples and sets the field that
-the next step integrates.
+A step integrates first and then computes the forces, so that at its end positions and forces are of the same time.
+There a Python engine logs failures, updates the failed joints, takes samples and sets the field of the next step.
 """
 
 import builtins
@@ -20,19 +19,19 @@ from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 
 FOLLOW_STEPS = JOINT_STEPS // 2
-"""Steps between two looks at the broken joints; what slides to and fro between two is not seen."""
+"""Steps between two updates of the failed joints; slip that reverses in between is not recorded."""
 TIDY_STEPS = 500
-"""Steps between two looks for contacts that can be forgotten."""
+"""Steps between two deletions of contacts that are over."""
 LOOSE = 0.4e-3
-"""Opening or offset of a joint [m] from which on bricks may meet otherwise: corners and faces are 0.5 mm apart."""
+"""Opening or offset of a joint [m] from which collisions are enabled: corner spheres and faces are 0.5 mm apart."""
 
 
 ON_FACE = 1e-2
-"""Slide of a joint [m] up to which all its tips are on their faces."""
+"""Shear displacement of a joint [m] up to which all its tips are on their faces."""
 
 
 class YadeSolver(Solver):
-    """A wall in YADE that a Run can move; `Solver` says what each verb does."""
+    """A wall in YADE as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
 
     def __init__(self, layout, time_step):
         self.layout, self.time_step = layout, time_step
@@ -48,19 +47,19 @@ class YadeSolver(Solver):
         self._events, self._known, self._armed = [], ((), None), False
         self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
         self.clock = 0  # steps since `start`
-        builtins.masonry_solver = self  # where the engine's command can find it
+        builtins.masonry_solver = self  # for the command of the engine
         O.engines = [self.model.newton, *O.engines[:-1], PyRunner(command="masonry_solver.look()", iterPeriod=1)]
-        self.model.newton.warnNoForceReset = False  # they are, after they were integrated
-        O.step()  # without a field nothing moves: the forces at the start
+        self.model.newton.warnNoForceReset = False  # forces are reset, but after their integration
+        O.step()  # computes the initial forces; without a field nothing moves
 
-    # --- what moves it --------------------------------------------------------------------------
+    # --- loading and time steps -----------------------------------------------------------------
 
     def start(self, base, gravity):
         self._base, self._gravity, self.clock = base, gravity, 0
         self._set_field()
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
-        """From now on damp so; YADE has local damping alone."""
+        """Set the damping; raises NotImplementedError for all but local damping, the only one of YADE."""
         if adaptive or alpha or beta:
             raise NotImplementedError(f"adaptive {adaptive}, alpha {alpha}, beta {beta}: YADE damps locally alone")
         self.model.newton.damping = local
@@ -70,8 +69,8 @@ class YadeSolver(Solver):
             state.pos += Vector3(dx, 0, dz)
 
     def set_velocities(self, velocities):
-        for state, (vx, vz, turn) in zip(self.scene.states, velocities):
-            state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -turn, 0)
+        for state, (vx, vz, rotating) in zip(self.scene.states, velocities):
+            state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -rotating, 0)
 
     def hold(self, bodies, rotation):
         self._held = bodies
@@ -80,7 +79,7 @@ class YadeSolver(Solver):
         self.scene.follows[np.ix_(bodies, [0, 2] if rotation else [0])] = 0.0
 
     def push(self, velocity):
-        """Prescribe the horizontal velocity of the held bodies [m/s]; the jump's work is input."""
+        """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""
         old, self._velocity = self._velocity, float(velocity)
         for body in self._held:
             state = self.scene.states[body]
@@ -95,7 +94,7 @@ class YadeSolver(Solver):
         self._input_power = self._power(self._base_now())
 
     def _set_support_velocities(self):
-        """Give every body of a support the velocity that it has as a part of it."""
+        """Set the velocities of all bodies of the supports to those of the supports' rigid motion."""
         for bodies, x, (ux, uz, _), (vx, vz, rotating) in zip(
                 self.model.ground, self.layout.supports.x, self._supports, self._support_velocity):
             for state in (O.bodies[body].state for body in bodies):
@@ -115,7 +114,7 @@ class YadeSolver(Solver):
     # --- one step -------------------------------------------------------------------------------
 
     def look(self):
-        """What the engine does at the end of every step."""
+        """Command of the engine at the end of each step: log failures, update joints, take samples, set the field."""
         self.clock += 1
         if self._support_velocity.any():
             self._supports += self.time_step * self._support_velocity
@@ -135,16 +134,17 @@ class YadeSolver(Solver):
             O.pause()
 
     def _set_field(self):
-        """The acceleration of all masses in the next step, in the frame of the base."""
+        """Set the acceleration of all masses in the next step, in the frame of the base."""
         ax, az = self._base_now()
         gravity = self._gravity[min(self.clock, len(self._gravity) - 1)]
         self.model.newton.gravity = (-float(ax), 0.0, -float(gravity) - float(az))
 
     def _base_now(self):
+        """Acceleration of the base along x and z now [m/s2]."""
         return self._base[self.clock] if self.clock < len(self._base) else (0.0, 0.0)
 
     def _observe(self):
-        """Follow the broken joints and the energy that comes in; hand out a sample where one is due."""
+        """Update the failed joints and the input energy, and take a sample where one is due."""
         if self.clock % FOLLOW_STEPS == 0:
             self._follow_joints()
             self._integrate_input(self._base_now())
@@ -152,6 +152,7 @@ class YadeSolver(Solver):
             self._on_samples = None
 
     def _log_breaks(self, new):
+        """Log joints whose bond failed in this step, (m,) indices, and replace their bonds."""
         if len(new) == 0:
             return
         tracker = self.tracker
@@ -169,7 +170,7 @@ class YadeSolver(Solver):
             self._events.append((self.clock, int(joint), kind, sigma, tau))
 
     def _fray(self, joint, slip):
-        """Fibres of a bond break, at a shear displacement [m]; its dry ones are followed up to here."""
+        """Fail parallel elements of a bond at a shear displacement [m], after an update of its failed ones."""
         tracker, scene = self.tracker, self.scene
         if tracker.dry[joint] > 0:
             one = np.array([joint])
@@ -183,6 +184,7 @@ class YadeSolver(Solver):
                 self._events.append((self.clock, int(joint), kind, sigma, tau))
 
     def _follow_joints(self):
+        """Update the state of the failed joints; enable collisions where bricks come loose."""
         broken = self.tracker.followed
         if len(broken) == 0:
             return
@@ -193,7 +195,7 @@ class YadeSolver(Solver):
             self._armed = True
             self.model.arm()
         tau = self.scene.shear_stresses(broken)
-        # A tip that has left its face is as far from that as from its end.
+        # A tip that has left its face has its opening from the end of the face.
         slid = np.abs(shear) > ON_FACE
         gap = np.where(slid, np.minimum(opening, across + self.model.closure[broken]), opening) if slid.any() else None
         self._log_passings(self.tracker.sample(broken, opening, shear, tau, gap))
@@ -206,20 +208,20 @@ class YadeSolver(Solver):
                                  self.tracker.slip[joint]))
 
     def _bodies_at(self, joints):
-        """Bodies on either side of the joints, kept between looks as long as the joints are."""
+        """Bodies on both sides of the joints, cached while the joints do not change."""
         if not np.array_equal(joints, self._known[0]):
             ends = np.concatenate([end[joints] for end in self.kinematics.ends])
             self._known = joints, np.unique(ends[ends < len(self.layout.bodies)])
         return self._known[1]
 
     def _integrate_input(self, base):
-        """Work of the pushed top, or of the base's inertia forces in the frame that moves with it, by trapezia."""
+        """Add the work of all prescribed motions since the last call to the input, by the trapezoidal rule."""
         power, time = self._power(base), self.clock * self.time_step
         self._input_energy += (power + self._input_power) / 2 * (time - self._input_time)
         self._input_power, self._input_time = power, time
 
     def _power(self, base):
-        """Of the pushed top, of the supports, and of the base's inertia forces in the frame that moves with it [W]."""
+        """Power of the pushed top, of the supports, and of the inertia forces in the frame of the base [W]."""
         power = -sum(float(base[axis]) * self._momentum(axis) for axis in (0, 1) if base[axis] != 0)
         if self._held is not None:
             power += self._push_force() * self._velocity
@@ -228,7 +230,7 @@ class YadeSolver(Solver):
         return power
 
     def _momentum(self, axis):
-        """Of all bodies at the instant of the positions, along x (0) or z (1) [kg m/s]."""
+        """Momentum of all bodies at the time of the positions along x (0) or z (1) [kg m/s]."""
         scene, coordinate = self.scene, 2 * axis
         force = scene.base_reaction() if axis else -scene.base_shear()
         mass, gravity = scene.mass[:, 0], self.model.newton.gravity[coordinate]
@@ -236,16 +238,16 @@ class YadeSolver(Solver):
                      + self.time_step / 2 * (force + mass.sum() * gravity))
 
     def _push_force(self):
-        """Horizontal force that moves the held bodies [N]: what the joints below hold them back with."""
+        """Horizontal force on the held bodies by their prescribed motion [N]: minus that of the joints on them."""
         return -sum(O.forces.f(cell, True)[0] for body in self._held for cell in self.scene.members[body])
 
-    # --- what is measured -----------------------------------------------------------------------
+    # --- results --------------------------------------------------------------------------------
 
     def instants(self):
-        """The Instants of now.
+        """The Instants of the present time.
 
-        YADE's own sum of what local damping took has the contacts' forces alone, without the weights that balance
-        them: the run infers it.
+        damping_j is None: YADE's sum of the work of local damping takes the contact forces without the weights that
+        balance them, so that the run computes it from the energy balance.
         """
         tracker = self.tracker
         friction = self.model.friction_work() + tracker.breaking_energy

@@ -6,7 +6,10 @@ from damage.errors import InputError
 
 
 def open_view():
-    """Open YADE's 3D view; returns a function that keeps it alive between chunks of steps."""
+    """Open YADE's 3D view; returns a function that updates it, to be called between steps.
+
+    Raises InputError where there is no screen.
+    """
     import yade.runtime
 
     if not yade.runtime.hasDisplay:
@@ -20,7 +23,7 @@ def open_view():
 
     def refresh():
         nonlocal framed
-        if not framed and len(O.bodies) > 0:  # only now is there a wall to look at
+        if not framed and len(O.bodies) > 0:  # the wall is built after the view
             corners = np.array([body.state.pos for body in O.bodies])
             view.viewDir, view.upVector = (0, 1, 0), (0, 0, 1)
             view.fitAABB(tuple(corners.min(axis=0) - 0.3), tuple(corners.max(axis=0) + 0.3))

@@ -1,1 +1,1 @@
-"""What people look at: pictures of histories, walls and modes."""
+"""Pictures of histories, walls, modes and motions."""

@@ -1,7 +1,7 @@
-"""A film of a run: the wall moves, magnified, and cracks; below it drift and index with a mark at the time shown.
+"""Animation of a run: the wall with magnified displacements and its cracks; below it drift and index over time.
 
-Frames are the run's snapshots, so that nothing is interpolated and no vibration is skipped.  A long run has too many of
-them: then those around the maximum of the index are shown, or those of a window.
+Frames are the snapshots of the run, without interpolation.  Of a long run only those around the maximum of the index,
+or those of a window, are shown.
 """
 
 import shutil
@@ -22,12 +22,12 @@ from damage.wall.geometry import body_corners
 WRITERS = {".gif": PillowWriter, ".mp4": FFMpegWriter}
 FRAMES_PER_S = 20
 MOST_FRAMES = 300
-"""About six seconds of a run; all frames of a GIF are kept in memory until it is written, a megabyte each."""
+"""Largest number of frames, about six seconds of a run; a GIF keeps all of them in memory, a megabyte each."""
 DOTS_PER_INCH = 150
 
 
 def write_film(history, path, window_s=None, magnify=None):
-    """Write the film of a History to `path`, GIF or MP4 by its ending; returns the path.
+    """Write the animation of a History to `path`, GIF or MP4 by its suffix; returns the path.
 
     window_s: (start, end) of the part of the run [s], None for all of it; magnify: factor on displacements, None for
     one that makes them visible and that all frames share.
@@ -37,7 +37,7 @@ def write_film(history, path, window_s=None, magnify=None):
     check_magnify(magnify)
     writer = _writer(path)
     snapshots = choose_snapshots(history, window_s)
-    with tempfile.TemporaryDirectory() as folder:  # writers go by the ending, which an unfinished file has not
+    with tempfile.TemporaryDirectory() as folder:  # writers need the suffix, which an unfinished file lacks
         made = Path(folder) / f"film{path.suffix.lower()}"
         _shoot(history, snapshots, magnify, writer, made)
         with whole_or_nothing(path) as unfinished:
@@ -46,10 +46,10 @@ def write_film(history, path, window_s=None, magnify=None):
 
 
 def _writer(path):
-    """The writer for a path's ending."""
+    """matplotlib writer for the suffix of a path; raises InputError where there is none."""
     kind = WRITERS.get(path.suffix.lower())
     if kind is None:
-        raise InputError(f"{path}: expected a film that ends in {' or '.join(WRITERS)}; mend the name")
+        raise InputError(f"{path}: expected a film that ends in {' or '.join(WRITERS)}; correct the name")
     if not kind.isAvailable():
         raise InputError(f"{path}: expected ffmpeg on PATH, which MP4 needs (Debian's package ffmpeg); install it, or "
                          "give a name that ends in .gif")
@@ -57,13 +57,16 @@ def _writer(path):
 
 
 def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
-    """Snapshots to show, an array of indices: those in a window [s], or up to `most` around the index's maximum."""
+    """Indices of the snapshots to show, (n,): those in a window [s], or up to `most` around the maximum of the index.
+
+    Raises InputError where the window has none, or more than `most`.
+    """
     times, series = history.snapshot_time_s, history.series
     start, end = window_s or (-np.inf, np.inf)
     chosen = np.flatnonzero((times >= start) & (times <= end))
     if len(chosen) == 0 or len(series) == 0:
         raise InputError(f"{history.path} has no snapshot from {start:g} to {end:g} s; expected one or more, give "
-                         "another --window, or let the run go on")
+                         "another --window, or let the run continue")
     if len(chosen) <= most:
         return chosen
     if window_s:
@@ -76,7 +79,7 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
 
 @style.styled
 def _shoot(history, snapshots, magnify, writer, path):
-    """Draw the frames one after the other, and have the writer take them."""
+    """Draw all frames with a writer."""
     damage, times = history.index()["DI"].to_numpy(), history.series["time_s"].to_numpy()
     samples = [int(np.argmin(np.abs(times - time))) for time in history.snapshot_time_s[snapshots]]
     magnify = _common_magnification(history, snapshots) if magnify is None else magnify
@@ -89,13 +92,13 @@ def _shoot(history, snapshots, magnify, writer, path):
 
 
 def _common_magnification(history, snapshots):
-    """Of the snapshot that moved most: it shows all of them."""
+    """Magnification for all snapshots: that of the one with the largest displacements."""
     motions = [motion for motion in history.displacement[snapshots].astype(float) if np.any(motion)]
     return min((magnification(history.bodies, motion) for motion in motions), default=1.0)
 
 
 def _stage(history, snapshots, samples, magnify):
-    """The figure, and a function that shows a WallShape in it."""
+    """The figure, and a function that draws a WallShape in it."""
     gravest = wall_shape(history, "max", magnify=magnify)
     figure, (wall, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
     draw_wall(wall, gravest)
@@ -111,7 +114,7 @@ def _stage(history, snapshots, samples, magnify):
     style.legend_below(figure, joint_handles(gravest, history.judged_by("displacement")), columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
         figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # from now on nothing may move but the wall
+    figure.set_layout_engine("none")  # from now on only the wall moves
     drawn = {one.get_label(): one for one in wall.collections}
 
     def show(shape):
@@ -135,7 +138,7 @@ def _update(drawn, shape):
 
 
 def _widen(ax, history, snapshots, magnify):
-    """Make room for where the bodies go in all frames; returns height over width of what the axes show."""
+    """Set axes limits that contain the bodies in all frames; returns their height over width."""
     points = np.concatenate([body_corners(history.bodies, history.displacement[k].astype(float), magnify).reshape(-1, 2)
                              for k in snapshots])
     margin = 0.02 * np.ptp(points, axis=0).max()
@@ -145,7 +148,7 @@ def _widen(ax, history, snapshots, magnify):
 
 
 def _draw_below(ax, history, samples):
-    """Drift ratio and index over the time that is shown; returns the line that marks a time."""
+    """Draw drift ratio and index over the time shown; returns the line that marks a time."""
     time_s = history.series["time_s"].to_numpy()
     ratio = history.series["drift_ratio"].to_numpy()
     factor, unit = style.drift_scale(ratio)
@@ -161,6 +164,6 @@ def _draw_below(ax, history, samples):
 
 
 def _slowness(history, snapshots):
-    """How many times longer the film takes than the run, None of one frame."""
+    """Duration of the animation over that of the run [-]; None for a single frame."""
     times = history.snapshot_time_s[snapshots]
     return len(times) / FRAMES_PER_S / (times[-1] - times[0]) if len(times) > 1 else None

@@ -1,4 +1,4 @@
-"""Picture of two histories side by side: their drift over time, and where their joints differ."""
+"""Comparison picture of two histories: drift over time, and agreement of the joints."""
 
 from textwrap import fill
 
@@ -12,17 +12,17 @@ from damage.draw.words import run_title
 from damage.measure.compare import compare_drift, compare_joints, joints_ever
 from damage.wall.geometry import tributary_ends
 
-JOINTS = {  # agreement of a joint: label, colour, line width [pt]
-    "intact": ("intact in both", "0.85", 0.25), "same": ("broke in both, same state", style.BLACK, 1.4),
-    "other": ("broke in both, other state", style.ORANGE, 1.4),
-    "first": ("broke in the first only", style.VERMILLION, 1.4),
-    "second": ("broke in the second only", style.BLUE, 1.4),
+JOINTS = {  # agreement of a joint: (label, colour, line width [pt])
+    "intact": ("intact in both", "0.85", 0.25), "same": ("failed in both, same state", style.BLACK, 1.4),
+    "other": ("failed in both, other state", style.ORANGE, 1.4),
+    "first": ("failed in the first only", style.VERMILLION, 1.4),
+    "second": ("failed in the second only", style.BLUE, 1.4),
 }
 
 
 @style.styled
 def compare_picture(first, second):
-    """Figure of two Histories of one wall: drift over time above, the joints' agreement below."""
+    """Figure of two Histories of one wall: drift over time above, agreement of the joints below."""
     ratio = first.attributes["height_m"] / first.attributes["length_m"]
     figure, (above, below) = style.new_figure(1.6 + style.COLUMN_WIDTH * ratio, rows=2,
                                         height_ratios=(1.3, style.COLUMN_WIDTH * ratio))
@@ -48,9 +48,9 @@ def compare_picture(first, second):
 
 
 def joint_agreement(first, second):
-    """How the contact points of the first History agree with the second's: keys of JOINTS, (n_joints,).
+    """Agreement of the contact points of the first History with the second, (n_joints,) keys of JOINTS.
 
-    Judged by the joint between two bricks that a point belongs to, so that any discretisation will do.
+    The contact points between two bricks are one joint, so that discretisations may differ.
     """
     here, there = joints_ever(first), joints_ever(second)
     both = here["broken"] & there["broken"]
@@ -70,7 +70,7 @@ def _draw_drift(ax, first, second):
                          color=colour, lw=width)
     drift = compare_drift(first, second)
     for time, label, line in ((drift["first_failure_s"], "first failure", ":"),
-                              (drift["diverged_at_s"], "parted by 1 % of the peak", "--")):
+                              (drift["diverged_at_s"], "diverged by 1 % of the peak", "--")):
         if time is not None:
             lines.append(ax.axvline(time, color=style.MEDIUM, lw=0.8, ls=line, label=label))
     ax.margins(x=0)
@@ -80,8 +80,7 @@ def _draw_drift(ax, first, second):
 
 
 def run_labels(first, second):
-    """What a legend calls two Histories, never alike: by their solvers where these differ, else by their files, with
-    their folders where the files share a name."""
+    """Different labels of two Histories for a legend: their solvers, else their files, else files with folders."""
     pair = (first, second)
     names = [history.solver for history in pair]
     if names[0] == names[1]:
@@ -92,6 +91,6 @@ def run_labels(first, second):
 
 def _title(first, second):
     joints = compare_joints(first, second)
-    kappa = "nothing broke" if joints["kappa"] is None else \
-        f"{joints['broke_in_both']} of {joints['broke_in_either']} joints broke in both, kappa {joints['kappa']:.2f}"
+    kappa = "nothing failed" if joints["kappa"] is None else \
+        f"{joints['broke_in_both']} of {joints['broke_in_either']} joints failed in both, kappa {joints['kappa']:.2f}"
     return f"{fill(run_title(first), style.TITLE_CHARACTERS)}\n{kappa}"

@@ -1,4 +1,4 @@
-"""Picture of a wall's natural modes: the bricks displaced in each mode's shape."""
+"""Picture of the natural modes of a wall."""
 
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -7,12 +7,12 @@ from matplotlib.figure import Figure
 from damage.draw.style import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
 from damage.wall.geometry import body_corners, body_table
 
-VISIBLE_SHARE = 0.08  # of the wall's height: how far the largest displacement of a mode reaches
+VISIBLE_SHARE = 0.08  # largest drawn displacement of a mode over the height of the wall
 
 
 @styled
 def modes_picture(layout, modes):
-    """Figure of the mode shapes, two in a row, with their periods; the undeformed outline behind.
+    """Figure of the mode shapes with their periods, two in a row, over the undeformed outline.
 
     layout: damage.wall.layout.Layout; modes: damage.wall.modes.Modes of it.
     """

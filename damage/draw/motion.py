@@ -50,7 +50,7 @@ def _over_time(ax, time_s, values, label):
 
 
 def _preparation(measures):
-    """What prepared the motion, in words."""
+    """Text: the processing steps of the motion."""
     band = measures["band_hz"]
     parts = preparation(measures["scale"], measures["window_s"], measures["baseline_order"], band)
     return ", ".join(parts if band else [*parts, "not filtered"])

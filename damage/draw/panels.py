@@ -1,4 +1,4 @@
-"""What the figures of studies share: grids of panels, points with their range, names of records."""
+"""Parts of the figures of studies: grids of panels, points with their ranges, names of records."""
 
 from textwrap import fill
 
@@ -16,20 +16,19 @@ COMPONENTS = {  # column of the tables: label, colour, marker
     "DI_open": (r"DI$_\mathrm{open}$", ORANGE, "s"), "DI_slip": (r"DI$_\mathrm{slip}$", BLUE, "o"),
 }
 NOTHING = 0.01
-"""An index that axes of maxima and residuals reach at least."""
+"""Least upper limit of the axes of the index."""
 SLIP_LABELS = {"displacement": "slipped: offset by more than 0.1 mm",
                "accumulated": "slipped: accumulated more than 0.1 mm while closed",
                "shear-limit": "slipped: ever at the shear limit"}
 
 
 def slip_label(points, slip="displacement"):
-    """What counts as slipped in a figure of these points by a criterion, in words: points whose histories had no
-    offsets are judged by `accumulated`."""
+    """Text: the slip criterion of these points, which is `accumulated` for histories without offsets."""
     return "; ".join(SLIP_LABELS[one] for one in (slip_criteria(points) if slip == "displacement" else [slip]))
 
 
 def slip_note(points):
-    """`slip_label` of points that are not all judged by displacement, else ""."""
+    """`slip_label` of points that are not all by displacement, else ""."""
     return "" if slip_criteria(points) == ["displacement"] else slip_label(points)
 
 
@@ -40,7 +39,7 @@ def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):
 
 
 def add_heading(figure, *lines):
-    """Title lines at the left; the figure grows by their height."""
+    """Add title lines at the left; the figure grows by their height."""
     characters = round(64 * figure.get_size_inches()[0] / COLUMN_WIDTH)
     title = figure.suptitle("\n".join(fill(line, characters) for line in lines if line), x=0.01, ha="left")
     width, height = figure.get_size_inches()
@@ -48,7 +47,7 @@ def add_heading(figure, *lines):
 
 
 def finish(figure, handles, columns=4):
-    """Legend below, filled row by row, and axis labels in line."""
+    """Add a legend below, filled row by row, and align the axis labels; returns the figure."""
     figure.align_ylabels()
     by_column = [handle for first in range(columns) for handle in handles[first::columns]]
     legend_below(figure, by_column, columns)
@@ -56,9 +55,9 @@ def finish(figure, handles, columns=4):
 
 
 def from_zero(ax, at_least=0.0):
-    """An axis of values that are never below zero, with room for a marker on zero and plain numbers.
+    """Format a y axis of non-negative values: room for a marker at zero, plain numbers.
 
-    at_least: what it reaches however small the values are, so that nothing does not look like much.
+    at_least: least upper limit, so that negligible values do not fill the axis.
     """
     top = max(ax.get_ylim()[1], at_least)
     ax.set_ylim(-0.05 * top, 1.05 * top)
@@ -66,20 +65,20 @@ def from_zero(ax, at_least=0.0):
 
 
 SCALES_APART = 2.0
-"""Ratio from which panels' scales that differ are told in the heading."""
+"""Ratio of the scales of panels from which the heading mentions it."""
 
 
 def letter(ax, number, text=""):
-    """(a), (b), ..., (z), (aa), ... and what the panel shows, above its left corner.
+    """Label a panel (a), (b), ..., (z), (aa), ... with a text, above its left corner.
 
-    number: of the panel in its figure, from zero; each stands once.
+    number: of the panel in its figure, from zero.
     """
     rounds, place = divmod(number, 26)
     ax.set_title(f"({chr(ord('a') + place) * (rounds + 1)}) {text}".rstrip(), loc="left", fontsize=7)
 
 
 def scale_note(axes, axis="y"):
-    """A line of the heading where the scales of panels that are drawn differ, else "": how far they are apart.
+    """Text for the heading where the scales of visible panels differ by SCALES_APART or more, else "".
 
     axes: array of any shape of panels with one quantity along that axis ("x" or "y").
     """
@@ -91,50 +90,50 @@ def scale_note(axes, axis="y"):
 
 
 def numbers(points, column):
-    """A column as floats, NaN where it is missing or empty."""
+    """A column of a table as floats, (n,), NaN where it is missing or empty."""
     if column not in points:
         return np.full(len(points), np.nan)
     return points[column].to_numpy(dtype=float)
 
 
 def median_and_range(points, name):
-    """Median (n,) of a measure and how far its range goes below and above it, (2, n)."""
+    """Median of a measure, (n,), and the distances of its minimum and maximum from it, (2, n)."""
     median = numbers(points, name)
     spread = np.array([median - numbers(points, f"{name}_min"), numbers(points, f"{name}_max") - median])
     return median, np.clip(np.nan_to_num(spread), 0, None)
 
 
 def draw_points(ax, points, x, y, colour, marker, shift=0.0):
-    """Medians of the reference solver with their range, joined by a line; x, y: names of measures.
+    """Draw medians of the reference solver with their ranges, joined by a line; x, y: names of measures.
 
-    shift: along x, in its unit, so that ranges of several measures stand side by side.
+    shift: along x, in its unit, so that ranges of several measures do not coincide.
     """
     points = points.iloc[np.argsort(numbers(points, x))]
     _draw_with_range(ax, points, x, y, shift, color=colour, marker=marker, ms=3.2, lw=0.7, zorder=3)
 
 
 def draw_cloud(ax, points, x, y, colour, marker):
-    """Medians of the reference solver, not joined, with their ranges in grey behind them."""
+    """Draw medians of the reference solver, not joined, with their ranges in grey."""
     _draw_with_range(ax, points, x, y, 0.0, color=colour, marker=marker, ms=5, mew=1.0, ls="", zorder=3, ecolor=MEDIUM)
 
 
 def draw_yade(ax, points, x, y, colour, marker, shift=0.0):
-    """YADE's runs: hollow markers, larger than the medians, so that both are seen."""
+    """Draw runs of YADE with hollow markers, larger than those of the medians, so that both are visible."""
     _draw_with_range(ax, points, x, y, shift, ecolor=colour, marker=marker, mfc="none", mec=colour, mew=0.8, ms=5.6,
                      ls="", zorder=4)
 
 
 def _draw_with_range(ax, points, x, y, shift, **style):
-    """Points with bars where there is a range."""
+    """Draw points, with bars where there is a range."""
     (place, place_range), (value, value_range) = (median_and_range(points, name) for name in (x, y))
     ax.errorbar(place + shift, value, value_range if value_range.any() else None,
                 place_range if place_range.any() else None, elinewidth=0.8, capsize=1.6, capthick=0.6, **style)
 
 
 def draw_components(ax, reference, yade, x, prefix):
-    """The index and its components, columns prefix + name, of both solvers' points side by side against x.
+    """Draw the index and its components (columns prefix + name) of both solvers against x.
 
-    Returns whether a run of one of the points collapsed; these are crossed out.
+    Returns whether any run collapsed; points with such runs are crossed out.
     """
     span = max((np.nanmax(numbers(points, x)) for points in (reference, yade) if len(points)), default=0.0)
     shifts = dict(zip(COMPONENTS, span * np.array((-0.009, -0.003, 0.003, 0.009))))
@@ -145,12 +144,12 @@ def draw_components(ax, reference, yade, x, prefix):
 
 
 def fallen(points):
-    """Of which points a run collapsed, (n,) bool: their index is that at which it was stopped, not the largest."""
+    """Whether a run of each point collapsed, (n,) bool: their index is that at which the run stopped."""
     return np.isfinite(numbers(points, "collapsed_at_s")) | (numbers(points, "collapsed") > 0)
 
 
 def mark_collapses(ax, points, x, y, shift=0.0):
-    """A cross over every point of which a run collapsed; returns whether there is one."""
+    """Draw a cross over each point with a collapsed run; returns whether there is one."""
     collapsed = fallen(points)
     ax.plot(numbers(points, x)[collapsed] + shift, numbers(points, y)[collapsed], ls="", marker="x", ms=7, mew=1.1,
             color=VERMILLION, zorder=5)
@@ -158,7 +157,7 @@ def mark_collapses(ax, points, x, y, shift=0.0):
 
 
 def solver_handles(variant, collapse=False):
-    """Legend entries that tell the solvers apart."""
+    """Legend entries of the solvers."""
     handles = []
     if len(variant.reference):
         handles.append(Line2D([], [], color=MEDIUM, marker="o", ms=3.2, lw=0.7,
@@ -177,7 +176,7 @@ def collapse_handle():
 
 
 def describe_members(points):
-    """How many runs stand behind each point."""
+    """Text: number of runs of each point."""
     low, high = int(points["members"].min()), int(points["members"].max())
     if high == 1:
         return "single runs"

@@ -26,10 +26,10 @@ from damage.wall.geometry import body_corners
 JOINT_COLOURS = {"elastic": style.GREEN, "intact": "0.8", "broken": "0.5", "slipped": style.BLUE,
                  "opened": style.ORANGE, "both": style.BLACK}
 SLIP_NOTES = {"displacement": "", "accumulated": " (accumulated)", "shear-limit": " (shear limit)"}
-"""What a legend says of the criterion of slip."""
-THIN = {"elastic": 0.4, "intact": 0.25, "broken": 0.5}  # [pt] of what is not cracked
+"""{slip criterion: its note in a legend}."""
+THIN = {"elastic": 0.4, "intact": 0.25, "broken": 0.5}  # [pt], width of lines of joints that are not cracked
 DASHES = {"elastic": (0, (3, 2))}
-"""Of lines that are not solid, in widths of the line."""
+"""{state: dashes} of lines that are not solid, in widths of the line."""
 
 DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) for name, number, label, line in (
     ("korswagen_calcium_silicate", 0, "light damage begins, calcium silicate (Korswagen)", ":"),
@@ -37,7 +37,7 @@ DRIFT_LIMITS_PCT = [(100 * bound(f"drift_class_{name}", number), label, line) fo
     ("graziotti", 0, "no damage up to here (Graziotti et al.)", "--"),
     ("graziotti", 1, "minor structural damage (Graziotti et al.)", "-"))]
 """Drift ratios [%] from tests of Dutch masonry, label, line; `damage.measure.limits` has their sources."""
-LIMITS_UP_TO_PCT = 0.6  # in a wider picture they would merge into one, far below the drift
+LIMITS_UP_TO_PCT = 0.6  # at a larger scale they would merge
 
 ENERGIES = {  # of `energy_groups`: label, colour, line
     "input_energy_j": ("supplied", style.BLACK, "-"), "stored_energy_j": ("stored", style.BLUE, "-"),
@@ -50,7 +50,7 @@ ENERGIES = {  # of `energy_groups`: label, colour, line
 
 @style.styled
 def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
-    """The wall in true scale at a sample, with its cracks.
+    """Figure of the wall in true scale at a sample, with its cracks.
 
     sample: "max" (of the damage index), "end", or an index into the series; slip, threshold [m]:
     what counts as slipped and opened, see `damage.index`; magnify: factor on displacements and
@@ -64,7 +64,7 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
 
 
 def _with_words(figure, ratio, history, lines, handles):
-    """The figure of a wall, its axes of that height over width, with a title of these lines and a legend."""
+    """Fit the figure of a wall to its axes (ratio: height over width), and add title lines and a legend."""
     labels = 0.45  # [inch] that ticks and labels take beside and below
     figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
     style.add_title(figure, history, *lines)
@@ -82,9 +82,9 @@ def has_heap(history):
 
 @style.styled
 def heap_picture(history):
-    """Where all bodies lie at the last snapshot, in true scale and not magnified, over the outlines of the wall.
+    """Figure of all bodies at the last snapshot, in true scale and not magnified, over the outline of the wall.
 
-    InputError where the run ended with its first fallen brick.
+    Raises InputError where the run ended at its collapse.
     """
     if not has_heap(history):
         raise InputError(f"{history.path} follows no brick beyond a collapse; expected a run with --past-collapse S "
@@ -137,7 +137,7 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
 
 
 def draw_wall(ax, shape):
-    """Draw a WallShape in true scale; returns height over width of what the axes show."""
+    """Draw a WallShape in true scale; returns height over width of the axes."""
     caps = shape.is_cap
     for name, chosen, colour in (("bricks", ~caps, style.BRICK_COLOUR), ("caps", caps, style.CAP_COLOUR)):
         ax.add_collection(PolyCollection(shape.corners[chosen], facecolors=colour, edgecolors="0.75",
@@ -157,8 +157,8 @@ def draw_wall(ax, shape):
 
 
 def _show_all(ax, *corners, ground=True):
-    """Axes in true scale that hold all corners, (..., 2) [m], and the ground if asked for; returns their height over
-    width."""
+    """Set axes in true scale that contain all corners, (..., 2) [m], with the ground if asked for; returns their height
+    over width."""
     points = np.concatenate([some.reshape(-1, 2) for some in corners])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.02 * (high - low).max()
@@ -170,7 +170,7 @@ def _show_all(ax, *corners, ground=True):
 
 
 def _moment(shape, sample):
-    """Lines of the title that say what is drawn."""
+    """Title lines: the sample, and the magnification."""
     which = {"max": "maximum DI", "end": "end, DI"}.get(sample, "DI")
     yield f"{which} {shape.index:.3f} at {shape.time_s:.3f} s"
     if shape.snapshot_time_s is None:
@@ -180,9 +180,9 @@ def _moment(shape, sample):
 
 
 def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
-    """Legend in three columns: states of joints, areas that are there, widths of lines."""
+    """Legend entries: states of joints, areas in the picture, widths of lines."""
     labels = {"opened": "opened", "slipped": "slipped" + SLIP_NOTES[slip],
-              "both": "opened and slipped", "broken": f"broken, ≤ {threshold / MILLIMETRE:g} mm", "intact": "intact"}
+              "both": "opened and slipped", "broken": f"failed, ≤ {threshold / MILLIMETRE:g} mm", "intact": "intact"}
     labels |= {"elastic": "elastic, cannot fail"} if shape.elastic.any() else {}
     width = line_width(0.5 * MILLIMETRE, shape.widest_pt)
     areas = {"top mass": (shape.is_cap.any(), style.CAP_COLOUR, "none"),
@@ -201,7 +201,7 @@ def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
 
 @style.styled
 def index_picture(history):
-    """Base acceleration, or base shear where no base moves, and below it the damage index and its components over time.
+    """Figure over time: base acceleration, or base shear without base motion; below, the index and its components.
 
     Thin dashed lines show the index with another slip criterion, the shear limit.
     """
@@ -225,7 +225,7 @@ def index_picture(history):
 
 
 def _draw_drive(ax, history, time_s):
-    """Base acceleration [g] or, where no base moves, base shear [kN]; returns handles where there are two lines."""
+    """Draw base acceleration [g] or, without base motion, base shear [kN]; returns handles of two lines, else []."""
     horizontal, vertical = (history.series[f"base_acceleration_{axis}_m_s2"].to_numpy() / GRAVITY for axis in "xz")
     if not np.any(np.nan_to_num([horizontal, vertical])):
         ax.plot(time_s, history.series["base_shear_n"] / 1e3, color=style.BLACK, lw=0.7)
@@ -239,8 +239,7 @@ def _draw_drive(ax, history, time_s):
 
 
 def _draw_index(ax, index, latched, note):
-    """DI and its components with either slip criterion; note: on the first; returns the lines in the legend's
-    order."""
+    """Draw DI and its components with two slip criteria; note: on the first; returns the lines in legend order."""
     time_s, lines = index["time_s"], []
     for name, colour in (("drift", style.GREEN), ("open", style.ORANGE), ("slip", style.BLUE)):
         label = rf"DI$_\mathrm{{{name}}}$" + (note if name == "slip" else "")
@@ -256,7 +255,7 @@ def _draw_index(ax, index, latched, note):
 
 @style.styled
 def drift_picture(history):
-    """Drift ratio over time, with published limits of light damage where they are in its range."""
+    """Figure of the drift ratio over time, with the published limits of light damage in its range."""
     choose_sample(history, "end")
     figure, ax = style.new_figure(2.1)
     ratio = history.series["drift_ratio"].to_numpy()
@@ -278,7 +277,7 @@ def drift_picture(history):
 
 @style.styled
 def hysteresis_picture(history):
-    """Base shear, the force of the wall on the ground, against drift ratio; without settling."""
+    """Figure of base shear, the force of the wall on the ground, against drift ratio, without settling."""
     choose_sample(history, "end")
     figure, ax = style.new_figure(2.4)
     ratio = history.series["drift_ratio"].to_numpy()
@@ -309,8 +308,8 @@ def hysteresis_picture(history):
 
 @style.styled
 def energy_picture(history):
-    """Energies supplied, stored, dissipated in the joints and damped since the end of the static stage, and below what
-    their balance lacks."""
+    """Figure of the energies since the end of the static stage: supplied, stored, dissipated in the joints and damped;
+    below, their imbalance."""
     choose_sample(history, "end")
     series = history.series
     groups = energy_groups(series)
@@ -334,12 +333,12 @@ def energy_picture(history):
 
 
 def _known_energies(series):
-    """The energies alone, those that a solver does not record as zero."""
+    """Energies of a series, zero where the solver does not record them."""
     return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
 
 
 def _error_scale(series, error):
-    """Factor from J to the imbalance's unit, and that unit; error: None where there is nothing to measure it by."""
+    """Factor from J to the unit of the imbalance, and that unit; error: energy balance error [-] or None."""
     return (1.0, "J") if error is None else (100 / energy_scale(_known_energies(moving(series))), "%")
 
 
@@ -350,12 +349,15 @@ PICTURES = {
     "index": index_picture, "drift": drift_picture, "hysteresis": hysteresis_picture,
     "energy": energy_picture,
 }
-"""File name without its ending, and what draws it."""
+"""{file name without suffix: function that draws it}."""
 
 
 def save_all(history, folder):
-    """Write every picture as PNG and PDF into `folder`, made where missing, one of the heap where bricks were followed
-    into it, and one of stresses where bricks deform; returns their paths."""
+    """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns their paths.
+
+    The picture of the heap is included where bricks were followed beyond the collapse, that of stresses where bricks
+    are deformable.
+    """
     chosen = PICTURES | ({"heap": heap_picture} if has_heap(history) else {}) | (
         {} if history.stress_pa is None else {"stress_max": stress_picture})
     return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))

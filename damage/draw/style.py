@@ -1,4 +1,4 @@
-"""How all pictures look: sizes, colours, titles, legends, and the writing of figures.
+"""Style of all pictures: sizes, colours, titles, legends, and the writing of figures.
 
 Only figure objects are used, so that pictures come out the same without a screen and inside any program.
 """
@@ -28,9 +28,9 @@ STYLE = {
     "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 0.9,
     "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
     "figure.dpi": DOTS_PER_INCH, "savefig.dpi": DOTS_PER_INCH,
-    "pdf.fonttype": 42,  # whole fonts, which journals ask for
+    "pdf.fonttype": 42,  # complete fonts, as journals require
 }
-# Okabe and Ito's palette, which the colour-blind can tell apart.  Orange, blue and black, for what
+# Okabe and Ito's palette, which is safe for colour-blind readers.  Orange, blue and black, for what
 # opened, slipped and both, also differ in grey.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
@@ -39,7 +39,7 @@ BRICK_COLOUR, CAP_COLOUR, GROUND_COLOUR = "0.96", "0.75", "0.85"
 
 
 def styled(draw):
-    """Let a function draw in STYLE, whatever the style of the program around it; that one returns."""
+    """Decorator: a function draws in STYLE; the style of the program is restored afterwards."""
     @wraps(draw)
     def inside(*arguments, **named):
         with style.context(["default", STYLE]):
@@ -48,13 +48,13 @@ def styled(draw):
 
 
 def new_figure(height, rows=1, **options):
-    """A Figure of one column's width and its axes, a single one or an array; height [inch]."""
+    """A Figure of the width of one column, and its axes, a single one or an array; height [inch]."""
     figure = Figure(figsize=(COLUMN_WIDTH, height), layout="constrained")
     return figure, figure.subplots(rows, 1, **options)
 
 
 def legend_below(figure, handles, columns):
-    """Put a legend below all axes, where it hides nothing; the figure grows by its height."""
+    """Add a legend below all axes; the figure grows by its height."""
     if not handles:
         return
     legend = figure.legend(handles=handles, loc="lower center", ncols=columns)
@@ -66,8 +66,8 @@ def legend_below(figure, handles, columns):
 
 
 def add_title(figure, history, *more):
-    """Wall and motion in words, solver and file, how the run ended if not as planned, and further lines; the figure
-    grows by their height."""
+    """Add a title: wall and motion, solver and file, premature end of the run, and further lines.  The figure grows by
+    its height."""
     lines = [run_title(history), run_file(history)]
     if not history.complete:
         lines.append(f"{history.status}: the run did not come to its end")
@@ -80,7 +80,7 @@ def add_title(figure, history, *more):
 
 
 def run_file(history):
-    """The second line of a title: a History's solver and file."""
+    """Second line of a title: solver and file of a History."""
     return f"{history.solver} solver, {history.path.name}"
 
 
@@ -100,30 +100,30 @@ def mark_times(history, axes):
 
 
 def shade_settling(ax, series):
-    """Shade the settling stages of a table over time, with columns time_s and stage; returns the shades."""
+    """Shade the settling stages of a table with columns time_s and stage; returns the handles."""
     settling = series["stage"] == "settling"
     spans = series["time_s"].groupby((settling != settling.shift()).cumsum()[settling]).agg(["first", "last"])
     return [ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling") for first, last in spans.to_numpy()]
 
 
 TINY_DRIFT = 1e-5
-"""Largest drift ratio below which a drift axis is in millionths: in per cent it would begin with zeros."""
+"""Largest drift ratio [-] below which a drift axis is in millionths in place of per cent."""
 
 
 def drift_scale(*ratios):
-    """Factor on drift ratios, arrays of any shape, and the unit in which their axis is read without a power of ten."""
+    """Factor on drift ratios (arrays of any shape), and the unit in which their axis needs no power of ten."""
     largest = max((np.max(np.abs(one[np.isfinite(one)]), initial=0.0) for one in map(np.asarray, ratios)), default=0.0)
     return (1e6, "µm per m") if 0 < largest < TINY_DRIFT else (100.0, "%")
 
 
 def plain_numbers(axis):
-    """Write the ticks of an Axis as they are, without a power of ten or an offset beside it."""
+    """Write the ticks of an Axis without a power of ten or an offset."""
     axis.set_major_formatter(ScalarFormatter(useOffset=False))
     axis.get_major_formatter().set_scientific(False)
 
 
 def show_single_points(ax):
-    """Give a marker to lines of one point, which would not show: a run ended at its first sample."""
+    """Add a marker to lines with a single point, which are invisible otherwise."""
     for line in ax.get_lines():
         if len(line.get_xdata()) == 1 and line.get_marker() == "None":
             line.set(marker="o", markersize=2.5)
@@ -134,14 +134,14 @@ def collapse_label(history):
 
 
 FORMATS = {"png": ("Software", "Description"), "pdf": ("Creator", "Subject")}
-"""Of a picture's own data, what says which software drew it, and what made what it shows."""
+"""{suffix: (metadata key of the software, key of the origin of the results)}."""
 
 
 @styled
 def save_figures(figures, folder, made=""):
-    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, made where missing; their paths.
+    """Write figures, pairs (name, Figure), as PNG and PDF into `folder`, created where missing; returns their paths.
 
-    made: what made the results that they show; it goes into the pictures' own data, with this software's version.
+    made: origin of the results, text; it is written into the metadata, with the version of this software.
     """
     return [_save(figure, Path(folder) / f"{name}.{ending}", ending, made)
             for name, figure in figures for ending in FORMATS]

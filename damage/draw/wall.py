@@ -1,8 +1,8 @@
-"""What the picture of a damaged wall shows: bodies where they moved to, joints with their state.
+"""Geometry of the picture of a damaged wall: displaced bodies, and joints with their states.
 
-Numbers only; `damage.draw.run.wall_picture` draws them.  The motion is magnified, so that drifts
-of a millimetre can be seen: displacements and rotations are multiplied by one factor, and a point
-of a joint lies halfway between where its two bodies carry it:
+`damage.draw.run.wall_picture` draws it.  The motion is magnified, so that drifts of a millimetre are visible:
+displacements and rotations are multiplied by one factor.  A point of a joint is drawn halfway between its positions on
+both bodies:
 
         +-------+  <- second body carries the joint's end here
         |       |  o   the end is drawn here, the mean of the two
@@ -19,26 +19,26 @@ from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_corners, joint_segments, support_outlines
 
-VISIBLE_SHARE = 0.03  # of the wall's height: how far the largest displacement should reach
-LARGEST_MAGNIFICATION = 1000.0  # beyond it a residual of a few micrometres would look like a lean
+VISIBLE_SHARE = 0.03  # largest drawn displacement over the height of the wall
+LARGEST_MAGNIFICATION = 1000.0  # above it a residual of micrometres would look like a tilt
 DRAWN = ("elastic", *STATES)
-"""Kinds of joints in the order of drawing, the gravest on top."""
+"""States of joints in the order of drawing, the most severe on top."""
 _INTACT = STATES.index("intact")
 COLUMN_PT = 205, 340
-"""Width and height that a wall fills at most in a picture of one column, without labels."""
-SUPPORT_DEPTH = 0.1  # [m], of what is drawn of the ground below a base that moves
+"""Largest width and height of a wall in a picture of one column, without labels [pt]."""
+SUPPORT_DEPTH = 0.1  # [m], drawn depth of supports that move
 LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 THINNEST_PT, WIDEST_PT = 0.3, 4.5
 """Widths of the lines of a crack of no width, and of one of the largest of LEGEND_WIDTHS_MM where bricks are large."""
 SHARE_OF_BRICK = 0.5
-"""Largest width of a line over the height of the lowest brick as drawn: half of a brick shows between two cracks."""
+"""Largest width of a line over the drawn height of the lowest brick, so that half of a brick is visible."""
 LEAST_WIDEST_PT = 0.6
-"""Of the widest line, so that cracks are seen in a wall of very many courses."""
+"""Least width of the widest line [pt], so that cracks are visible in a wall of very many courses."""
 
 
 @dataclass(frozen=True)
 class WallShape:
-    """A wall at one sample of its history, ready to be drawn.
+    """Geometry of a wall at one sample of its history.
 
     sample: index into the series; time_s: of it; index: DI there.
     snapshot_time_s: of the bodies' displacement, None where no snapshot is near: then the wall is
@@ -69,15 +69,15 @@ class WallShape:
     widest_pt: float = WIDEST_PT
 
     def on_page(self, page_pt=COLUMN_PT, span_m=None):
-        """The shape with lines for a page of this width and height [pt], which holds span_m, (2,) [m], by default the
-        bodies."""
+        """WallShape with line widths for a page of this width and height [pt] that shows span_m, (2,) [m], by default
+        the bodies."""
         span_m = np.ptp(self.corners.reshape(-1, 2), axis=0) if span_m is None else span_m
         bricks = self.corners[~self.is_cap]
         brick_m = np.linalg.norm(bricks[:, 3] - bricks[:, 0], axis=1).min()
         return replace(self, widest_pt=widest_line(brick_m, span_m, page_pt))
 
     def line_width(self, chosen):
-        """Widths of the lines of the chosen joints' cracks [pt]."""
+        """Line widths of the cracks of the chosen joints [pt]."""
         return line_width(self.crack_width_m[chosen], self.widest_pt)
 
     def select(self, state):
@@ -90,7 +90,7 @@ class WallShape:
 
 
 def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
-    """The shape of a History's wall at a sample.
+    """WallShape of a History at a sample.
 
     sample: "max" (of the damage index), "end", or an index into the series;
     slip: criterion of `damage.index.damage_index`; threshold [m];
@@ -104,11 +104,11 @@ def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, 
 def check_magnify(magnify):
     """Raise InputError where a factor on the motion is neither None nor zero or more."""
     if magnify is not None and not (np.isfinite(magnify) and magnify >= 0):
-        raise InputError(f"magnify = {magnify!r}: expected zero or a positive number; mend it")
+        raise InputError(f"magnify = {magnify!r}: expected zero or a positive number; correct it")
 
 
 def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, magnify=None):
-    """The shape at the sample of a number, where DI is `damage`; the rest as of `wall_shape`."""
+    """WallShape at a sample (index), where DI is `damage`; other arguments as of `wall_shape`."""
     time_s = float(history.series["time_s"].iloc[sample])
     snapshot = nearest_snapshot(history, time_s)
     motion = np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot].astype(float)
@@ -151,10 +151,10 @@ def round_125(value):
     return float(steps[np.argmin(np.abs(np.log(steps / value)))])
 
 
-# --- how wide a crack is drawn ------------------------------------------------------------------
+# --- line widths of cracks ----------------------------------------------------------------------
 
 def line_width(crack_width_m, widest_pt=WIDEST_PT):
-    """Width of a line [pt] for a crack of some width [m]; widest_pt: of the widest, `widest_line` of the wall.
+    """Line width [pt] of a crack width [m]; widest_pt: of the widest cracks, from `widest_line`.
 
     The square root keeps a crack of 0.1 mm visible beside one of 5 mm, where light damage ends and
     the lines stop growing.
@@ -164,7 +164,7 @@ def line_width(crack_width_m, widest_pt=WIDEST_PT):
 
 
 def widest_line(brick_m, span_m, page_pt):
-    """Width of the line of the widest cracks [pt]: SHARE_OF_BRICK of the lowest brick as drawn, no more than WIDEST_PT.
+    """Line width of the widest cracks [pt]: SHARE_OF_BRICK of the lowest brick as drawn, at most WIDEST_PT.
 
     brick_m: height of that brick; span_m: length and height of what is drawn; page_pt: width and height that it fills,
     in true scale.

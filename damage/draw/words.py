@@ -1,4 +1,4 @@
-"""Walls and motions in words, as titles and labels of figures and reports name them."""
+"""Text of walls and motions for titles and labels of figures and reports."""
 
 import re
 
@@ -34,12 +34,12 @@ def station_of(name):
 
 
 def run_title(history):
-    """The wall and the motion of a History in words, as "Symmetric wall, harmonic motion of 0.2 s and 0.05 g, three
+    """Text: the wall and the motion of a History, as "Symmetric wall, harmonic motion of 0.2 s and 0.05 g, three
     cycles"."""
     motion = motion_words(history.loading)
     if len(history.sequence) > 1:
         factors = ", ".join(f"{factor:g}" for factor in history.sequence)
-        motion += f", {counted(len(history.sequence), 'shock')} × {factors}"
+        motion += f", {counted(len(history.sequence), 'event')} × {factors}"
     return f"{wall_words(history.wall)}, {motion}"
 
 
@@ -55,7 +55,7 @@ def wall_words(name):
 
 
 def motion_words(loading):
-    """What a `damage.motion.loading.Loading` does, in words.
+    """Text: a `damage.motion.loading.Loading`.
 
     >>> motion_words(Harmonic(0.2, 0.05))
     'harmonic motion of 0.2 s and 0.05 g, three cycles'
@@ -87,7 +87,7 @@ def _top_words(loading):
 
 
 def _record_words(loading):
-    """A `RecordedMotion` in words; of an old history, which keeps nothing of its record, the name of the motion."""
+    """Text: a `RecordedMotion`; for an old history without its record, the name of the motion."""
     record = loading.horizontal.get("record")
     if record is None:
         return f"record {loading.name}"
@@ -97,7 +97,7 @@ def _record_words(loading):
 
 
 def preparation(scale, window_s, baseline_order, band_hz):
-    """What prepared a record, words of each step that was taken; scale: None or 1 where there is none."""
+    """Texts of the processing steps of a record, a list; scale: None or 1 without scaling."""
     parts = ["" if scale in (None, 1) else f"times {scale:g}",
              "" if window_s is None else "{:g} to {:g} s of the file".format(*window_s),
              "" if baseline_order is None else f"baseline of order {baseline_order} removed",

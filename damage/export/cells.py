@@ -42,7 +42,7 @@ class WallCells:
     def __post_init__(self):
         if len(self.history.series) == 0:
             raise InputError(f"{self.history.path} holds no sample yet ({self.history.status}); expected one or more, "
-                             "let the run go on")
+                             "let the run continue")
 
     @property
     def time_s(self):

@@ -27,7 +27,7 @@ def write_vtu(history, folder):
     """
     cells, stem = WallCells(history), history.path.stem
     if len(history.snapshot_time_s) == 0:
-        raise InputError(f"{history.path} holds no snapshot yet; expected one or more, let the run go on")
+        raise InputError(f"{history.path} holds no snapshot yet; expected one or more, let the run continue")
     listed = _root("Collection")
     collection = Xml.SubElement(listed, "Collection")
     for snapshot, sample in zip(cells.snapshots, cells.sample_of):

@@ -28,7 +28,7 @@ def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
     """Index of a sample ("max", "end" or a number, negative ones from the end) and DI at it."""
     n_times = len(history.series)
     if n_times == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
     damage = history.index(threshold=threshold, slip=slip)["DI"].to_numpy()
     if sample == "max":
         sample = int(np.argmax(damage))

@@ -1,4 +1,4 @@
-"""Which lines the page draws over time, and how joints and lines look: told apart without colour, too."""
+"""Lines of the page over time, and styles of joints and lines, which differ without colour, too."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from damage.history.moments import STATES
 from damage.units import MILLIMETRE
 
 PIXELS = 1.8
-"""Of a point of a picture's line: a third wider than it is in print, so that it is seen."""
+"""Pixels of a point of a line width: a third wider than in print, for visibility on screens."""
 DRAWING_PX = 480, 320
 """Width and height that a wall fills in a page as wide as a common screen, without labels."""
 DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
@@ -19,7 +19,7 @@ RUN_STYLES = ((BLUE, "solid"), (VERMILLION, "dash"), (GREEN, "dashdot"), (PURPLE
 COMPONENT_STYLES = {"DI": ("DI", BLACK, "solid"), "DI_drift": ("DI drift", GREEN, "dot"),
                     "DI_open": ("DI open", VERMILLION, "dash"), "DI_slip": ("DI slip", BLUE, "dashdot")}
 CRACK_COLOURS = JOINT_COLOURS | {"opened": VERMILLION}
-"""As in the pictures, but for one that is darker: on a screen thin lines in orange are too faint."""
+"""{state: colour} as in the pictures, except for opened joints: thin orange lines are too faint on screens."""
 CRACK_DASHES = {"opened": "solid", "slipped": "2px,2px", "both": "solid"}
 """Lines of cracked joints: what slipped is dotted, what did both is black between crosses."""
 ELASTIC = {"name": "elastic, cannot fail", "colour": JOINT_COLOURS["elastic"], "dash": "4px,3px", "pixels": 0.9}
@@ -72,7 +72,7 @@ def energy_lines():
 
 
 def states_legend(runs=()):
-    """How joints and energies are drawn: {"states": [{"code", "name", "colour", "dash"}] of cracked ones, the gravest
+    """Styles of joints and energies: {"states": [{"code", "name", "colour", "dash"}] of cracked ones, the gravest
     last, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's
     width, the widest of them no more than half of the lowest brick of the runs}."""
     words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}

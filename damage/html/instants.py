@@ -1,4 +1,4 @@
-"""Which samples of a run a moving picture shows, and which a line over time needs."""
+"""Selection of samples of a run for the moving picture and for lines over time."""
 
 import numpy as np
 
@@ -23,7 +23,7 @@ def instants(history, index):
 
 
 def special_samples(history, index):
-    """Samples at which something of a History is largest, its first break, its collapse, its first and last one."""
+    """Samples of a History with an extreme value, of the first failure, the collapse, the first and the last one."""
     series, time_s = history.series, history.series["time_s"].to_numpy()
     drift = np.nan_to_num(series["drift_ratio"].to_numpy())
     found = [0, len(time_s) - 1, *(int(np.argmax(index[name])) for name in COMPONENTS), int(np.argmax(drift)),

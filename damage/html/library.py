@@ -17,12 +17,12 @@ PAGE = Path(__file__).parent / "page"
 
 @cache
 def plotly_code():
-    """The whole code."""
+    """The code of plotly.js, text."""
     return (PAGE / "plotly-basic.min.js").read_text(encoding="utf-8")
 
 
 def plotly_version():
-    """Its version, as it says itself.
+    """Version of plotly.js, from its code.
 
     >>> plotly_version()
     '4.1.1'

@@ -26,11 +26,11 @@ def pack_arrays(arrays):
     return {"packed": _as_base64(bytes(data)), "arrays": places}
 
 
-def unpack_arrays(told):
-    """What `pack_arrays` packed, as flat arrays: {name: array}."""
-    data = gzip.decompress(base64.b64decode(told["packed"]))
+def unpack_arrays(content):
+    """Flat arrays {name: array} from the result of `pack_arrays`."""
+    data = gzip.decompress(base64.b64decode(content["packed"]))
     return {name: np.frombuffer(data, f"<{kind}", length, first)
-            for name, (kind, first, length) in told["arrays"].items()}
+            for name, (kind, first, length) in content["arrays"].items()}
 
 
 def quantised(values):

@@ -21,13 +21,14 @@ from damage.units import MILLIMETRE
 from damage.version import VERSION
 
 LETTERS = "ABCDEF"
-"""What runs side by side are called; no more than so many."""
+"""Letters of runs side by side, whose number is limited to these."""
 ENDINGS = (".html", ".htm")
 
 
 @dataclass(frozen=True)
 class Words:
-    """What an author adds to a report: title, None for what ran; author; text, with blank lines between paragraphs."""
+    """Texts of an author for a report: title, None for wall and motion; author; text with blank lines between
+    paragraphs."""
 
     title: str | None = None
     author: str | None = None
@@ -111,7 +112,7 @@ def _worst(studies, most):
 
 
 def _of_folder(folder, studies):
-    """What the studies below one folder have in common: figures, unless it is a study itself, and the verdict."""
+    """Figures and verdict of all studies below a folder; figures only where it is not a study itself."""
     mine = [study for study in studies if study.is_relative_to(folder)]
     return {"name": folder.resolve().name, "verdict": verdict_of(folder) if any(map(is_of_paper, mine)) else None,
             "figures": {"embedded": [], "named": []} if folder in studies else figures(folder)}
@@ -124,7 +125,7 @@ def _title(runs, studies):
 
 
 def _for_program(runs):
-    """What the program of the page needs, as JSON that is safe inside of HTML."""
-    told = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
+    """Data of the page's program, JSON that is safe inside HTML."""
+    content = {"runs": [{"letter": run["letter"], **run["drawn"]} for run in runs], "charts": over_time(runs),
             "threshold_mm": THRESHOLD / MILLIMETRE, "states": states_legend(runs)}
-    return htmlsafe_json_dumps(told, dumps=json_text)
+    return htmlsafe_json_dumps(content, dumps=json_text)

@@ -1,4 +1,4 @@
-"""What the file shows of one run: its moving wall, its lines over time, its key numbers, what is to be said first."""
+"""Part of the page on a run: moving wall, lines over time, summary, and notes before its results."""
 
 import numpy as np
 
@@ -44,7 +44,7 @@ def still(history):
 
 
 def said_first(history, warnings=()):
-    """What a reader has to know before any number of a History, a list of lines; none where all is well."""
+    """Notes on a History before its results, a list of str; empty where there are none."""
     until = history.series["time_s"].iloc[-1]
     lines = {"complete": [],
              "interrupted": [f"interrupted at {until:.3f} s, before the run's end; every maximum is one so far"],

@@ -1,4 +1,4 @@
-"""What the file shows of a study: whether it is whole, its points and runs, its figures, fragility and verdict."""
+"""Part of the page on a study: completeness, points and runs, figures, fragility and verdict."""
 
 import base64
 import math
@@ -27,13 +27,13 @@ from damage.studies.states import leading
 COLUMNS = ("solver", "wall", "motion", "members", "status", "collapsed", "pga_g", "pgv_m_s", "max_DI", "residual_DI",
            "max_drift_ratio", "residual_drift_ratio", "max_crack_width_mm", "max_psi", "peak_base_shear_n",
            "energy_error_fraction")
-"""Of the table of points, those that have a value."""
+"""Columns of the table of points, shown where they have a value."""
 OFTEN_SHARED = ("solver", "wall", "motion", "members", "status", "collapsed")
-"""Of these those that all points share are told once, above the table."""
+"""Columns of which a value that all points share is shown once, above the table."""
 OF_POINTS = {"members": "how many runs the point has in its solver", "collapsed": "how many of them collapsed",
              "status": "complete when all its runs are"}
 MOST_FIGURES_MB = 3.0
-"""Of embedded figures; what is beyond it is named."""
+"""Largest size of all embedded figures; others are listed by name."""
 REPLICATES = 200
 """Bootstrap samples of a fragility curve's bounds; `python3 -m damage fragility` takes more."""
 FIGURE_WORDS = {
@@ -68,21 +68,21 @@ def study_part(folder, letters):
     letters: {name of a run: letter of its own part of the page}, of those that have one.
     """
     summary, points = runs_of(folder)
-    told = [name for name in COLUMNS if name in points and points[name].notna().any()]
-    shared = [name for name in OFTEN_SHARED if name in told and points[name].nunique(dropna=False) == 1]
-    told = [name for name in told if name not in shared]
+    content = [name for name in COLUMNS if name in points and points[name].notna().any()]
+    shared = [name for name in OFTEN_SHARED if name in content and points[name].nunique(dropna=False) == 1]
+    content = [name for name in content if name not in shared]
     heads = [{"name": name, "unit": MEANING.get(name, ("", ""))[0], "meaning": OF_POINTS.get(name) or MEANING[name][1]}
-             for name in told]
+             for name in content]
     about = _about(folder)
     return {"name": str(about.get("name") or folder.resolve().name), "title": str(about.get("title") or ""),
             "folder": shown_path(folder), "shared": [(name, _cell(points.iloc[0], name)[0]) for name in shared],
             "first": said_first(folder, summary, points), "heads": heads,
-            "rows": [_point(row, told, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
+            "rows": [_point(row, content, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
             "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder)}
 
 
 def _about(folder):
-    """What the study says of itself in the copy of its file, {} where that cannot be read."""
+    """Contents of the copy of the study's file, {} where that cannot be read."""
     try:
         return tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -90,7 +90,7 @@ def _about(folder):
 
 
 def said_first(folder, summary, points):
-    """What a reader has to know before any number of a study: what is missing, growing, unfinished or fell."""
+    """Notes on a study before its results: missing, growing and unfinished runs, collapses; a list of str."""
     lines, there = [], len(points)
     planned = _planned(folder, set(points["solver"]))
     if planned is not None and planned > there:
@@ -110,7 +110,7 @@ def said_first(folder, summary, points):
 
 
 def _planned(folder, solvers):
-    """How many points the study's file asks for of these solvers, None where its walls are not to be had here."""
+    """Number of points of these solvers in the study's file, None where its walls are not available."""
     try:
         study = load_study(folder / "study.toml", "both")
     except (InputError, OSError):
@@ -118,12 +118,12 @@ def _planned(folder, solvers):
     return len({(run.point, run.solver) for run in study.of_both if run.solver in solvers})
 
 
-def _point(row, told, summary, letters):
+def _point(row, content, summary, letters):
     """One row of the table: its point, its runs with the letters of their parts, its cells with their range."""
     same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
     runs = [(str(name), letters.get(str(name))) for name in summary.loc[same, "run"]]
     return {"point": str(row["point"]), "runs": runs, "cells": [(*_cell(row, name), _range(row, name))
-                                                                for name in told]}
+                                                                for name in content]}
 
 
 def _cell(row, name):
@@ -177,7 +177,7 @@ def _embedded(path):
 
 
 def figure_words(name):
-    """What a figure shows, from its name.
+    """Caption of a figure, from its name.
 
     >>> figure_words("fig12_drift_symmetric"), figure_words("mine")
     ('Damage index against the largest drift (fig12_drift_symmetric)', 'Figure mine')
@@ -204,7 +204,7 @@ def _fragility(folder):
 
 
 def _drawn(name, figure):
-    """A matplotlib Figure as an embedded figure; its size only tells its shape."""
+    """A matplotlib Figure as an embedded figure; width and height give its aspect ratio only."""
     width, height = (round(100 * inches) for inches in figure.get_size_inches())
     return {"name": name, "data": as_png(figure), "width": width, "height": height, "words": figure_words(name)}
 
@@ -226,6 +226,6 @@ def verdict_of(folder):
     if not judged:
         return None
     heads, rows = overview_table(findings)
-    told = [row for row in rows if set(row[2:]) != {UNJUDGED}]
-    return {"heads": heads, "rows": told, "unjudged": [row[0] for row in rows if row not in told], "n": len(findings),
-            "n_judged": len(judged), "n_hold": sum(finding.verdict == HOLDS for finding in judged)}
+    shown = [row for row in rows if set(row[2:]) != {UNJUDGED}]
+    return {"heads": heads, "rows": shown, "unjudged": [row[0] for row in rows if row not in shown],
+            "n": len(findings), "n_judged": len(judged), "n_hold": sum(finding.verdict == HOLDS for finding in judged)}

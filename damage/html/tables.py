@@ -32,12 +32,12 @@ def _single(names, units):
 
 COLUMNS = {name: (unit, column.meaning.replace("`", "")) for columns in SECTIONS.values()
            for several, column in columns.items() for name, unit in _single(several, column.unit)}
-"""Of each single column: its unit, what it means."""
+"""{column: (unit, meaning)}."""
 _GIVEN = {name for several in RUN | PARAMETERS | MADE_BY for name in several.split(", ")}
 
 
 def digits_of(name):
-    """How many significant digits a column's numbers are shown with."""
+    """Number of significant digits of a column."""
     return GIVEN_DIGITS if name in _GIVEN else DIGITS
 
 
@@ -86,7 +86,7 @@ def cell(value, digits=DIGITS):
 
 
 def _difference(first, other):
-    """How another value differs from the first, as a cell: numbers as difference and per cent, words as they differ."""
+    """Difference of another value from the first, as a cell: numbers as difference and per cent, texts as "differs"."""
     if cell(first)[1] is None or cell(other)[1] is None:
         return ("", None) if first == other else ("differs", None)
     change = other - first
@@ -96,7 +96,7 @@ def _difference(first, other):
 
 
 def energy_balance(parts):
-    """Rows (what, [cell of each run]) of the energies at the end [J], and what their balance lacks."""
+    """Rows (label, [cell of each run]) of the energies at the end [J], their imbalance, and its largest share."""
     ends = [part["history"].series.iloc[-1] for part in parts]
     rows = [(label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()]
     known = [part["history"].series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0) for part in parts]
@@ -106,18 +106,18 @@ def energy_balance(parts):
         cell(error if error is None else 100 * error) for error in errors])]
 
 
-def parameters(told):
+def parameters(content):
     """(name, text) of the caps of a run, its static stage, the results that precede the motion, and every parameter;
-    told: `damage.history.info.info`."""
-    return [*((f"cap {number}", describe_cap(cap)) for number, cap in enumerate(told["caps"], start=1)),
-            *((f"static.{name}", value) for name, value in told["static"].items()),
-            *flat(told["results"]), *flat(given(told))]
+    content: `damage.history.info.info`."""
+    return [*((f"cap {number}", describe_cap(cap)) for number, cap in enumerate(content["caps"], start=1)),
+            *((f"static.{name}", value) for name, value in content["static"].items()),
+            *flat(content["results"]), *flat(given(content))]
 
 
-def versions(told):
-    """(software, version) of what made a run; told: `damage.history.info.info`."""
-    others = sorted(set(told["versions"]) - {"masonry-damage", "commit", "model"})
-    return [("masonry-damage", told["software"]), ("commit", told["commit"]),
-            ("digest of the model", told["model_digest"]), *((name, told["versions"][name]) for name in others),
-            ("machine", told["machine"]),
-            ("made", told["created_utc"])]
+def versions(content):
+    """(software, version) of what made a run; content: `damage.history.info.info`."""
+    others = sorted(set(content["versions"]) - {"masonry-damage", "commit", "model"})
+    return [("masonry-damage", content["software"]), ("commit", content["commit"]),
+            ("digest of the model", content["model_digest"]), *((name, content["versions"][name]) for name in others),
+            ("machine", content["machine"]),
+            ("made", content["created_utc"])]

@@ -1,1 +1,1 @@
-"""Results of a history: energies, cracks, cycles, periods, key numbers, tables."""
+"""Measures of a run, from its History: energies, cracks, cycles, periods, summary, tables, warnings."""

@@ -1,7 +1,7 @@
-"""Every column of summary.csv and points.csv: name, unit, meaning.
+"""Columns of summary.csv and points.csv: name, unit and meaning.
 
-The tables of `docs/reference/measures.md` are these; `damage.measure.tables.summary_row` fills them,
-`damage.studies.tables` sums them up by point.
+They are the tables of `docs/reference/measures.md`.  `damage.measure.tables.summary_row` computes their values, and
+`damage.studies.tables` the medians and ranges of a point.
 """
 
 import math
@@ -21,16 +21,16 @@ from damage.units import MILLIMETRE
 from damage.wall.parameters import ModelOptions
 
 CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
-"""What counts as slipped, and what stands before a component's name in the columns for it."""
+"""{slip criterion: prefix of a component's name in its columns}."""
 
 MOST_MB, MOST_CELLS = 500, 2 * 10**7
-"""Size of a table: rows of 100 000 runs."""
+"""Largest size of a table that is read: about 100 000 runs."""
 WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default, str)}
-"""Columns that are words even where they look like numbers, as a lintel of "2" courses."""
+"""{column: str} of the columns that are text even where they look like numbers, as a lintel of "2" courses."""
 
 
 def made_by_words(table):
-    """Origin of the runs of a table, in words, as far as it is known."""
+    """Text: the known origins (MADE_BY) of the runs of a table, a DataFrame."""
     return "; ".join(f"{name} {', '.join(sorted(set(table[name].dropna())))}" for name in MADE_BY if name in table)
 
 
@@ -43,7 +43,7 @@ def _index(kind, slip):
 
 
 def slip_criteria(table):
-    """The criteria of slip in the columns of a table that name none, a list: one, or both where rows differ."""
+    """Slip criteria of the columns that name none, a list of str: one, or several where rows of the table differ."""
     criteria = "; ".join(table["slip"].dropna()) if "slip" in table else ""
     return sorted(set(criteria.split("; ")), reverse=True) if criteria else ["displacement"]
 
@@ -85,7 +85,7 @@ PARAMETERS = {
     "elastic_joint_share_above_openings": Column("1", "the same share of the courses above openings, along the whole "
                                                  "wall; empty without openings"),
 }
-"""What all runs of a point share."""
+"""{names: Column} of the parameters that are equal in all runs of a point."""
 RUN = {
     "run": Column("", "name of the run"),
     "status": Column("", "complete, interrupted, failed, unfinished"),
@@ -93,7 +93,7 @@ RUN = {
     **_model(seeds=True),
     "seed": Column("1", "of the bricks' random offsets and of `scatter`"),
 }
-"""What distinguishes the runs of a point, and how each ended."""
+"""{names: Column} of the parameters that differ between the runs of a point, and of their end."""
 MADE_BY = {
     "software": Column("", "version of this software, `unknown` of a run before 0.2"),
     "commit": Column("", "of its repository; `changed` where the tree differed"),
@@ -101,7 +101,7 @@ MADE_BY = {
     "measures_digest": Column("", "of the code of index and measures, which made the row: rows with equal ones can be "
                               "compared"),
 }
-"""What made a run; of a point, all that its runs have."""
+"""{name: Column} of the origin of a run; in points.csv of all its runs."""
 MEASURES = {
     "Index, drift": {
         _index("max", "displacement"): Column("1", "each its own maximum over the run, slip by displacement"),
@@ -152,16 +152,16 @@ MEASURES = {
     },
     "Classes by published limits": {one.name: Column("", one.description) for one in LIMITS},
 }
-"""By section of the document."""
+"""{section of the document: {names: Column}} of the results."""
 
 
 def names(columns):
-    """The single names of {names: Column}, a list."""
+    """Single names of {"name, name": Column}, a list of str."""
     return [name for several in columns for name in several.split(", ")]
 
 
 def each(columns):
-    """{name: Column} of {names: Column}, each name with its own unit.
+    """{name: Column} from {"name, name": Column}, each with its own unit.
 
     >>> each({"period_s, amplitude_g": Column("s, g", "of a motion")})["amplitude_g"]
     Column(unit='g', meaning='of a motion', dtype='f8', since=1)
@@ -175,7 +175,7 @@ def each(columns):
 
 
 def bounds_of(name):
-    """(least, most) that a number can be in a column of this name; infinite where that is open.
+    """Bounds (least, most) of the values of a column, by its name; infinite where there is none.
 
     >>> bounds_of("max_accumulated_DI_slip"), bounds_of("max_slip_mm"), bounds_of("residual_drift_ratio")
     ((0.0, 1.0), (0.0, inf), (-inf, inf))
@@ -186,7 +186,7 @@ def bounds_of(name):
 
 
 def unit_in(name):
-    """Unit of a column of summary.csv, "" of one that has none or is not known.
+    """Unit of a column of summary.csv; "" for text and for unknown columns.
 
     >>> unit_in("max_crack_width_mm"), unit_in("max_DI"), unit_in("wall")
     ('mm', '1', '')
@@ -196,7 +196,7 @@ def unit_in(name):
 
 
 def one_spelling(table):
-    """A table with the names of this version: older ones wrote max_DI_shear_limit for max_shear_limit_DI.
+    """The table (DataFrame) with the column names of this version: older ones had max_DI_shear_limit.
 
     >>> import pandas as pd
     >>> list(one_spelling(pd.DataFrame(columns=["max_DI_slip_shear_limit", "DI_shear_limit"])))
@@ -206,8 +206,10 @@ def one_spelling(table):
 
 
 def before_offsets(table):
-    """A table in which the rows that were made before histories had offsets, when slip was accumulated and cracks
-    counted from 0.1 mm, say so in `slip` and `psi_from_mm` and have their index by `accumulated`, too.
+    """The table (DataFrame) with its rows of older versions marked, whose histories had no offsets.
+
+    In these rows slip was accumulated and cracks counted from 0.1 mm.  They get `slip` and `psi_from_mm` accordingly,
+    and copies of their index in the columns of `accumulated`.
 
     >>> import pandas as pd
     >>> old = before_offsets(pd.DataFrame({"slip": ["displacement"], "max_DI": [0.2], "max_psi": [1.5]}))
@@ -229,7 +231,7 @@ def before_offsets(table):
 
 
 def _read_csv(path):
-    """A CSV file as it is; ValueError where it is too large, or its rows are longer than its header."""
+    """A CSV file as a DataFrame; raises ValueError where it is too large, or a row is longer than the header."""
     path = check_file(path, "a CSV file of a study", MOST_MB)
     with path.open("rb") as file:  # short rows are filled up: a small file could become a large table
         cells = file.readline(LONGEST_LINE + 1).count(b",") + 1
@@ -247,9 +249,10 @@ def _read_csv(path):
 
 
 def read_table(path, needed=()):
-    """A table of a study as a DataFrame, older spellings corrected; "none" is a word, only an empty cell is missing.
+    """A table of a study as a DataFrame, older versions converted (`one_spelling`, `before_offsets`).
 
-    Raises InputError where it cannot be read or lacks one of the needed columns.
+    needed: names of columns.  Only an empty cell is missing; "none" is text.  Raises InputError where the file cannot
+    be read or lacks a needed column.
     """
     try:
         table = before_offsets(one_spelling(_read_csv(path)))

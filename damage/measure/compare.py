@@ -1,8 +1,9 @@
-"""Compare histories: two solvers, two time steps, two discretisations, a run and an ensemble.
+"""Comparison of histories: two solvers, two time steps, two discretisations, a run and an ensemble.
 
-After the first failure two correct runs part, since undamped joints that open and close amplify
-rounding: then only numbers of the whole run are compared, against tolerances that are what scatter does to
-one and the same code.  Of several second histories the median counts.
+Up to the first failure the drift is compared sample by sample.  After it two correct solutions diverge, since undamped
+joints that open and close amplify rounding errors (the system is chaotic).  Extremes of the entire run are therefore
+compared within TOLERANCES, which are the scatter of one solver under rounding.  The second value is the median where
+there are several second histories.
 """
 
 from dataclasses import dataclass
@@ -17,17 +18,19 @@ from damage.measure.patterns import common_slip, compare_patterns, describe_patt
 from damage.measure.summary import summarise
 from damage.measure.vibration import NOISE, upward_crossings
 
-DIVERGED = 0.01  # of the peak drift: two runs have diverged
+DIVERGED = 0.01  # share of the peak drift [-]: two runs have diverged where their drifts differ by more
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Agreement within `absolute` or `relative` times the second value, the larger of both."""
+    """Tolerance of a comparison: the larger of `absolute`, in the unit of the measure, and `relative` [-] times the
+    second value."""
 
     absolute: float = 0.0
     relative: float = 0.0
 
     def allowed(self, value):
+        """Largest allowed difference from the second value, in its unit."""
         return max(self.absolute, self.relative * abs(value))
 
 
@@ -40,17 +43,18 @@ TOLERANCES = {
     "DI_open": Tolerance(absolute=0.001, relative=0.3),
     "DI_slip_shear_limit": Tolerance(absolute=0.003, relative=0.2),
 }
-"""Of correct solvers with the same contact points; runs of one code that differ by rounding spread as much."""
-DRIFT_TOLERANCE = 0.005  # normalised RMS of the drift before the first failure
+"""{measure: Tolerance} for two solvers with equal contact points: the scatter of one solver under rounding."""
+DRIFT_TOLERANCE = 0.005  # RMS difference of the drift before the first failure over its RMS [-]
 
 
 def compare(first, others):
-    """Compare a History with others of the same wall; a plain dictionary.
+    """Comparison of a History with others of the same wall, a plain dictionary.
 
-    figures: {name: first, median, range of the others, allowed, agrees}; drift: RMS before the first
-    failure, lag, instant of divergence; joints: Cohen's kappa and first-break times; patterns: fractions skill
-    scores; each of the last three with the first of the others.  slip: the criterion of DI, `displacement` where all
-    have offsets, and else `accumulated`.  agrees: figures and drift.
+    first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed", "agrees"}} of the
+    measures of TOLERANCES.  drift, joints, patterns: `compare_drift`, `compare_joints` and `compare_patterns` with the
+    first of the others.  slip: criterion of DI, `common_slip`.  agrees: whether all figures and the drift agree.
+
+    Raises InputError where a history has no sample, or they are of different walls.
     """
     for history in (first, *others):
         if len(history.series) == 0:
@@ -67,10 +71,10 @@ def compare(first, others):
             "agrees": all(judged)}
 
 
-# --- numbers of the whole run -------------------------------------------------------------------
+# --- measures of the entire run -----------------------------------------------------------------
 
 def numbers_of(history, slip="displacement"):
-    """The numbers that TOLERANCES judge, None where a run has none of them; slip: criterion of DI."""
+    """{measure of TOLERANCES: value} of a History, None where a measure does not apply; slip: criterion of DI."""
     summary = summarise(history, slip=slip)
     return {"max_drift_ratio": summary["max_drift_ratio"], "cycle_length_s": cycle_length(history.series),
             "period_s": summary["period_s"], "peak_base_shear_n": summary["peak_base_shear_n"],
@@ -79,7 +83,8 @@ def numbers_of(history, slip="displacement"):
 
 
 def cycle_length(series):
-    """Mean length of the full cycles of the drift in the first event's rest [s], None without one."""
+    """Mean duration of the full cycles of the drift in the rest stage of the first event [s], None without one; series:
+    of a History."""
     rest = series[(series["stage"] == "rest") & (series["shock"] == 1)]
     crossings = upward_crossings(rest["time_s"], rest["drift_ratio"], rearm=0.0)  # every one, ripples too
     return float((crossings[-1] - crossings[0]) / (len(crossings) - 1)) if len(crossings) > 1 else None
@@ -103,8 +108,13 @@ def _compare_numbers(first, others):
 # --- the drift over time ------------------------------------------------------------------------
 
 def compare_drift(first, second):
-    """Drift up to the first failure in either run: normalised RMS, lag [s]; and the instant [s] from
-    which the two differ by more than 1 % of the peak, None where they never do."""
+    """Differences of the drift ratios of two Histories over time, a plain dictionary.
+
+    first_failure_s: time of the first failure in either run [s], None without one; rms_before_failure: RMS difference
+    up to it over the RMS of the first run [-], compared with `allowed` in `agrees`; lag_s: by how much the second run
+    lags behind the first [s]; diverged_at_s: first time at which they differ by more than DIVERGED of the peak [s],
+    None where they never do; rms_whole: the RMS difference of the entire runs [-].
+    """
     time, here, there = _common_drift(first, second)
     failure = min(_first_break(first), _first_break(second))
     before = time <= failure
@@ -119,9 +129,10 @@ def compare_drift(first, second):
 
 
 def _common_drift(first, second):
-    """Times before settling that both runs have, and both drifts there.
+    """Times before settling that both runs cover [s], and both drift ratios there, each (n,).
 
-    By cubic splines: lines between samples of 2 ms would take 0.4 % off a vibration of 0.06 s.
+    Interpolated by cubic splines: linear interpolation between samples of 2 ms would reduce the amplitude of a
+    vibration of 0.06 s by 0.4 %.
     """
     from scipy.interpolate import CubicSpline
 
@@ -140,7 +151,7 @@ def _first_break(history):
 
 
 def _lag(time, here, there):
-    """How much later the second drift is [s], by the peak of the cross-correlation."""
+    """Lag of the second drift behind the first [s]: the peak of their cross-correlation, by a parabola."""
     if len(time) < 8 or min(np.abs(here).max(), np.abs(there).max()) <= NOISE:
         return 0.0
     step = (time[-1] - time[0]) / (len(time) - 1)
@@ -155,11 +166,12 @@ def _lag(time, here, there):
 # --- joint by joint -----------------------------------------------------------------------------
 
 def joints_ever(history, threshold=THRESHOLD):
-    """Extremes of each joint between two bodies: DataFrame indexed by (first_body, second_body).
+    """States that the joints of a History ever had: a DataFrame indexed by (first_body, second_body).
 
-    state: index of `damage.history.moments.STATES`, slipped by the shear limit, broken alone given by broken: bool;
-    first_break_s (NaN: never); x_m, z_m.  Contact points of one pair of bodies are one joint, so that any
-    discretisation will do.
+    The contact points between two bodies are one joint, so that runs of different discretisations can be compared.
+    Columns: opened (by more than the threshold [m]), slipped (ever at the shear limit) and broken (failed), bool;
+    first_break_s: time of the first failure [s], NaN without one; x_m, z_m: mean place; state: index of
+    `damage.history.moments.STATES` from opened and slipped.
     """
     breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
@@ -175,7 +187,11 @@ def joints_ever(history, threshold=THRESHOLD):
 
 
 def compare_joints(first, second):
-    """Agreement on the joints that broke in either run, as numbers."""
+    """Agreement of two Histories on the joints that failed in either run, a plain dictionary.
+
+    broke_in_either, broke_in_both, same_state: numbers of joints; kappa: `cohens_kappa` of their states;
+    median_break_time_difference_s: of the joints that failed in both [s], None without any.
+    """
     here, there = joints_ever(first), joints_ever(second)
     either = here["broken"] | there["broken"]
     both = here["broken"] & there["broken"]
@@ -187,9 +203,9 @@ def compare_joints(first, second):
 
 
 def cohens_kappa(here, there):
-    """Cohen's kappa (1960, doi:10.1177/001316446002000104) of two classifications, None without any.
+    """Cohen's kappa [-] (1960, doi:10.1177/001316446002000104) of two classifications; None where they are empty.
 
-    1 where they agree in all, 0 where they agree as often as by chance.
+    here, there: (n,) indices of `damage.history.moments.STATES`.  1: they agree in all; 0: as often as by chance.
     """
     here, there = np.asarray(here), np.asarray(there)
     if len(here) == 0:
@@ -200,7 +216,7 @@ def cohens_kappa(here, there):
 
 
 def describe(result):
-    """A comparison as lines for people."""
+    """The result of `compare` as text, a line each for people."""
     lines = [f"first:  {result['first']}", *(f"others: {path}" for path in result["others"]),
              *([] if result["slip"] == "displacement" else
                ["slip in DI and in visible joints: accumulated, since not all histories have offsets"]),
@@ -217,7 +233,7 @@ def describe(result):
                  f"{100 * drift['allowed']:.1f} %)  {'agrees' if drift['agrees'] else 'DIFFERS'}; diverged by 1 % "
                  f"of the peak {diverged}; lag {1e3 * drift['lag_s']:.2f} ms")
     if joints["kappa"] is not None:
-        lines.append(f"joints between bricks: {joints['broke_in_either']} broke in either run, "
+        lines.append(f"joints between bricks: {joints['broke_in_either']} failed in either run, "
                      f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "
                      f"kappa {joints['kappa']:.3f}")
     lines += describe_patterns(result["patterns"])

@@ -1,14 +1,16 @@
-"""Cracks of a wall at a moment: which contact points are cracked, how they join, Korswagen's Psi.
+"""Cracks of a wall at one sample: cracked contact points, how they connect, and Korswagen's Psi.
 
 P. A. Korswagen's damage parameter for light damage of masonry (dissertation, TU Delft),
 
     Psi = 2 n^0.15 c_w^0.3,   c_w = sum(c_i^2 L_i) / sum(c_i L_i)  [mm],   c_i^2 = opening^2 + slip^2
 
-with the number n of cracks and the length L_i of each cracked point; Psi = 1 is one crack that is just
-visible (0.1 mm), about 2 is 1 mm, 3.5 the end of light damage (5 mm).  Slip is the offset of the two faces, as
-one sees it (`History.slip_by`).  A contact point whose width c_i reaches 0.02 mm, below what an eye sees, so that
-values below 1 exist as Korswagen's do, is cracked over its tributary length; cracked lengths closer than 10 mm are
-one crack, so that a stepped crack through bed and head joints counts once.  Criteria are met *now*, not ever.
+with the number n of cracks and the length L_i of each cracked contact point.  Psi = 1 is one crack that is just
+visible (0.1 mm), about 2 one of 1 mm, 3.5 the end of light damage (5 mm).
+
+Slip is the present offset of the two faces (`History.slip_by`).  A contact point is cracked over its tributary length
+where its width c_i reaches 0.02 mm.  This is below the visible width, so that values of Psi below 1 exist as they do in
+Korswagen's work.  Cracked lengths closer than 10 mm are one crack: a stepped crack through bed and head joints counts
+once.  All criteria refer to the state at the sample, not to the largest so far.
 """
 
 import numpy as np
@@ -24,7 +26,7 @@ from damage.units import MILLIMETRE
 from damage.wall.geometry import tributary_ends
 
 ENDS = ("x_start_m", "z_start_m", "x_end_m", "z_end_m")
-"""Columns of every table of cracks: both ends of a straight part."""
+"""Columns of every table of cracks: both ends of a straight segment [m]."""
 PSI_FROM = 0.02 * MILLIMETRE
 """Width from which a crack counts in Psi [m]."""
 JOINING_GAP = 10 * MILLIMETRE
@@ -33,7 +35,7 @@ _PRECISION = 1e-6  # histories store widths in single precision: 0.1 mm comes ba
 
 
 def psi_value(count, mean_width):
-    """Psi [-] of a number of cracks and their width c_w [m]; 0 without a crack; scalars or arrays.
+    """Psi [-] of a number of cracks and their mean width c_w [m]; 0 without a crack; scalars or arrays.
 
     >>> round(float(psi_value(1, 0.1e-3)), 3), round(float(psi_value(0, 0.0)), 3)
     (1.002, 0.0)
@@ -42,7 +44,7 @@ def psi_value(count, mean_width):
 
 
 def mean_width(width, length):
-    """c_w = sum(c^2 L) / sum(c L) over the last axis, in the unit of width; 0 without a crack.
+    """Mean crack width c_w = sum(c^2 L) / sum(c L) over the last axis, in the unit of width; 0 without a crack.
 
     width: (..., n), 0 where not cracked; length: (n,) [m].
     """
@@ -53,13 +55,16 @@ def mean_width(width, length):
 
 
 def cracked(width, threshold=THRESHOLD):
-    """Which widths [m] reach the threshold [m], bool of the same shape; NaN does not."""
+    """Whether widths [m] reach the threshold [m], bool of the same shape; NaN does not.
+
+    Raises InputError for a threshold that is not positive.
+    """
     check_positive("crack width threshold", threshold)
     return np.asarray(width) >= threshold * (1 - _PRECISION)
 
 
 def close_pairs(ends, gap=JOINING_GAP):
-    """Pairs of segments closer than `gap` [m], (n_pairs, 2) indices.
+    """Pairs of segments whose distance is below `gap` [m], (n_pairs, 2) indices.
 
     ends: (n, 2, 2) [m], both ends of segments along x or along z.
     """
@@ -74,9 +79,9 @@ def close_pairs(ends, gap=JOINING_GAP):
 
 
 def crack_numbers(is_cracked, pairs):
-    """Number of the crack of every segment, (n,) int from 1, 0 where it is not cracked.
+    """Number of the crack that each segment belongs to, (n,) int from 1; 0 where it is not cracked.
 
-    is_cracked: (n,) bool; pairs: (n_pairs, 2) of `close_pairs`.
+    is_cracked: (n,) bool; pairs: (n_pairs, 2) from `close_pairs`.
     """
     joined = pairs[is_cracked[pairs].all(axis=1)]
     graph = coo_array((np.ones(len(joined)), joined.T), shape=(len(is_cracked),) * 2)
@@ -89,9 +94,10 @@ def crack_numbers(is_cracked, pairs):
 # --- at one moment --------------------------------------------------------------------------------
 
 def crack_table(ends, opening, slip, threshold=THRESHOLD):
-    """The cracked ones of n segments, a row each, ordered by crack.
+    """Table of the cracked segments, ordered by crack.
 
-    ends: (n, 2, 2) [m]; opening, slip: (n,) [m], slip signed; threshold [m].
+    ends: (n, 2, 2) [m], both ends (x, z) of each segment; opening, slip: (n,) [m], slip signed; threshold: crack width
+    from which a segment is cracked [m].
     Returns a DataFrame: crack (from 1), joint (index of the segment), ENDS, length_m, opening_m, slip_m, width_m.
     """
     opening, slip = np.asarray(opening, float), np.asarray(slip, float)
@@ -110,8 +116,11 @@ def ends_of(table):
 
 
 def cracks_at(history, sample, threshold=THRESHOLD):
-    """`crack_table` of a History at a sample (index into its series, negative ones from the end), slip by
-    displacement."""
+    """`crack_table` of a History at a sample, with slip by displacement.
+
+    sample: index into its series, negative ones from the end; threshold: crack width [m].  Raises InputError where
+    there is no such sample.
+    """
     n_times = len(history.series)
     if not -n_times <= sample < n_times:
         raise InputError(f"sample {sample!r}: expected a whole number from 0 to {n_times - 1}; "
@@ -128,13 +137,13 @@ def psi(table):
 # --- over time ------------------------------------------------------------------------------------
 
 def psi_history(history, threshold=PSI_FROM):
-    """The cracks of a History over time, from this width on [m].
+    """Cracks of a History over time; threshold: width from which a crack counts [m].
 
     Returns a DataFrame, a row a sample: time_s, psi [-], cracks (their number), crack_length_m,
     mean_width_m (c_w), max_width_m (0 without a crack).
     """
     opening, slip = history.active.opening_m, history.active.slip_by("displacement")
-    # A joint whose larger part stays below this never reaches the threshold: most joints do not.
+    # Where opening and |slip| both stay below 0.7 of the threshold, the width stays below it: most contact points.
     least = threshold * 0.7
     wide = (opening >= least).any(axis=0) | (np.abs(slip) >= least).any(axis=0)
     ever = history.active.joints[wide]
@@ -151,9 +160,9 @@ def psi_history(history, threshold=PSI_FROM):
 
 
 def count_cracks(is_cracked, pairs):
-    """Number of cracks at every sample, (n_times,); is_cracked: (n_times, n) bool; pairs: of `close_pairs`.
+    """Number of cracks at each sample, (n_times,) int; is_cracked: (n_times, n) bool; pairs: from `close_pairs`.
 
-    One graph for all samples in which anything changes: its nodes are the cracked segments of each.
+    One graph serves all samples at which a segment changes; its nodes are the cracked segments of each of them.
     """
     changed = np.ones(len(is_cracked), bool)
     changed[1:] = (is_cracked[1:] != is_cracked[:-1]).any(axis=1)
@@ -172,11 +181,10 @@ def count_cracks(is_cracked, pairs):
 
 
 def psi_summary(history, threshold=PSI_FROM):
-    """max_psi, residual_psi, max_crack_width_mm, residual_crack_width_mm of a History, and psi_from_mm, the width from
-    which cracks count [mm], a dictionary; threshold: that width [m].
+    """Psi and crack widths of a History, a plain dictionary; threshold: width from which a crack counts [m].
 
-    Each maximum is over the run; a residual is the last state, None for a run that did not come to
-    its end, as in `damage.measure.summary.summarise`.
+    max_psi [-], max_crack_width_mm: maxima over the run; residual_psi, residual_crack_width_mm: at its end, None where
+    the run is not complete (`damage.measure.summary.summarise`); psi_from_mm: the threshold [mm].
     """
     over_time = psi_history(history, threshold)
     measures = {"psi": over_time["psi"], "crack_width_mm": over_time["max_width_m"] / MILLIMETRE}

@@ -1,4 +1,4 @@
-"""Cycles of the drift, and the index cycle by cycle, as `docs/reference/measures.md` defines them."""
+"""Cycles of the drift, and the damage index cycle by cycle (definitions: `docs/reference/measures.md`)."""
 
 import numpy as np
 import pandas as pd
@@ -12,12 +12,12 @@ from damage.measure.vibration import upward_crossings
 
 
 def cycle_measures(history):
-    """last_cycle_s, first_free_cycle_s and period_elongation of a History's (last) shock.
+    """Durations of the last driven and the first free cycle in the last event of a History, a plain dictionary.
 
-    A cycle lasts from one upward zero crossing of the drift ratio to the next.  last_cycle_s: of the
-    last one that begins while the base moves; first_free_cycle_s: of the first one that begins after;
-    period_elongation: first_free_cycle_s over the period of the intact wall; a driven cycle would show
-    the motion's period, not the wall's.  None where there is none, and in quasi-static runs.
+    A cycle lasts from one upward zero crossing of the drift ratio to the next.  last_cycle_s: duration of the last
+    cycle that begins while the base moves [s]; first_free_cycle_s: of the first cycle that begins afterwards [s];
+    period_elongation: first_free_cycle_s over the period of the intact wall [-], since driven cycles have the period of
+    the motion.  None where there is no such cycle, and in quasi-static runs.
     """
     names = ("last_cycle_s", "first_free_cycle_s", "period_elongation")
     if history.loading.drive.base is None:
@@ -29,8 +29,11 @@ def cycle_measures(history):
 
 
 def drift_cycles(history):
-    """Start and end [s], (k, 2), of the cycles of the drift in a History's (last) shock, from one upward
-    zero crossing to the next: those that begin while the base moves, and those that begin after."""
+    """Start and end of the cycles of the drift in the last event of a History, two arrays (k, 2) [s].
+
+    Returns the cycles that begin while the base moves, and those that begin afterwards.  A cycle lasts from one upward
+    zero crossing of the drift ratio to the next.
+    """
     series = history.moving[history.moving["shock"] == history.series["shock"].iloc[-1]]
     crossings = upward_crossings(series["time_s"], series["drift_ratio"])
     cycles = np.column_stack([crossings[:-1], crossings[1:]])
@@ -47,36 +50,37 @@ def _motion_end(series):
 
 BY_OTHERS = {f"{prefix}{component}": (slip, component) for slip, prefix in CRITERIA.items() if prefix
              for component in ("DI_slip", "DI")}
-"""What differs by the other slip criteria: column -> (criterion, component)."""
+"""{column: (criterion, component)} of the components that depend on slip, by the other slip criteria."""
 CYCLE_COLUMNS = ("shock", "cycle", "kind", "start_s", "end_s", "duration_s", "max_drift_ratio",
                  *(f"max_{name}" for name in COMPONENTS), *(f"max_{name}" for name in BY_OTHERS),
                  "cumulative_max_DI", "cumulative_max_accumulated_DI", "cumulative_max_shear_limit_DI", "slip")
 
 
 def index_by_all(history):
-    """The index of a History over time, COMPONENTS with slip by displacement, then BY_OTHERS."""
+    """Damage index of a History by all slip criteria: a DataFrame, a row a sample, columns COMPONENTS (slip by
+    displacement), then BY_OTHERS [-]."""
     index = {slip: history.index(slip=slip) for slip in CRITERIA}
     return index["displacement"][list(COMPONENTS)].assign(
         **{name: index[slip][component] for name, (slip, component) in BY_OTHERS.items()})
 
 
 def cycles_table(history):
-    """A row a cycle of a History: of each event the driven ones, then the free ones.
+    """Table of the cycles of a History: for each event the driven cycles, then the free ones.
 
-    Driven cycles are those of a harmonic motion, each one period long; free cycles lie between two
-    upward zero crossings of the drift after the motion.  Columns CYCLE_COLUMNS: largest |drift ratio| and
-    index within the cycle, and the largest index from the shock's start to the cycle's end; slip: the criterion of
-    the columns that name none.
+    Driven cycles are those of a harmonic motion, each one period long.  Free cycles lie between two upward zero
+    crossings of the drift after the motion.  Returns a DataFrame with CYCLE_COLUMNS: max_...: largest |drift ratio| and
+    index within the cycle; cumulative_...: largest index from the start of the event to the end of the cycle; slip:
+    criterion of the columns that name none.
     """
     values = index_by_all(history).assign(drift_ratio=history.series["drift_ratio"].abs(),
                                            time_s=history.series["time_s"])
     rows = []
-    for shock, members in history.series.groupby("shock"):
+    for event, members in history.series.groupby("shock"):
         mine = values.loc[members.index]
         for number, (kind, start, end) in enumerate(_cycles(moving(members), history.loading), start=1):
             within = mine[mine["time_s"].between(start, end)].max()
             so_far = mine[mine["time_s"] <= end].max()
-            rows.append({"shock": shock, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
+            rows.append({"shock": event, "cycle": number, "kind": kind, "start_s": start, "end_s": end,
                          "duration_s": end - start}
                         | {f"max_{name}": within[name] for name in values if name != "time_s"}
                         | {f"cumulative_max_{name}": so_far[name]
@@ -86,8 +90,7 @@ def cycles_table(history):
 
 
 def _cycles(series, loading):
-    """(kind, start, end) [s] of the complete cycles; series: of one event, without
-    settling."""
+    """(kind, start, end) of the complete cycles [s]; kind: "driven" or "free"; series: of one event, not settling."""
     if loading.drive.quasi_static:
         return []
     time_s = series["time_s"].to_numpy()

@@ -1,4 +1,4 @@
-"""Energy balance of a run: the input is kinetic, elastic, potential or dissipated energy."""
+"""Energy balance of a run: input = kinetic + elastic + potential + dissipated energy."""
 
 import numpy as np
 
@@ -8,15 +8,16 @@ from damage.units import GRAVITY
 STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
 DISSIPATED = ("friction_energy_j", "fracture_energy_j", "damping_energy_j")
 NOISE = 1e-12
-"""Share of weight times height below which an input is rounding: of a façade wall less than a microjoule, where the
-push of a free vibration is a millijoule."""
+"""Share of weight times height [-] below which an input is rounding error: less than a microjoule for a façade wall,
+whose input in free vibration is a millijoule."""
 
 
 def energy_groups(series):
-    """Energies of a series [J], {name: (n_times,)}: supplied by the base and by forces, stored (kinetic, elastic and of
-    position), dissipated in the joints (friction and fracture), and damped; one that a solver does not record is NaN.
+    """Energies over time by group, {name: (n_times,)} [J]; series: of a History.
 
-    Supplied is the sum of the others, less what was stored at the start of a free vibration.
+    input_energy_j: work of the base and of prescribed velocities; stored_energy_j: kinetic, elastic and potential;
+    dissipated_energy_j: friction and fracture in the joints; damping_energy_j: viscous damping.  NaN where the solver
+    does not record a term.  The input is the sum of the others, less the energy stored at the first sample.
     """
     stored, dissipated = (series[list(names)].sum(axis=1, min_count=1) for names in (STORED, DISSIPATED[:2]))
     return {"input_energy_j": series["input_energy_j"].to_numpy(), "stored_energy_j": stored.to_numpy(),
@@ -24,21 +25,21 @@ def energy_groups(series):
 
 
 def noise_j(mass_kg, height_m):
-    """Least input energy [J] of a wall of this mass and height for which the balance is judged."""
+    """Input energy [J] of a wall with this mass [kg] and height [m] below which it has no energy balance error."""
     return NOISE * mass_kg * GRAVITY * height_m
 
 
 def imbalance(series):
-    """Stored and dissipated energy less the input, since the first sample: (n_times,) [J]."""
+    """Imbalance of the energies, (n_times,) [J]: stored and dissipated less input, relative to the first sample."""
     total = sum(series[name].to_numpy() for name in (*STORED, *DISSIPATED))
     total = total - series["input_energy_j"].to_numpy()
     return total - total[0]
 
 
 def energy_error(series, noise=0.0):
-    """Largest absolute imbalance over the largest absolute input [-], settling stage excluded.
+    """Energy balance error [-]: largest |imbalance| over `energy_scale`, without settling stages.
 
-    None where no more than `noise` [J] came in, or of too few samples.
+    series: of a History; noise: least scale [J].  None where the scale is not above it, or below two samples.
     """
     before = moving(series)
     if len(before) < 2:
@@ -48,23 +49,23 @@ def energy_error(series, noise=0.0):
 
 
 def energy_error_of(history):
-    """`energy_error` of a History, None where its input is no more than rounding."""
+    """Energy balance error of a History [-] (`energy_error`); None where its input is rounding error (`noise_j`)."""
     return energy_error(history.series, noise_j(history.bodies["mass_kg"].sum(), history.attributes["height_m"]))
 
 
 def energy_scale(series):
-    """Reference of the imbalance [J]: the largest input or, in free vibration, the initial kinetic energy."""
+    """Reference energy of the imbalance [J]: the largest |input|, or the first kinetic energy if that is larger."""
     return max(np.abs(series["input_energy_j"]).max(), series["kinetic_energy_j"].iloc[0])
 
 
 class Balance:
-    """The `energy_error` of a run under way: `add` rows of the series as they come, settling stages left out."""
+    """Energy balance error (`energy_error`) of a run in progress; noise: least scale [J]."""
 
     def __init__(self, noise):
         self._noise, self._first, self._largest, self._scale, self._n = noise, 0.0, 0.0, 0.0, 0
 
     def add(self, rows):
-        """rows: {column of the series: (n,)}, of one or more."""
+        """Add one or more samples, {column of the series: (n,)} [J]; leave out settling stages."""
         excess = sum(map(rows.__getitem__, STORED + DISSIPATED)) - rows["input_energy_j"]
         if self._n == 0:
             self._first, self._scale = excess[0], rows["kinetic_energy_j"][0]
@@ -74,15 +75,15 @@ class Balance:
 
     @property
     def error(self):
-        """The error so far [-], None where `energy_error` has none."""
+        """Energy balance error so far [-]; None as of `energy_error`."""
         return self._largest / self._scale if self._n > 1 and self._scale > self._noise else None
 
 
 def energy_measures(history):
-    """Energies of a whole History [J]: input, and dissipation by friction, fracture and damping.
+    """Energies at the end of a History, a plain dictionary [J]: input, friction, fracture, their sum, and damping.
 
-    dissipated_energy_j is friction and fracture together; damping_energy_j leaves the settling stages
-    out, whose damping is no part of the model.
+    dissipated_energy_j: friction and fracture.  damping_energy_j: without the settling stages, whose damping is a
+    numerical means and not part of the model.
     """
     series = history.series
     friction, fracture, given = (float(series[name].iloc[-1]) for name in (

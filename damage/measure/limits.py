@@ -1,4 +1,4 @@
-"""Classes of a drift ratio and of Psi by published limits."""
+"""Damage classes by published limits of the drift ratio and of Psi."""
 
 from dataclasses import dataclass
 
@@ -7,11 +7,10 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Limits:
-    """Published limits of a measure, rising, and the names of the classes between them.
+    """Published limits of a measure, in rising order, and the damage classes between them.
 
-    name: of the column; measure: which figure is classified, "drift" (maximum drift ratio [-]) or "psi"
-    (maximum Psi [-]); bounds: (n,); classes: (n + 1,) names, a value equal to a bound is of the upper
-    class; source: where the limits come from.
+    name: column of the table; measure: "drift" (maximum drift ratio) or "psi" (maximum Psi); bounds: (n,) limits [-];
+    classes: (n + 1,) names, a value equal to a bound is in the upper class; source: publication.
     """
 
     name: str
@@ -22,14 +21,14 @@ class Limits:
 
     @property
     def description(self):
-        """The classes with the bounds between them, and the source."""
+        """Text: the classes with the bounds between them, then the source."""
         unit, factor = (" %", 100) if self.measure == "drift" else ("", 1)
         bounds = [f"{factor * bound:.4g}{unit}" for bound in self.bounds]
         words = [self.classes[0], *(word for pair in zip(bounds, self.classes[1:]) for word in pair)]
         return f"{', '.join(words)}; {self.source}"
 
     def classify(self, value):
-        """The name of the class of `value`; None of None.
+        """Name of the class of a value [-]; None for None.
 
         >>> LIMITS[2].classify(0.0009)
         'minor'
@@ -62,11 +61,11 @@ LIMITS = (
 
 
 def bound(name, number):
-    """The bound of that number, from 0, of the LIMITS of that name."""
+    """Bound [-] with this index, counted from 0, of the entry of LIMITS with this name."""
     return next(limits for limits in LIMITS if limits.name == name).bounds[number]
 
 
 def classes(max_drift_ratio, max_psi):
-    """Names of the classes of a maximum drift ratio [-] and a maximum Psi [-] by every one of LIMITS."""
+    """{name: class} of a maximum drift ratio [-] and a maximum Psi [-] by all LIMITS."""
     values = {"drift": max_drift_ratio, "psi": max_psi}
     return {limits.name: limits.classify(values[limits.measure]) for limits in LIMITS}

@@ -1,16 +1,16 @@
-"""Intensity of the motion that a run applied."""
+"""Intensity measures of the motion that a run applied."""
 
 from damage.motion.intensity import APPLIED, applied_measures
 
 _POWERS = {"arias_m_s": 2, "d5_75_s": 0, "d5_95_s": 0}
-"""With which power of the factor on the motion a measure grows; 1 where it is not listed."""
+"""{measure: power of the factor on the motion to which it is proportional}; 1 where not listed."""
 
 
 def motion_measures(history):
-    """{measure: value} of APPLIED for a History, of its strongest shock; None where one does not apply.
+    """{measure: value} of APPLIED for the strongest event of a History; None where a measure does not apply.
 
-    A run writes them into its history.  Of an older file those of a harmonic motion are worked out from it, those of a
-    record are None: its samples are not in the file.
+    Units: `damage.measure.columns.PARAMETERS`.  They are read from the history.  In older files, which lack them, those
+    of a harmonic motion are computed, and those of a record are None, as its samples are not in the file.
     """
     found = {name: history.parameters.get(name) for name in APPLIED}
     if not any(name in history.parameters for name in APPLIED):

@@ -1,13 +1,13 @@
-"""Do two runs crack in the same places?  The fractions skill score of their crack patterns.
+"""Agreement of the crack patterns of two runs: the fractions skill score (FSS).
 
-Joint by joint correct runs differ: which of several neighbours breaks is a matter of rounding.  So shares are
-compared: f and g, the cracked share of the joint length in windows that slide over the wall,
+Two correct runs differ joint by joint, since rounding decides which of several neighbours fails.  The score therefore
+compares f and g, the cracked shares of the joint length of both runs in windows that slide over the wall:
 
     FSS = 1 - sum (f - g)^2 / sum (f^2 + g^2),
 
-1 for equal patterns and 0 for patterns without overlap (Roberts and Lean 2008, Monthly Weather Review 136, 78-97,
-doi:10.1175/2007MWR2123.1).  Controls show what a score is worth: the second run's cracks shuffled among its
-joints, and mirrored left to right.
+It is 1 for equal patterns and 0 for patterns without overlap (Roberts and Lean 2008, Monthly Weather Review 136, 78-97,
+doi:10.1175/2007MWR2123.1).  Two controls give its significance: the score with the cracks of the second run permuted at
+random among its joints, and with its pattern mirrored left to right.
 """
 
 import numpy as np
@@ -17,18 +17,19 @@ from damage.index import THRESHOLD
 WINDOW_M = 0.45
 """Side of the windows [m]: two bricks, six courses."""
 STEP_M = 0.075
-"""Between the middles of two windows [m]."""
+"""Distance between the centres of neighbouring windows [m]."""
 SHUFFLES = 20
+"""Random permutations of which the control is the mean."""
 SIDES_MARGIN = 0.05
-"""A mirror image that scores within so much of the pair: the score does not distinguish sides."""
+"""Margin [-] by which a score must exceed that of the mirrored pattern to distinguish left from right."""
 
 
 def compare_patterns(first, second):
-    """Scores of two Histories of one wall at the end of their motions, None where nothing has cracked in either:
-    {"broken", "visible": {"fss", "shuffled", "mirrored": number, "tells_sides": bool}, "window_m"}.
+    """Fractions skill scores of two Histories of one wall at the end of their motions, a plain dictionary.
 
-    broken: joints whose bond has failed; visible: that opened or slipped by more than 0.1 mm, whatever they do then.
-    slip: the criterion of both, `displacement` where both have offsets, and else `accumulated`.
+    broken: scores of the failed contact points; visible: of those that ever opened or slipped by more than 0.1 mm.
+    Each is {"fss", "shuffled", "mirrored": scores [-], "tells_sides": whether the score distinguishes left from right},
+    all None where nothing has cracked in either run.  window_m: side of the windows [m]; slip: `common_slip`.
     """
     slip = common_slip(first, second)
     return {**{what: _scores(first, second, what, slip) for what in ("broken", "visible")}, "window_m": WINDOW_M,
@@ -36,12 +37,14 @@ def compare_patterns(first, second):
 
 
 def common_slip(*histories):
-    """The criterion of slip by which Histories can be compared: `displacement` where all have offsets."""
+    """Slip criterion that all Histories support: `displacement` where all have offsets, else `accumulated`."""
     return "accumulated" if any(history.offset_m is None for history in histories) else "displacement"
 
 
 def fractions_skill_score(f, g):
-    """1 - sum (f - g)^2 / sum (f^2 + g^2), None where both are zero throughout.
+    """Fractions skill score 1 - sum (f - g)^2 / sum (f^2 + g^2) [-]; None where both are zero everywhere.
+
+    f, g: (n_windows,) cracked shares of the joint length.
 
     >>> fractions_skill_score(np.array([0.5, 0.5]), np.array([0.5, 0.0]))
     0.6666666666666667
@@ -51,7 +54,10 @@ def fractions_skill_score(f, g):
 
 
 def cracked(history, what, slip="displacement"):
-    """Which joints are cracked at the end of the (last) motion, bool (n_joints,); what: "broken" or "visible"."""
+    """Whether contact points are cracked at the end of the (last) motion, (n_joints,) bool.
+
+    what: "broken" (failed), or "visible" (ever opened or slipped by more than 0.1 mm); slip: criterion of the latter.
+    """
     moving = np.flatnonzero(history.series["stage"] == "motion")
     end = int(moving[-1]) + 1 if len(moving) else len(history.series)
     if what == "broken":
@@ -61,9 +67,9 @@ def cracked(history, what, slip="displacement"):
 
 
 def fractions(history, flags, mirrored=False):
-    """Share of the joint length with these flags in each window, (n_windows,); zero in windows without joints.
+    """Share of the joint length that is flagged in each window, (n_windows,) [-]; zero in windows without joints.
 
-    mirrored: with left and right exchanged.
+    flags: (n_joints,) bool; mirrored: exchange left and right.
     """
     joints, extent = history.joints, (history.attributes["length_m"], history.attributes["height_m"])
     x, z, length = joints["x_m"].to_numpy(), joints["z_m"].to_numpy(), history.joint_length_m
@@ -76,7 +82,7 @@ def fractions(history, flags, mirrored=False):
 
 
 def _inside(places, extent):
-    """Which places lie in the windows along one axis, (n_windows, n_places) of 0 and 1."""
+    """Whether places [m] lie in windows along one axis, (n_windows, n_places) of 0 and 1; extent: of the wall [m]."""
     middles = np.arange(STEP_M / 2, extent, STEP_M)
     return (np.abs(places - middles[:, None]) <= WINDOW_M / 2 + 1e-9).astype(float)
 
@@ -94,9 +100,9 @@ def _scores(first, second, what, slip):
 
 
 def describe_patterns(result):
-    """The result of `compare_patterns` as lines of text."""
+    """The result of `compare_patterns` as text, a list of lines."""
     lines = []
-    for what, words in (("broken", "broken joints"), ("visible", "joints that opened or slipped by 0.1 mm")):
+    for what, words in (("broken", "failed joints"), ("visible", "joints that opened or slipped by 0.1 mm")):
         scores = result[what]
         if scores["fss"] is None:
             lines.append(f"pattern of {words} at the end of the motion: none in either run")

@@ -1,6 +1,6 @@
-"""Results of a pushed wall: its envelope, its cycles and its failure mode.  Functions of a History.
+"""Measures of a pushed wall, from its History: envelope, cycles and failure mode.
 
-Force is the base's shear, displacement that of the top course, as a laboratory would measure them.
+Force is the base shear and displacement that of the top course, as measured in a laboratory.
 """
 
 import numpy as np
@@ -17,14 +17,14 @@ CYCLE_COLUMNS = ("cycle", "amplitude_pct", "max_drift_pct", "min_drift_pct", "ma
                  "dissipated_j", "equivalent_damping", *(f"{name}_at_max" for name in COMPONENTS),
                  *(f"{name}_at_min" for name in COMPONENTS))
 STAIR_SHARE = 1 / 3
-"""Share of the slipped length on stairs from which shear is called diagonal: 0 is all along bed joints, 1 an
+"""Share of the slipped length on stairs [-] from which a shear mode is diagonal; 0 is sliding along a bed joint, 1 an
 ideal stair."""
 ULTIMATE_SHARE = 0.8
 """Share of the peak force to which the envelope falls at the ultimate drift (EN 1998-3)."""
 
 
 def pushed_loading(history):
-    """The TopDisplacement of a pushed run; InputError for any other."""
+    """The TopDisplacement of a pushed History; raises InputError for another loading."""
     if history.loading.drive.top is None:
         raise InputError(f"{history.path} is a run under {history.loading.name}; give one of --pushover or --cyclic")
     return history.loading
@@ -41,16 +41,18 @@ INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
 
 
 def first_loading(history):
-    """Peak force and stiffnesses of a pushed History, None for any other.
+    """Peak force and stiffnesses of a pushed History, a plain dictionary; all None for another loading.
 
-    Of the whole run, to whichever side it was pushed first; `bilinear` takes one side's envelope, whose peak and
-    secant differ where the wall is weaker to that side.
+    peak_force_n: largest |base shear|; drift_at_peak_force: |drift ratio| there [-]; initial_stiffness_n_per_m,
+    secant_stiffness_n_per_m: base shear over top displacement where |base shear| first reaches INITIAL_SHARE and
+    SECANT_SHARE of the peak.  They are of the entire run, in whichever direction each is reached first; `bilinear` uses
+    the envelope in one direction.
     """
     names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
     if history.loading.drive.top is None:
         return dict.fromkeys(names)
-    # The base's reaction in place of the top's force: the two differ by inertia and damping only, and
-    # the base feels less of the jolts of a prescribed top.
+    # The base shear in place of the force at the top: the two differ by inertia and damping only, and the steps of a
+    # prescribed velocity excite the base shear less.
     force, drift = _force_and_drift(history)
     displacement = history.series["top_displacement_m"].to_numpy()
     peak = int(np.argmax(np.abs(force)))
@@ -64,9 +66,9 @@ def first_loading(history):
 # --- the envelope ---------------------------------------------------------------------------------
 
 def envelope(history, sign=1):
-    """Loading beyond the largest earlier drift: DataFrame of drift_ratio and force_n, both positive.
+    """Envelope of a pushed History in one direction, a DataFrame of drift_ratio [-] and force_n, positive on loading.
 
-    sign: +1 or -1, the direction of loading.
+    Its points are the samples whose drift exceeds all earlier ones.  sign: +1 or -1, the direction along x.
     """
     force, drift = (sign * values for values in _force_and_drift(history))
     reached = np.maximum.accumulate(np.concatenate([[0.0], drift[:-1]]))
@@ -75,11 +77,11 @@ def envelope(history, sign=1):
 
 
 def bilinear(curve, height):
-    """The elastic-plastic line of the same area as an envelope, up to its ultimate drift.
+    """Bilinear (elastic-plastic) idealisation of an `envelope`, of equal area up to the ultimate drift.
 
-    Elastic stiffness is the secant to SECANT_SHARE of the peak, the ultimate drift the last one at which the force is
-    at least ULTIMATE_SHARE of it.  height [m] turns drifts into displacements.
-    Returns stiffness_n_per_m, force_n, ultimate_drift.
+    The elastic stiffness is the secant at SECANT_SHARE of the peak force.  The ultimate drift is the last one at which
+    the force is at least ULTIMATE_SHARE of the peak.  curve: an `envelope`; height: of the wall [m].
+    Returns {"stiffness_n_per_m", "force_n", "ultimate_drift" [-]}.
     """
     drift, force = (np.concatenate([[0.0], curve[name]]) for name in ("drift_ratio", "force_n"))
     peak = force.max()
@@ -94,8 +96,8 @@ def bilinear(curve, height):
 
 
 def drift_at_first_crack(history):
-    """|Drift ratio| at which the first joint opens or slips, by displacement, by more than 0.1 mm, None where none
-    does: at the first sample in which one has."""
+    """|Drift ratio| at the first sample in which a contact point has opened, or slipped by displacement, by more than
+    0.1 mm [-]; None without one."""
     visible = (history.opening_m > THRESHOLD) | (np.abs(history.slip_by("displacement")) > THRESHOLD)
     first = np.flatnonzero(visible.any(axis=1))
     return float(history.series["drift_ratio"].abs().iloc[first[0]]) if len(first) else None
@@ -104,8 +106,10 @@ def drift_at_first_crack(history):
 # --- cycle by cycle -------------------------------------------------------------------------------
 
 def cycle_edges(history):
-    """Sample numbers (n_cycles + 1,) between which the prescribed top goes from zero up, down and back; of a run
-    that was cut short the whole cycles."""
+    """Samples (n_cycles + 1,) between which the prescribed displacement completes a cycle: from zero up, down and back.
+
+    A run that stopped early has its completed cycles.  Raises InputError for another loading.
+    """
     loading = pushed_loading(history)
     bodies = history.bodies
     pushed = bodies[bodies["course"] == -1] if (bodies["course"] == -1).any() else \
@@ -119,11 +123,12 @@ def cycle_edges(history):
 
 
 def cycles_table(history):
-    """A row a cycle of a cyclic run: CYCLE_COLUMNS.
+    """Table of the cycles of a cyclic run, a DataFrame with CYCLE_COLUMNS, a row for each cycle.
 
-    Dissipated energy is the loop's area; equivalent viscous damping is E_d / (4 pi E_s) with E_s the mean of the
-    elastic energies V u / 2 at both ends of the loop.  The index is that of the instants of largest drift to
-    either side, no running maximum.
+    The dissipated energy E_d is the area of the loop; equivalent viscous damping is E_d / (4 pi E_s), where E_s is the
+    mean of the elastic energies V u / 2 at both ends of the loop (Chopra, Dynamics of Structures, section 3.9).  The
+    index is that at the samples of largest drift in either direction, not a running maximum.  Raises InputError for
+    another loading.
     """
     loading, index = pushed_loading(history), history.index()
     force, drift = _force_and_drift(history)
@@ -141,15 +146,16 @@ def cycles_table(history):
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 
 
-# --- what to expect -------------------------------------------------------------------------------
+# --- analytical capacities ------------------------------------------------------------------------
 
 def hand_capacities(history):
-    """Lateral forces [N] by hand at which a solid wall rocks, slides and cracks in stairs.
+    """Analytical lateral capacities of a solid wall, {mode: force [N]}; history: of a pushed wall.
 
-    rocking: rigid, about toes half a contact point's length inside the ends; with rotation prevented, about the base
-    and the joint below the top course.  sliding_top, sliding_base: friction alone, under the top course and at the
-    base.  diagonal: bed joints fail in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t / b
-    / (1 + 2 mu h / l) with bricks of l by h and b = 1.5 for a parabola of shear stress.
+    rocking: rigid rotation about toes half the length of a contact point inside the ends; where the top cannot rotate,
+    about the base and about the joint below the top course.  sliding_top, sliding_base: friction without cohesion below
+    the top course and at the base.  diagonal: stepped crack through bed joints in the middle of the wall (Mann and
+    Müller 1982), (c + mu sigma) L t / b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a
+    parabolic shear stress.  Raises InputError for another loading.
     """
     wall, fixed = history.masonry_wall, pushed_loading(history).boundary == "fixed"
     brick, joint = wall.brick, wall.joint
@@ -165,15 +171,16 @@ def hand_capacities(history):
             "sliding_base": friction * (above + weight), "diagonal": stress * area / 1.5}
 
 
-# --- how it fails ---------------------------------------------------------------------------------
+# --- failure mode ---------------------------------------------------------------------------------
 
 def mode_shares(history):
-    """How a wall fails: lengths of its cracks at the largest |drift|, their areas, and the mode that they make.
+    """Failure mode of a wall, from the bed joints at the sample of largest |drift|, a plain dictionary.
 
-    opened_m2, slipped_m2: opening and |slip|, by displacement, of the bed joints, times length; stair_share: share of
-    the slipped length of bed joints that lies beside an opened head joint, as the treads of a stepped crack do.
-    mode: "flexure" where more is opened than slipped, "shear, diagonal" where a third or more of the slipped length
-    lies on stairs, else "shear, sliding"; None where no joint is over the threshold of 0.1 mm.
+    drift_ratio: there [-]; opened_m, slipped_m: lengths that opened, or slipped by displacement, by more than 0.1 mm;
+    opened_m2, slipped_m2: their opening and |slip| times length; stair_share: share of the slipped length beside an
+    opened head joint, as in a stepped crack [-].  mode: "flexure" where opened_m2 is at least slipped_m2, else
+    "shear, diagonal" where stair_share is at least STAIR_SHARE, else "shear, sliding"; None where no bed joint opened
+    or slipped.
     """
     joints, brick = history.joints, history.masonry_wall.brick
     sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))

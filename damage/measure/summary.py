@@ -1,4 +1,4 @@
-"""The key numbers of a run: the JSON of `python3 -m damage index`."""
+"""Summary of a run: all its scalar measures, the JSON of `python3 -m damage index`."""
 
 import numpy as np
 
@@ -17,13 +17,17 @@ from damage.wall.lintel import elastic_share
 
 
 def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM):
-    """Key numbers of a History as a plain dictionary.
+    """Summary of a History, a plain dictionary; units in the names and in `damage.measure.columns`.
 
-    threshold: of opening and slip [m]; psi_from: width from which a crack counts in Psi [m].  `slip` is the criterion
-    that `max` and `residual` were judged by (`History.judged_by`); those of `accumulated` and `shear-limit` stand
-    beside them.  Each `max` is its own maximum over the run.  `residual` is the last state of the settling
-    stage, or of a collapse; None for a run that did not come to its end.
-    `warnings`: conditions under which its numbers are doubtful.
+    threshold: of opening and slip in the damage index [m]; drift_limit: of its drift component [-]; slip: criterion of
+    `max` and `residual`; psi_from: width from which a crack counts in Psi [m].
+
+    max: maximum of each component over the run, not at one time; residual: the index in the last state of the settling
+    stage, or at collapse, None where the run is not complete; max_accumulated, residual_shear_limit and so on: by the
+    other criteria; slip: the criterion in fact used (`History.judged_by`); warnings: conditions under which results are
+    doubtful (`damage.measure.warnings`).
+
+    Raises InputError where the history has no sample.
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
@@ -36,7 +40,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     elastic = elastic_share(history.masonry_wall, history.joints, history.bodies)
     max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
     cracks = psi_summary(history, psi_from)
-    # Where YADE moves a wall quasi-statically, the damping energy is what closes the balance: it shows no error.
+    # In quasi-static runs of YADE the damping energy is computed from the balance, which therefore shows no error.
     balance_is_closed = history.solver == "yade" and history.loading.drive.quasi_static
     energy_error = None if balance_is_closed else energy_error_of(history)
     return {
@@ -63,7 +67,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
 
 
 def _over_overlap(history):
-    """Largest offset over the overlap [-], zero where nothing failed, None of a history without offsets."""
+    """Largest offset over the overlap [-]; zero where nothing failed, None for a history without offsets."""
     if history.active.offset_m is None:
         return None
     found = offset_over_overlap(history)
@@ -71,5 +75,5 @@ def _over_overlap(history):
 
 
 def _largest(frames):
-    """Largest absolute value of frames (n_times, n)."""
+    """Largest absolute value of frames (n_times, n), zero where they are empty."""
     return float(max(frames.max(initial=0.0), -frames.min(initial=0.0)))

@@ -1,8 +1,8 @@
-"""Tables of histories as CSV for spreadsheets and scripts; units stand in the column names.
+"""Tables of histories as CSV for spreadsheets and scripts, with units in the column names.
 
-`python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, of a
-sequence _shocks.csv, and STEM_info.json, which says what made them; `python3 -m damage tables summary FILE.h5 ...
---out FILE.csv` one row a history.
+`python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, for a
+sequence _shocks.csv, and STEM_info.json, their origin.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv`
+writes a row for each history.
 """
 
 import re
@@ -28,11 +28,11 @@ from damage.units import GRAVITY, MILLIMETRE
 
 
 def summary_row(history, run="", point=""):
-    """The key numbers of a History as one flat dictionary; `run` names the row, `point` that of a study.
+    """Summary of a History as a flat dictionary, a row of summary.csv; columns: `damage.measure.columns`.
 
-    What drove the run and how it was modelled comes first, then `damage.measure.summary.summarise`, its
-    entries per component spread over columns like max_DI_open.  What does not apply is None; the columns are those of
-    `damage.measure.columns`.
+    run: name of the row, by default the stem of the file; point: of a study, by default the run.  Loading and model
+    options come first, then `damage.measure.summary.summarise`, with a column for each component (max_DI_open).  None
+    where a column does not apply.  Raises InputError where the history has no sample.
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     numbers = summarise(history)
@@ -56,7 +56,7 @@ def summary_row(history, run="", point=""):
 
 
 def _motion_columns(history):
-    """Columns of the loading; accelerations are of the motion as applied, at the largest factor of a sequence."""
+    """Columns of the loading; intensities are of the motion as applied, with the largest factor of a sequence."""
     loading, factor = history.loading, max(map(abs, history.sequence))
     given = loading.as_dict()
     start, end = given.get("window_s") or (None, None)
@@ -73,13 +73,16 @@ def _motion_columns(history):
 
 
 def summary_table(paths):
-    """One row for each history file of `paths`, in their order, named by the file's stem."""
+    """`summary_row` of each history file of `paths`, in their order, a DataFrame; runs are named by their files."""
     return pd.DataFrame([summary_row(read_history(path)) for path in paths])
 
 
 def index_table(history):
-    """The damage index over time, with slip by displacement and, accumulated_..., shear_limit_..., by the other
-    criteria; `slip`: that of the columns that name none."""
+    """Damage index of a History over time, a DataFrame, a row for each sample.
+
+    Columns of `History.index`, stage, drift_ratio [-], and accumulated_..., shear_limit_... by the other slip criteria;
+    slip: criterion of the columns that name none.
+    """
     table = history.index()
     table.insert(1, "stage", history.series["stage"].astype(str))
     table["drift_ratio"] = history.series["drift_ratio"].to_numpy()
@@ -88,17 +91,17 @@ def index_table(history):
 
 
 def shocks_table(history):
-    """A row a shock: its factor on the motion, the largest index, by each slip criterion, drift, crack width and Psi in
-    it, and those at its end.
+    """Table of the events of a History, a DataFrame, a row for each event of its sequence.
 
-    Residual values are those of the last sample of its settling stage, empty where it has none.
+    factor: on the motion; start_s, end_s; max_...: maxima during the event of drift ratio, index by each slip
+    criterion, crack width and Psi; residual_...: values at the last sample of its settling stage, None without one.
     """
     index, rows = index_by_all(history), []
     cracks = psi_history(history)
     cracks = pd.DataFrame({"psi": cracks["psi"], "crack_width_mm": cracks["max_width_m"] / MILLIMETRE})
-    for shock, members in history.series.groupby("shock"):
+    for event, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
-        row = {"shock": shock, "factor": history.sequence[shock - 1], "start_s": members["time_s"].iloc[0],
+        row = {"shock": event, "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
         mine = index.join(cracks).loc[members.index]
@@ -109,20 +112,20 @@ def shocks_table(history):
 
 
 def events_table(history):
-    """Every break and every first passing of the threshold, with the place of its joint."""
+    """Table of the failures of contact points, and of the first times that each exceeded the threshold, with place."""
     place = history.joints.loc[history.events["joint"], ["kind", "x_m", "z_m"]].reset_index(drop=True)
     place.columns = ["joint_kind", "joint_x_m", "joint_z_m"]
     return _with_first(history.events.join(place), "time_s", "joint", "kind")
 
 
 def joints_table(history):
-    """A row a contact point: where it is, its state at the end, its largest opening, accumulated slip and offset,
-    which is empty of a history without offsets."""
+    """Table of the contact points of a History, a DataFrame: place, state at the end, largest opening, accumulated slip
+    and offset [m]; offsets are NaN for a history without them."""
     table = _with_first(history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m")
     active, states = history.active, history.states
 
     def column(of, values):
-        """A column from the values of some joints (n,), zero for the others."""
+        """A column for all contact points from the values of some, (n,), zero for the others."""
         whole = np.zeros(len(table), values.dtype)
         whole[of.joints] = values
         return whole
@@ -147,10 +150,13 @@ RUN_TABLES = {"index": index_table, "events": events_table, "joints": joints_tab
 
 
 def write_run_tables(history, stem, names=RUN_TABLES):
-    """Write the named tables of a run to STEM_index.csv and so on, shocks of sequences alone, and what made them to
-    STEM_info.json; returns their paths."""
+    """Write tables of a run to STEM_index.csv and so on, and their origin to STEM_info.json; returns the paths.
+
+    names: keys of RUN_TABLES; `shocks` is left out of a run with a single event.  Raises InputError where the history
+    has no sample.
+    """
     if len(history.series) == 0:
-        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run go on")
+        raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
     if history.series["shock"].iloc[-1] == 1:
         names = [name for name in names if name != "shocks"]
     return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
@@ -158,15 +164,15 @@ def write_run_tables(history, stem, names=RUN_TABLES):
 
 
 def write_table(table, path):
-    """Write a DataFrame as CSV, numbers with nine digits; returns the path."""
+    """Write a DataFrame as CSV, numbers with nine significant digits; returns the path."""
     with whole_or_nothing(path) as unfinished:
         table.to_csv(unfinished, index=False, float_format="%.9g")
     return path
 
 
 def describe_table(table):
-    """The summary table as lines for people: the index and its largest components, run by run, and how slip was judged
-    where it is not by displacement alone."""
+    """The summary table as text for people: the index and its components for each run, and the slip criterion where it
+    is not displacement alone."""
     columns = {"max_DI": "DI", "max_DI_drift": "drift", "max_DI_open": "open", "max_DI_slip": "slip",
                "residual_DI": "residual"}
     width = max(len("run"), *table["run"].str.len())

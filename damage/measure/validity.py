@@ -1,7 +1,7 @@
-"""The range of validity of joints: a joint ends where its two faces no longer overlap, and has no forces from then on.
+"""Range of validity of joints: a joint ends, and transmits no force, from when its two faces cease to overlap.
 
-The contact points of a joint are made once: the reference solver finds no new contacts of a brick that has left the
-face that it stood on.  Histories before schema version 5 have joints that kept their forces beyond that.
+The reference solver creates contacts once.  It finds no new contacts of a brick that has slid off the face below it.
+In histories before schema version 5 joints kept their forces beyond the overlap.
 """
 
 from types import SimpleNamespace
@@ -13,8 +13,7 @@ from damage.wall.kinematics import slide_limits as limits_of
 
 
 def slide_limits(joints, bodies):
-    """Offsets of contact points at which the faces of their joint no longer overlap, (least, most), each (n_joints,)
-    [m]; infinite on the ground, which does not end.
+    """Offsets (least, most) at which the faces of a joint cease to overlap, (n_joints,) each [m]; infinite on supports.
 
     joints, bodies: tables of a History.
     """
@@ -24,8 +23,10 @@ def slide_limits(joints, bodies):
 
 
 def offset_over_overlap(history):
-    """Largest offset of any contact point over that at which the faces of its joint no longer overlap [-], the row of
-    its joint and the sample; None of a history without offsets or without a joint that failed."""
+    """Largest ratio of the offset of a contact point to that at which the faces of its joint cease to overlap.
+
+    Returns (ratio [-], row of the contact point, sample), or None for a history without offsets or failed joints.
+    """
     active = history.active
     if active.offset_m is None or active.offset_m.size == 0:
         return None
@@ -36,7 +37,8 @@ def offset_over_overlap(history):
 
 
 class Ended(NamedTuple):
-    """Joints that have ended: how many, all contact points between two bodies as one; row and sample of the first."""
+    """Ended joints: their count (the contact points between two bodies are one joint), and contact point (row of
+    `history.joints`) and sample of the first."""
 
     count: int
     row: int
@@ -44,7 +46,7 @@ class Ended(NamedTuple):
 
 
 def ended_joints(history):
-    """The Ended of a History, None where no joint has."""
+    """The Ended of a History; None where no joint has ended."""
     states = history.states
     if not states.ended.any():
         return None

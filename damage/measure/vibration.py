@@ -1,18 +1,18 @@
-"""Periods of a vibration: zero crossings, and the natural period of a free one."""
+"""Periods of vibration: zero crossings, and the natural period of a free vibration."""
 
 import numpy as np
 
 REARM = 0.02
-"""Share of the largest drift that the wall must go to the other side before its next upward crossing
-counts: ripples around zero are no cycles."""
+"""Share of the largest |drift| [-] below zero that the drift must reach before its next upward crossing counts, so that
+ripples around zero are not counted as cycles."""
 NOISE = 1e-12
-"""Drift ratio up to which a wall stands still; rounding gives it up to 1e-16."""
+"""Drift ratio [-] below which a wall counts as at rest; rounding errors reach 1e-16."""
 
 
 def upward_crossings(time_s, value, rearm=REARM):
-    """Times (k,) [s] at which `value` passes zero upwards, linear between samples.
+    """Times at which `value` crosses zero upwards, (k,) [s], linearly interpolated between samples.
 
-    time_s, value: (n_times,).  Between two that count, the value has been below -rearm max|value|, and below -NOISE.
+    time_s, value: (n_times,).  Before each counted crossing the value was below -max(rearm max|value|, NOISE).
 
     >>> t = np.linspace(0, 1, 1001)
     >>> upward_crossings(t, np.sin(2 * np.pi * 4 * (t - 0.1))).round(6)
@@ -21,7 +21,7 @@ def upward_crossings(time_s, value, rearm=REARM):
     time_s, value = np.asarray(time_s, float), np.asarray(value, float)
     level = max(rearm * np.abs(value).max(initial=0.0), NOISE)
     up = np.flatnonzero((value[:-1] < 0) & (value[1:] >= 0))
-    # `armed[i]`: how often the value has entered the far side up to sample i; one crossing an entry.
+    # `armed[i]`: how often the value has fallen below -level up to sample i; one crossing counts for each time.
     armed = np.cumsum(np.diff((value < -level).astype(int), prepend=0) > 0)
     _, first = np.unique(armed[up], return_index=True)
     up = up[first[armed[up][first] > 0]]
@@ -30,18 +30,18 @@ def upward_crossings(time_s, value, rearm=REARM):
 
 
 def period_of(history):
-    """Natural period [s] of a free-vibration run, None for any other."""
+    """Natural period of a History of free vibration [s]; None for another loading."""
     if not history.loading.drive.first_mode_m_s:
         return None
     return natural_period(history.moving["time_s"].to_numpy(), history.moving["drift_ratio"].to_numpy())
 
 
 def natural_period(time_s, displacement):
-    """Period [s] of the strongest vibration: the frequency of the largest projection on a sinusoid.
+    """Period of the dominant vibration [s]: that of the sinusoid with an offset that fits best by least squares.
 
-    time_s, displacement: (n_times,).  None for less than three cycles, and where nothing moves.
-    The estimate is found by least squares on a fine grid around the highest peak of the Fourier
-    spectrum; it is exact for a single undamped sinusoid.
+    time_s, displacement: (n_times,), equally spaced.  The search is around the highest peak of the Fourier spectrum,
+    and exact for a single undamped sinusoid.  None for fewer than three cycles or 16 samples, and where the
+    displacement varies by less than NOISE.
     """
     from scipy.optimize import minimize_scalar
 

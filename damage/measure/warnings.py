@@ -1,32 +1,32 @@
-"""Warnings of a run: conditions under which its numbers are doubtful, a line each."""
+"""Warnings of a run: conditions under which its results are doubtful."""
 
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.lintel import warn_of_share
 
 AT_REST = 1e-5
-"""Unbalanced force below which the static stage is over [-]."""
+"""Unbalanced force ratio below which the static stage has converged [-]."""
 ENERGY_ERROR, ENERGY_FAILURE = 0.03, 1.0
-"""Energy errors [-] above which a run is warned of, and above which it has failed.
+"""Energy balance errors [-] above which a run has a warning, and above which it has failed.
 
-Of the runs of `docs/tables` standing walls have up to 0.021 in YADE and 0.0042 in the reference solver, falling ones
-up to 0.25 and 0.016; the bounds lie above the standing walls, and where the error is all that came in.
+In the runs of `docs/tables` walls that stand have errors up to 0.021 in YADE and 0.0042 in the reference solver, those
+that collapse up to 0.25 and 0.016.  The first limit is above all walls that stand, the second is the entire input.
 """
 
 
 def warnings_of(history, energy_error, share):
-    """All warnings of a History: a list of str.
+    """All warnings of a History, a list of str.
 
-    energy_error: of its energy balance [-], None where it has none; share: its damage.wall.lintel.ElasticShare.
+    energy_error: energy balance error [-] or None; share: its `damage.wall.lintel.ElasticShare`.
     """
     return [*static_warnings(history), *energy_warnings(energy_error), *offset_warnings(history),
             *normal_warnings(history), *warn_of_share(share), *warn_of_ends(history)]
 
 
 def static_warnings(history):
-    """Warnings of the static stage: broken joints, or a wall not at rest."""
+    """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at rest."""
     static, found = history.static, []
     if static["broken_joints"] > 0:
-        found.append(f"{static['broken_joints']:.0f} contact points broke under gravity, before the motion")
+        found.append(f"{static['broken_joints']:.0f} contact points failed under gravity, before the motion")
     if static["unbalanced_force"] > AT_REST:
         found.append(f"the motion began before the wall was at rest: unbalanced force "
                      f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}")
@@ -34,15 +34,15 @@ def static_warnings(history):
 
 
 def energy_warnings(error):
-    """Warnings of a run's energy balance error [-], None where it has none."""
+    """Warnings of an energy balance error [-] or None, a list of str."""
     if error is None or error <= ENERGY_ERROR:
         return []
-    return [f"energy error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not trust "
-            "this run; give a smaller --dt"]
+    return [f"energy balance error {100 * error:.3g} % of the input, expected up to {100 * ENERGY_ERROR:g} %: do not "
+            "trust this run; give a smaller --dt"]
 
 
 def offset_warnings(history):
-    """The warning of a run whose file has no offsets; shown wherever slip by displacement is."""
+    """Warning of a History without offsets, a list of str; shown wherever slip by displacement is."""
     if history.active.offset_m is not None:
         return []
     return ["the history has no offsets of its joints (schema version 1 or 2): slip by displacement is judged by "
@@ -50,7 +50,7 @@ def offset_warnings(history):
 
 
 def warn_of_ends(history):
-    """A warning where joints have ended, or, in a history from before they did, slid beyond the end of their faces."""
+    """Warning of joints that ended or, in histories before schema version 5, slid beyond their faces; a list of str."""
     ended, slid = ended_joints(history), offset_over_overlap(history)
     if ended is not None:
         others = ("bricks that meet anew touch at corners and faces alone" if history.solver == "yade" else
@@ -66,13 +66,13 @@ def warn_of_ends(history):
 
 
 def _at(history, row, sample):
-    """Which joint, and when, in words."""
+    """Text: a contact point (row) and the time of a sample."""
     joint, time_s = history.joints.iloc[row], history.series["time_s"].iloc[sample]
     return f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m (t = {time_s:.2f} s)"
 
 
 def normal_warnings(history):
-    """The warning of a run in YADE whose joints leant."""
+    """Warning of an old run in YADE with joints between the centres of cells, a list of str."""
     if history.joint_normals == "face":
         return []
     return ["joints between the centres of cells, as in YADE before version 0.2: a joint that slides leans; this "

@@ -1,7 +1,7 @@
-"""Mechanics of a wall: bodies, interfaces between them, contacts and their law, one plain time step.
+"""Mechanics of a wall: bodies, interfaces between them, contact points and the joint law, and the plain time step.
 
-Everything here is written for one wall in plain arithmetic.  The functions of `bodies` and `interfaces` also take
-eight values as one (`eight`), so that the fast step of the reference solver repeats none of them.
+All functions are written for one wall.  Those of `bodies` and `interfaces` also accept vectors of eight values
+(`eight`), so that the fast step of the reference solver uses the same functions.
 """
 
 from damage.mechanics.cache import find_a_place

@@ -1,4 +1,4 @@
-"""The tables of a wall at rest, made of its layout."""
+"""Construction of the tables of a wall at rest from its layout."""
 
 import numpy as np
 
@@ -9,13 +9,14 @@ from damage.wall.kinematics import slide_limits
 from damage.wall.supports import rows
 
 CAPACITY = 100_000
-"""Events that fit between two times that the log is drained."""
+"""Largest number of events between two calls that empty the log."""
 
 
 def build(layout, material):
-    """The System of a damage.wall.layout.Layout; its contacts are the layout's, or their parallel elements.
+    """The System of a damage.wall.layout.Layout with a damage.wall.joint_law.Material.
 
-    The bodies are those of the layout, then the supports.
+    Its contacts are the contact points of the layout or, if it has them, their parallel elements.  Its bodies are those
+    of the layout, then the supports.
     """
     row, share = contact_rows(layout)
     interfaces, middle = _interfaces(layout, row)
@@ -54,14 +55,15 @@ def strain_tables(layout):
 
 
 def contact_rows(layout):
-    """Row of the layout's contact for every contact of the tables, and its share of the area."""
+    """For each contact of the tables the row of the contact point in the layout, (contacts,), and its share of the area
+    [-], (contacts,) or 1."""
     if layout.fibres is None:
         return np.arange(len(layout.contacts)), 1.0
     return layout.fibres.contact, layout.fibres.share
 
 
 def _contacts(layout, row, share, middle):
-    """Table of the contact points; middle: (x, z) [m] of the interface of each."""
+    """Table CONTACT; row, share: of `contact_rows`; middle: (x, z) of the interface of each contact [m]."""
     contacts, joint, strengths = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
     area = contacts.area[row] * share
     mode_i, mode_ii = (0.0, 0.0) if layout.fibres or not joint.softens else (
@@ -78,8 +80,10 @@ def _contacts(layout, row, share, middle):
 
 
 def _interfaces(layout, row):
-    """Table of the interfaces, whose contacts the layout gives one after the other; and the middle (x, z) [m] of its
-    interface for every contact."""
+    """Table INTERFACE, and for each contact the middle (x, z) of its interface [m].
+
+    The contact points of an interface are neighbours in the layout.
+    """
     contacts, bodies = layout.contacts, layout.bodies
     first, second = rows(contacts.first, len(bodies))[row], contacts.second[row]
     changes = np.any([np.diff(first) != 0, np.diff(second) != 0], axis=0)
@@ -99,8 +103,11 @@ def _interfaces(layout, row):
 
 
 def sum_springs(interfaces, contacts, material, strain=None):
-    """Write into the interfaces their springs as long as they are intact, and how far these reach: not at all between
-    bricks with strain modes, whose contacts are evaluated one by one."""
+    """Write the resultant springs of intact interfaces into their table, and the limits up to which these hold.
+
+    strain: of the layout, None where bricks are rigid; between deformable bricks contact points are evaluated one by
+    one.
+    """
     start = interfaces["start"]
     kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
     for name, values in (("kn", kn), ("ks", ks), ("kn_offset", kn * offset), ("kn_offset2", kn * offset**2)):
@@ -112,8 +119,9 @@ def sum_springs(interfaces, contacts, material, strain=None):
         interfaces["largest_opening"] = np.minimum.reduceat(opening, start)
         interfaces["largest_slide"] = np.minimum.reduceat(slide, start)
     interfaces["slide_loss"] = ratio[start]
-    # The outermost opening decides for all only where they slide alike; elsewhere each is evaluated by itself.
+    # The limit at the outermost contact point bounds all others only where they have the same ratio of stiffness and
+    # friction; elsewhere a limit of -inf has every contact point evaluated by itself.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
-    # Nor does it of contacts that can crush.
+    # Contacts that can crush are evaluated by themselves, too.
     alike &= (contacts["compressive_strength"] == np.inf) & (strain is None)
     interfaces["largest_opening"][~np.logical_and.reduceat(alike, start)] = -np.inf

@@ -1,4 +1,4 @@
-"""A place for what numba compiles: it refuses to run without one."""
+"""Folder for the machine code that numba compiles, without which numba raises an error."""
 
 import atexit
 import shutil
@@ -10,7 +10,7 @@ import numba
 
 
 def find_a_place():
-    """Where numba finds no folder to keep what it compiles in, give it one that goes when this process does."""
+    """Give numba a temporary folder, deleted at exit, where it finds none that it can write to; prints a warning."""
     try:
         numba.njit(cache=True)(_any)
     except RuntimeError:  # neither NUMBA_CACHE_DIR, nor beside the sources, nor in the home folder
@@ -21,7 +21,7 @@ def find_a_place():
 
 
 def kept_in(folder=Path(__file__).parent):
-    """The folder where numba keeps what it compiles of the files of a folder; None where it is switched off."""
+    """Path where numba caches the machine code of the source files in a folder; None where numba is switched off."""
     made = {}
     exec(compile("def function(): pass", folder / "__init__.py", "exec"), made)  # numba judges by a function's file
     cache = getattr(numba.njit(cache=True)(made["function"]), "_cache", None)
@@ -29,4 +29,4 @@ def kept_in(folder=Path(__file__).parent):
 
 
 def _any():
-    """A function beside those that are compiled."""
+    """A function whose file decides where numba would cache."""

@@ -1,11 +1,11 @@
-"""How functions are compiled, and how numba's cache knows them again.
+"""Compilation of functions by numba, and the keys of its cache.
 
-Arithmetic is IEEE's, each operation rounded by itself and in the order that is written: so a function gives the same
-bits in a vector of lanes as alone.
+Arithmetic follows IEEE 754: each operation is rounded by itself, in the order of the source.  A function therefore
+gives the same bits in each SIMD lane as for a single value.
 
-numba compares a function's own file with what it has cached, but not the files of the functions and constants that are
-compiled into it.  So each package states its sources, and their digest is part of each function's qualified name, and
-with it of the names of its cached files: machine code of other sources is never found, whatever the files' times are.
+numba compares the file of a function with its cache, but not the files of the functions and constants that are inlined
+into it.  Each Package therefore lists its sources.  Their digest is part of the qualified name of each function, and so
+of the names of its cached files: machine code of other sources is never loaded, whatever the times of the files are.
 """
 
 import hashlib
@@ -21,41 +21,42 @@ from damage.wall import joint_law
 
 COMPILING = "compiling the solver (once for each version on each machine, about half a minute of processor time) ..."
 PACKAGES = []
-"""All of this process."""
+"""All Packages of this process."""
 
 
 class Package:
-    """A folder of functions that are compiled.
+    """Compiled functions of a folder.
 
-    sources: all whose code or constants are compiled into them; digest: of these; compiled, inlined: decorators.
+    sources: paths of all files whose code or constants are compiled into them; digest: of these files; compiled:
+    decorator of a function with machine code of its own; inlined: of one that is compiled into its callers.
     """
 
     def __init__(self, folder, names, others):
-        """names: of its modules; others: sources of other folders."""
+        """folder: path; names: of its modules; others: paths of sources in other folders."""
         self.folder, self.sources = folder, [*(folder / f"{name}.py" for name in names), *others]
         self.digest = hashlib.sha256(b"\0".join(path.read_bytes() for path in self.sources)).hexdigest()[:12]
         self.compiled = self._compiler()
-        self.inlined = self._compiler(forceinline=True)  # put into their callers: a call would hand on some forty words
+        self.inlined = self._compiler(forceinline=True)  # a call would pass some forty words
         PACKAGES.append(self)
 
     def is_cached(self, function):
-        """Whether numba has cached "module.function" as these sources have it, as far as its files' names say."""
+        """Whether numba has cached "module.function" of these sources, judged by the names of its files."""
         folder = kept_in(self.folder)
         return folder is not None and any(folder.glob(f"{function}-{self.digest}-*.nbi"))
 
     def delete_other_versions(self):
-        """Delete what numba has cached of this folder's files as other sources had them: nothing else would."""
+        """Delete the machine code of other versions of these sources, which numba would never delete."""
         folder = kept_in(self.folder)
         patterns = [f"{source.stem}.*.nb[ic]" for source in self.sources] + ["speed-*.json"]
         for kept in [path for pattern in patterns for path in folder.glob(pattern)] if folder else []:
             if not any(package.digest in kept.name for package in PACKAGES):  # they may share a folder
-                with suppress(OSError):  # another process is at the same work, or the folder cannot be written
+                with suppress(OSError):  # another process deletes it, too, or the folder is read-only
                     kept.unlink()
 
     def _compiler(self, **options):
         """A decorator that compiles a function, its machine code cached under the digest of all sources."""
-        # The functions make no arrays: without numba's counting of references to those that they are given, which
-        # would cost more than a contact does.
+        # The functions create no arrays.  Counting references to their arguments would cost more than a contact point,
+        # so that it is switched off (_nrt).
         compiler = njit(cache=True, error_model="numpy", nogil=True, _nrt=False, **options)
 
         def decorate(function):
@@ -66,8 +67,8 @@ class Package:
 
 
 class _Announcement(event.Listener):
-    """Prints a line when a function of this package is compiled, the first time in a process: of what is cached numba
-    tells nothing."""
+    """Prints a line when a function of this project is compiled for the first time in a process; numba reports nothing
+    of functions that it loads from its cache."""
 
     printed = False
 
@@ -80,7 +81,7 @@ class _Announcement(event.Listener):
             print(COMPILING, flush=True)
 
     def on_end(self, event):
-        """Nothing: the run's own lines follow."""
+        """Print nothing."""
 
 
 event.register("numba:compile", _Announcement())

@@ -1,7 +1,7 @@
-"""Contact points one by one: elastic between two decisions of the joint law, and shown to it beyond their range.
+"""Forces of single contact points: linear springs within their elastic range, the joint law beyond it.
 
-The law keeps of a contact what `STATE` names.  From there on the contact is a linear spring that changes no state,
-until a trial leaves the elastic range that the law left.
+`STATE` is the state of a contact point after the last evaluation of the law.  From that state on it is a linear spring,
+until a trial state leaves the elastic range of the state.
 """
 
 from typing import NamedTuple
@@ -31,8 +31,7 @@ keep_range = writer(ElasticRange, prefix="elastic_")
 
 
 class Trial(NamedTuple):
-    """A contact while it stays elastic: opening from where crushing has left its faces [m], normal and shear force
-    [N]."""
+    """Elastic trial state of a contact point: opening plus plastic closure [m], normal and shear force [N]."""
 
     opening: float
     sigma: float
@@ -41,7 +40,7 @@ class Trial(NamedTuple):
 
 @inlined
 def elastic_trial(contact, state, motion):
-    """The Trial of a contact at a RelativeMotion of its interface."""
+    """Trial of a contact point at a RelativeMotion of its interface; contact, state: rows of the tables."""
     opening = motion.opening + contact.offset * motion.rotation + state.closure
     stiffness = state.elastic_tension_stiffness if opening > 0.0 else contact.kn
     return Trial(opening, stiffness * opening, state.shear_stress + contact.ks * (motion.shear - state.shear0))
@@ -49,13 +48,13 @@ def elastic_trial(contact, state, motion):
 
 @inlined
 def stays_open(state, opening):
-    """Whether a failed contact with this opening [m] is open, carries no force, and needs no law."""
+    """Whether a failed contact point with this opening [m] is open and free of forces, so that no law is evaluated."""
     return 0.0 < opening <= state.idle and state.shear_stress == 0.0
 
 
 @inlined
 def present_forces(contact, state, motion):
-    """The Trial of a contact, without force where it is open: what acts after the law has been asked."""
+    """Trial of a contact point after the law was evaluated: its forces are zero where it stays open."""
     trial = elastic_trial(contact, state, motion)
     if stays_open(state, trial.opening):
         return Trial(trial.opening, 0.0, 0.0)
@@ -64,7 +63,7 @@ def present_forces(contact, state, motion):
 
 @compiled
 def present_resultant(contacts, states, start, stop, motion):
-    """Resultant of the contacts of an interface as the law has left them [N, N m]."""
+    """Resultant [N, N m] of an interface's contact points (rows start to stop) after the law was evaluated."""
     normal = shear = couple = 0.0
     for i in range(start, stop):
         trial = present_forces(contacts[i], states[i], motion)
@@ -76,7 +75,7 @@ def present_resultant(contacts, states, start, stop, motion):
 
 @inlined
 def elastic_resultant(contacts, states, start, stop, motion):
-    """Resultant of an interface's contacts as springs one by one [N, N m], and whether all stay in their range."""
+    """Resultant of an interface's contact points as springs [N, N m], and whether all stay in their elastic range."""
     normal, shear, couple, elastic = 0.0, 0.0, 0.0, True
     for i in range(start, stop):
         contact, state = contacts[i], states[i]
@@ -95,7 +94,7 @@ def elastic_resultant(contacts, states, start, stop, motion):
 
 @inlined
 def remember(contacts, states, start, stop, motion):
-    """Keep the forces of contacts that stayed elastic, against which sliding and crushing do their work."""
+    """Store the forces of contact points that stayed elastic, for the work of slip and crushing in a later step."""
     for i in range(start, stop):
         contact, state = contacts[i], states[i]
         if contact.compressive_strength < np.inf:
@@ -107,10 +106,11 @@ def remember(contacts, states, start, stop, motion):
 
 @inlined
 def law_resultant(system, law, start, stop, step, motion, before, damped):
-    """Resultant of contacts of an interface by the joint law [N, N m]; if damped, the change of what stayed elastic
-    since the last step; and whether a contact has failed, softened or been crushed.
+    """Resultant of contact points of an interface by the joint law [N, N m].
 
-    motion, before: RelativeMotion now and in the last step.
+    Returns the resultant; if damped, its change since the last step by the contact points that stayed elastic; and
+    whether a contact point has failed, softened or been crushed.  start, stop: rows of the contact points; step: number
+    of the step in the log; motion, before: RelativeMotion now and in the last step.
     """
     contacts, states = system.contacts, system.states
     normal = shear = couple = d_normal = d_shear = d_couple = 0.0
@@ -136,9 +136,9 @@ def law_resultant(system, law, start, stop, step, motion, before, damped):
 
 @inlined
 def ask_law(energy, contact, state, opening, shear, material):
-    """Show a contact at this opening and shear displacement [m] to the joint law, and keep what it makes of it.
+    """Evaluate the joint law of a contact point, and write its new state and works into the tables.
 
-    Returns what `joint_law.advance` does, in forces [N] and works [J].
+    opening, shear: displacements now [m].  Returns as `joint_law.advance`, with forces [N] and works [J].
     """
     parameters = LawParameters(contact.kn, contact.ks, contact.tensile_strength, contact.cohesion, material,
                                contact.mode_i_energy, contact.mode_ii_energy, contact.compressive_strength)
@@ -150,14 +150,14 @@ def ask_law(energy, contact, state, opening, shear, material):
     if new.broken or new.kappa > 0.0:
         state.shear0 = shear
         keep_range(state, joint_law.range_left(new, parameters))
-    else:  # an intact bond is a spring from where the wall was built
+    else:  # the shear force of an intact bond is measured from the undeformed wall
         state.shear_stress = old.shear_stress
     return new, event
 
 
 @inlined
 def log(system, threshold, i, step, trial, new, event):
-    """Log the failure of a contact, and its first passings of the threshold [m]."""
+    """Log the failure of contact point i, and the first times that its opening and slip exceed the threshold [m]."""
     contact, state = system.contacts[i], system.states[i]
     passed = int(state.passed)
     opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, contact.kn)
@@ -176,8 +176,8 @@ def log(system, threshold, i, step, trial, new, event):
 
 @compiled
 def log_event(system, step, i, kind, values):
-    """Append an event with its stresses [Pa], opening and slip [m]; those that do not fit are counted all the same,
-    so that the caller notices."""
+    """Append an event with its stresses [Pa], opening and slip [m].  Events beyond the capacity are counted but not
+    stored, so that the caller detects the overflow."""
     n = system.n_events[0]
     system.n_events[0] += 1
     if n < system.events.shape[0]:
@@ -188,7 +188,7 @@ def log_event(system, step, i, kind, values):
 
 @inlined
 def ends_now(system, p, motion):
-    """Whether the faces of a failed interface cease to overlap at this RelativeMotion: then it is ENDING."""
+    """Whether the faces of a failed interface cease to overlap at this RelativeMotion; it is then marked ENDING."""
     interface = system.interfaces[p]
     ends = interface.failed == FAILED and parted(motion, interface.slide_least, interface.slide_most)
     if ends:
@@ -198,11 +198,10 @@ def ends_now(system, p, motion):
 
 @compiled
 def let_go(system, start, stop, motion):
-    """Take the forces of an interface's contacts away, one step after its faces ceased to overlap, when they were read;
-    the readings stay as they were but for the stresses.
+    """Set the forces of an interface's contact points to zero, one step after its faces ceased to overlap.
 
-    Forces that fall to nothing in a step do half their work in it, as central differences do work on the bodies: what
-    they leave of the elastic energy counts as friction.
+    The readings of that earlier step stay, except for the stresses.  By the trapezoidal rule of central differences, a
+    force that vanishes in a step still does half of its work; the remaining elastic energy counts as friction.
     """
     readings = system.readings
     for i in range(start, stop):
@@ -217,8 +216,10 @@ def let_go(system, start, stop, motion):
 
 @inlined
 def read(contacts, states, readings, start, stop, motion):
-    """Write opening, shear displacement [m] and stresses [Pa] of an interface's contacts, after its forces are known:
-    every contact is then a spring from where the law has left it."""
+    """Write opening, shear displacement [m] and stresses [Pa] of an interface's contact points into the readings.
+
+    Called after its forces are known: each contact point is then a spring about its new state.
+    """
     for i in range(start, stop):
         trial, area = present_forces(contacts[i], states[i], motion), contacts[i].area
         readings[READ_OPENING, i], readings[READ_SHEAR, i] = trial.opening, motion.shear

@@ -1,14 +1,15 @@
-"""Eight numbers as one value, on which arithmetic is that of each: what vector instructions work on.
+"""Vectors of eight float64 numbers with element-wise arithmetic, compiled to SIMD instructions.
+
+A *SIMD lane* is the place of one number in such a vector.
 
     x = load(array, i)                                   # array[i] to array[i + 7]
     store(array, i, either(x > 0.0, 2.0 * x, 0.0))
 
-numba knows no such value, and makes vectors of loops only where it can show that no array overlaps another.  Compiled,
-it is a vector of LLVM's, on whichever machine; where numba is switched off, an array.  Each operation is rounded by
-itself, as that of a single number is, so that bits are the same.
+numba has no such type, and vectorizes loops only where it can prove that no arrays overlap.  Compiled, the type is a
+vector of LLVM, on any machine; where numba is switched off, it is a numpy array.  Each operation is rounded by itself,
+so that every SIMD lane has the same bits as a single number.
 
-Where a register of the processor holds four numbers (AVX2), a value is two of them: two values of four, one after the
-other, would cost more.
+Where a register holds four numbers (AVX2), LLVM uses two registers for a vector.
 """
 
 import operator
@@ -22,42 +23,42 @@ WIDTH = 8
 
 
 def load(array, i):
-    """WIDTH neighbours of an array, from i on."""
+    """Vector of the WIDTH elements of an array from index i on."""
     return array[i:i + WIDTH].copy()
 
 
 def store(array, i, eight):
-    """Write a value, or one number WIDTH times, into an array from i on."""
+    """Write a vector, or one number WIDTH times, into an array from index i on."""
     array[i:i + WIDTH] = eight
 
 
 def add(array, i, eight):
-    """Add a value to the numbers of an array from i on."""
+    """Add a vector to the WIDTH elements of an array from index i on."""
     array[i:i + WIDTH] += eight
 
 
 def either(condition, x, y):
-    """x where the condition holds, y elsewhere; of values or of single numbers."""
+    """x where the condition holds, else y; for vectors and for single numbers."""
     return np.where(condition, x, y) if isinstance(condition, np.ndarray) else (x if condition else y)
 
 
 def bits(flags):
-    """WIDTH flags as the bits of an integer, the first as the lowest."""
+    """The WIDTH flags of a vector as bits of an integer, the first flag as the lowest bit."""
     return int(np.packbits(flags, bitorder="little")[0])
 
 
 def flags_of(whole):
-    """The lowest bits of an integer as WIDTH flags."""
+    """Vector of WIDTH flags from the lowest bits of an integer."""
     return np.unpackbits(np.uint8([whole & 255]), bitorder="little")[:WIDTH].astype(bool)
 
 
 def spread(number):
-    """One number WIDTH times."""
+    """Vector of one number WIDTH times."""
     return np.full(WIDTH, number)
 
 
 class Eight(types.Type):
-    """numba's name for WIDTH numbers, or for WIDTH flags."""
+    """numba's type of a vector of WIDTH numbers, or of WIDTH flags."""
 
 
 NUMBERS, FLAGS = Eight(f"{WIDTH} numbers"), Eight(f"{WIDTH} flags")
@@ -72,7 +73,7 @@ class _Model(models.PrimitiveModel):
 
 
 def _spread(builder, kind, value):
-    """A value of this kind as eight numbers: itself, or one number eight times."""
+    """A vector from a value of this type: the vector itself, or one number in all SIMD lanes."""
     if kind == NUMBERS:
         return value
     none = ir.Constant(_VECTORS[NUMBERS], ir.Undefined)
@@ -81,7 +82,7 @@ def _spread(builder, kind, value):
 
 
 def teach_type(function, typer):
-    """Teach numba's typing a function: the type of its result, or None, from those of its arguments."""
+    """Register a function with numba; typer: the type of its result from those of its arguments, or None."""
     type_callable(function)(lambda _context: typer)
 
 
@@ -90,7 +91,7 @@ def _is_number(kind):
 
 
 def _teach_binary(function, result, make):
-    """Teach numba an operation on eight numbers and eight others, or one."""
+    """Register an operation on two vectors, or on a vector and a number; make: its LLVM instruction."""
     teach_type(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None)
 
     def lower(_context, builder, signature, values):
@@ -170,7 +171,7 @@ def _choose(_context, builder, signature, values):
 
 
 def _pointer(context, builder, kind, array, i):
-    """To the eight numbers of an array from i on."""
+    """LLVM pointer to the vector of an array from index i on."""
     data = context.make_array(kind)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [i]), _VECTORS[NUMBERS].as_pointer())
 

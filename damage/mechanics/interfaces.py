@@ -1,13 +1,13 @@
-"""The interface between two bodies: their relative motion, its springs while it is intact, the forces on both.
+"""Interface between two bodies: relative motion, elastic resultant while it is intact, forces on both bodies.
 
-All contact points between two bodies lie on one line.  Along the mean axes of the two bodies these points slide
-equally, and open by what the middle of the line opens plus offset times the sine of the relative rotation.  This is
-exact for any rotation, and the geometry is evaluated once per interface instead of once per contact point.
+All contact points between two bodies lie on one line.  Along the mean axes of the two bodies all of them have the same
+shear displacement, and each opens by the opening of the middle plus its offset times the sine of the relative rotation.
+This is exact for any rotation, and the geometry is evaluated once for each interface instead of each contact point.
 
 The force of a contact point acts halfway between its two material points, and its axes follow the mean rotation of
 both bodies.  It is therefore the gradient of the contact's elastic energy, and conserves linear and angular momentum.
 
-Every function takes the numbers of one interface, or of eight at once (`damage.mechanics.eight`).
+All functions accept the values of one interface, or vectors of the values of eight (`damage.mechanics.eight`).
 """
 
 from typing import NamedTuple
@@ -18,8 +18,8 @@ from damage.wall import joint_law
 
 
 class Line(NamedTuple):
-    """Arms from the centres of bodies a and b to the middle of their contact points [m]; head: above zero for an
-    upright interface (head joint, cut), whose normal is along x."""
+    """Geometry of an interface: arms (x, z) from the centres of bodies a and b to the middle of its contact points [m];
+    head: above zero for an upright interface (head joint, cut), whose normal is along x."""
 
     ax: float
     az: float
@@ -29,7 +29,7 @@ class Line(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Displacement of a body [m], and the cosine less one and the sine of its rotation [-]."""
+    """Position of a body: displacement along x and z [m], cosine less one and sine of its rotation [-]."""
 
     x: float
     z: float
@@ -38,9 +38,9 @@ class Pose(NamedTuple):
 
 
 class Springs(NamedTuple):
-    """An intact interface as one spring and a couple: stiffness along the normal and in shear [N/m], first [N] and
-    second moment [N m] of the normal stiffness, offset of the outermost contact point [m], and by how much an opening
-    there reduces the largest elastic shear displacement [-]."""
+    """Springs of an intact interface: normal and shear stiffness [N/m], first [N] and second [N m] moment of the normal
+    stiffness; reach: offset of the outermost contact point [m]; slide_loss: reduction of the largest elastic shear
+    displacement by an opening there [-]."""
 
     kn: float
     ks: float
@@ -51,8 +51,8 @@ class Springs(NamedTuple):
 
 
 class RelativeMotion(NamedTuple):
-    """Motion of body b relative to a: opening and shear displacement [m] of the middle of the contact points along the
-    mean axes, and sine of the relative rotation [-]."""
+    """Motion of body b relative to body a along the mean axes: opening and shear displacement of the middle of the
+    contact points [m], and sine of the relative rotation [-]."""
 
     opening: float
     shear: float
@@ -60,8 +60,8 @@ class RelativeMotion(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """Mean axes: normal n and tangent t [-]; their length squared, below one where the bodies rotate relative to each
-    other; arms from both centres to the point where the forces act [m]."""
+    """Mean axes of an interface: normal n and tangent t [-]; length2: their squared length, below one where the bodies
+    rotate relative to each other; arms from both centres to the point of action of the forces [m]."""
 
     nx: float
     nz: float
@@ -75,7 +75,7 @@ class Frame(NamedTuple):
 
 
 class Resultant(NamedTuple):
-    """Forces of all contact points of an interface on a along the mean axes: normal and shear force [N], couple
+    """Resultant of the contact points of an interface on body a along the mean axes: normal and shear force [N], couple
     [N m]."""
 
     normal: float
@@ -84,8 +84,8 @@ class Resultant(NamedTuple):
 
 
 class BodyForces(NamedTuple):
-    """The same along the axes of the base: force on a, and on b with the opposite sign [N]; moment on a; moment on b
-    with the opposite sign [N m]."""
+    """Forces of an interface on its bodies along x and z: force on a, which is minus that on b [N]; moment on a; minus
+    the moment on b [N m]."""
 
     x: float
     z: float
@@ -95,8 +95,8 @@ class BodyForces(NamedTuple):
 
 @inlined
 def relative_motion(line, a, b):
-    """Frame and RelativeMotion of an interface; a, b: Pose of its bodies."""
-    # How the middle of the line moves with either body, and how far its two places are apart.
+    """Frame and RelativeMotion of an interface; line: Line; a, b: Pose of its bodies."""
+    # Displacement of the middle of the line with either body by its rotation, and the distance of both positions.
     dax, daz = a.cos1 * line.ax - a.sin * line.az, a.sin * line.ax + a.cos1 * line.az
     dbx, dbz = b.cos1 * line.bx - b.sin * line.bz, b.sin * line.bx + b.cos1 * line.bz
     dx = (b.x - a.x) + (dbx - dax)
@@ -113,28 +113,30 @@ def relative_motion(line, a, b):
 
 @inlined
 def stays_intact(springs, largest_opening, largest_slide, motion):
-    """Whether every contact point of an intact interface stays within its elastic limits, which the outermost opening
-    decides; largest_opening, largest_slide: limits of opening and shear displacement [m]."""
+    """Whether all contact points of an intact interface stay within their elastic limits, by the largest opening.
+
+    springs: Springs; largest_opening, largest_slide: limits of opening and shear displacement [m].
+    """
     widest = motion.opening + springs.reach * abs(motion.rotation)
     return joint_law.stays_elastic(widest, motion.shear, largest_opening, largest_slide, springs.slide_loss)
 
 
 @inlined
 def parted(motion, least, most):
-    """Whether the two faces of an interface no longer overlap, as they do between these shear displacements [m]."""
+    """Whether the faces of an interface do not overlap; they do between the shear displacements least and most [m]."""
     return (motion.shear <= least) | (motion.shear >= most)
 
 
 @inlined
 def elastic_resultant(springs, motion):
-    """Resultant of an intact interface [N, N m]."""
+    """Resultant of an intact interface [N, N m]; springs: Springs; motion: RelativeMotion."""
     return Resultant(springs.kn * motion.opening + springs.kn_offset * motion.rotation, springs.ks * motion.shear,
                      springs.kn_offset * motion.opening + springs.kn_offset2 * motion.rotation)
 
 
 @inlined
 def forces_on_bodies(frame, resultant):
-    """BodyForces of a Resultant [N, N m]."""
+    """BodyForces of a Resultant [N, N m]; frame: Frame of the interface."""
     x = frame.nx * resultant.normal + frame.tx * resultant.shear
     z = frame.nz * resultant.normal + frame.tz * resultant.shear
     couple = resultant.couple * frame.length2
@@ -159,8 +161,8 @@ def change(resultant, before):
 def add_viscous(rate, motion, before, resultant, elastic_change):
     """Resultant with stiffness-proportional damping [N, N m], and the work of the damping [J].
 
-    rate: beta over the time step [-]; before: RelativeMotion of the last step; elastic_change: change of the elastic
-    resultant since then.
+    rate: beta over the time step [-]; motion, before: RelativeMotion now and in the last step; resultant: without
+    damping; elastic_change: change of the elastic resultant since the last step.
     """
     work = (elastic_change.normal * (motion.opening - before.opening)
             + elastic_change.shear * (motion.shear - before.shear)

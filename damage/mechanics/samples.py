@@ -1,6 +1,6 @@
-"""What a sample of a wall holds: sparse contact data, the place of every body, energies.
+"""Samples of a wall: contact data, displacements of the bodies, forces on the supports, energies.
 
-Sparse contact data: only contact points of failed interfaces have opening, slip, offset and state; all others are zero.
+Contact data (opening, slip, offset, state) are those of the contact points of failed interfaces, and zero elsewhere.
 """
 
 from typing import NamedTuple
@@ -13,16 +13,17 @@ from damage.mechanics.tables import ENDING, READ_OPENING, READ_SHEAR, READ_SIGMA
 from damage.wall.joint_law import elastic_energy
 
 KINETIC, STRAIN, TOTALS = 0, 5, 6
-"""Of the totals kinetic energy [J], behind it `System.energy`, then what deformable bricks have stored [J]."""
+"""Index of the kinetic energy [J] in the totals, followed by `System.energy`; of the strain energy of deformable
+bricks; and length of the totals."""
 
 
 FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)
 FIELD_NAMES = "opening_m", "slip_m", "offset_m", "state"
-"""Of the contact data: columns of the history's FRAMES."""
+"""Names of FIELDS: columns of FRAMES of the history."""
 
 
 class Stiffness(NamedTuple):
-    """Of the contacts area [m2], normal and shear stiffness [Pa/m], (contacts,)."""
+    """Area [m2], normal and shear stiffness [Pa/m] of the contacts, each (contacts,)."""
 
     area: np.ndarray
     normal: np.ndarray
@@ -30,7 +31,7 @@ class Stiffness(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """Samples of some walls, one after the other.
+    """Samples of one or several walls.
 
     contacts: (walls, samples, FIELDS, contacts); stored: (walls, samples, contacts) elastic energy [J]; displacement:
     (walls, samples, bodies, coordinates) [m, m, rad, m sqrt(kg) ...], the supports last; support_force: (walls,
@@ -45,26 +46,26 @@ class Samples(NamedTuple):
 
     @classmethod
     def none(cls, n_walls, n_samples, system, n_supports):
-        """Zero throughout, as of intact walls; system: System of one of them, whose last bodies are the supports."""
+        """Samples with all values zero; system: System of one of the walls, whose last bodies are the supports."""
         n_contacts, n_bodies = len(system.contacts), len(system.place)
         return cls(np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)), np.zeros((n_walls, n_samples, n_contacts)),
                    np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
                    np.zeros((n_walls, n_samples, n_supports, RIGID)), np.zeros((n_walls, n_samples, TOTALS)))
 
     def of(self, wall, which):
-        """Samples of one wall, without that axis; which: a slice or numbers."""
+        """Samples of one wall, without the axis of walls; which: slice or indices of samples."""
         return Samples(*(values[wall, which] for values in self))
 
 
 @compiled
 def observe(system, stiffness, field, dt, samples, w, k):
-    """Write sample k of a wall, the one in row w of the samples, of the instant to which its places belong.
+    """Write sample k of a wall into row w of the samples, at the time of its displacements.
 
-    field: (3,) acceleration of the base along x and z and gravity [m/s2]; dt: time step [s].
+    stiffness: Stiffness; field: (3,) acceleration of the base along x and z and gravity [m/s2]; dt: time step [s].
     """
     readings, displacement, totals = system.readings, samples.displacement, samples.totals
     support_force = samples.support_force
-    for c in range(len(system.contacts)):  # of all alike: so the divisions are those of vectors
+    for c in range(len(system.contacts)):  # without a branch, so that the divisions are vectorized
         samples.stored[w, k, c] = stiffness.area[c] * elastic_energy(
             readings[READ_SIGMA, c], readings[READ_TAU, c], stiffness.normal[c], stiffness.shear[c])
     for p in range(len(system.interfaces)):
@@ -85,11 +86,11 @@ def observe(system, stiffness, field, dt, samples, w, k):
 
 @inlined
 def observe_contact(system, ks, ended, samples, w, k, c):
-    """Write inelastic opening, slip and offset [m] and state (bits) of contact c; add what a softened bond has stored
-    by its secant [J].  ended: the bit of its interface.
+    """Write inelastic opening, slip and offset [m] and state (bits) of contact c, and correct its stored energy where a
+    softened bond unloads with a secant stiffness.
 
-    The opening is that of a failed bond, or what a softened one has lost; the offset is the shear displacement less its
-    elastic part.
+    opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement less its elastic part;
+    ks: shear stiffness [Pa/m]; ended: bit of its interface.
     """
     contact, state, readings = system.contacts[c], system.states[c], system.readings
     broken, softened, wide = state.broken > 0.0, state.kappa > 0.0, readings[READ_OPENING, c]
@@ -97,7 +98,7 @@ def observe_contact(system, ks, ended, samples, w, k, c):
     opening = wide if broken else wide - force / contact.kn
     opens = broken or (softened and wide > 0.0)
     fields = samples.contacts
-    fields[w, k, OPENING, c] = 0.0 if not opens or opening <= 0.0 else opening  # and what is not finite stays so
+    fields[w, k, OPENING, c] = 0.0 if not opens or opening <= 0.0 else opening  # NaN passes
     fields[w, k, SLIP, c] = state.slip
     fields[w, k, OFFSET, c] = readings[READ_SHEAR, c] - readings[READ_TAU, c] / ks if broken or softened else 0.0
     fields[w, k, STATE, c] = (BROKEN if broken else 0) | (AT_LIMIT if state.at_limit > 0.0 else 0) | (
@@ -108,7 +109,10 @@ def observe_contact(system, ks, ended, samples, w, k, c):
 
 @compiled
 def kinetic_energy(system, field, dt):
-    """At the instant of the places, to which velocities are advanced by half a step [J]."""
+    """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half a step.
+
+    field, dt: as of `observe`.
+    """
     force, velocity, mass, inverse = system.force, system.velocity, system.mass, system.inverse_mass
     energy = 0.0
     for b in range(len(velocity)):

@@ -1,10 +1,10 @@
-"""The time step, plain: move the bodies, evaluate every interface, sum the forces.
+"""The plain time step: move the bodies, evaluate every interface, sum the forces.
 
 This is the definition of the model.  It runs every wall, compiled by numba or as plain Python (NUMBA_DISABLE_JIT=1).
-The fast step of the reference solver does the same for eight walls, or eight interfaces, at once, to the same bits:
-sums here are therefore taken in the order that suits both.
+The fast step of the reference solver computes eight walls, or eight interfaces of one wall, at once, to the same bits.
+The order of summation is therefore one that both can follow (PARTS).
 
-Central differences: velocities belong to half steps, places and forces to whole ones.
+Time integration is by central differences: velocities at half steps, displacements and forces at full steps.
 """
 
 import numpy as np
@@ -18,20 +18,20 @@ from damage.mechanics.strain import kinetic_of_modes, motion_at, move_mode, obse
 from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, INDEX, INPUT, RIGID, ROTATION, X, Z
 
 PARTS = 8
-"""Sums over bodies and interfaces are taken in so many parts, of rows 0, 8, 16 and so on, of 1, 9, 17 and so on."""
+"""Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so on."""
 
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC = range(5)
-"""Rows of `sums`."""
+"""Rows of `sums`: momenta along x and z, power of prescribed velocities, power of damping, kinetic energy."""
 
 
 @compiled
 def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, w):
-    """Advance from places whose forces are known to each of these ends, where forces and readings are known again and a
-    sample is written.
+    """Advance a wall and write a sample at each of the steps `ends`.
 
-    field: (steps + 1, 3) acceleration of the base along x and z and gravity, of each step and the one after them
-    [m/s2]; clock: steps that came before; ends: steps from here to each; scratch: Scratch of this system; stiffness,
-    samples, w: as of `damage.mechanics.samples.observe`.
+    On entry the forces are those at the present displacements; on return, and at each sample, forces and readings are.
+    system, law, controls: System, Law and Controls; field: (steps + 1, 3) acceleration of the base along x and z and
+    gravity, in each step and the one after the last [m/s2]; clock: number of steps before; ends: (n,) rising numbers of
+    steps from now; scratch: Scratch; stiffness, samples, w: as of `damage.mechanics.samples.observe`.
     """
     step = 0
     for k in range(len(ends)):
@@ -49,7 +49,10 @@ def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, 
 
 @inlined
 def move(system, law, controls, field, sums):
-    """Central differences of every coordinate of every body; input and damping work [J]."""
+    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
+
+    field: (3,) as of `run`; sums: of Scratch.
+    """
     dt, alpha = controls.time_step, controls.alpha + system.relaxation[0]
     sums[:] = 0.0
     for b in range(len(system.place)):
@@ -77,8 +80,11 @@ def move(system, law, controls, field, sums):
 
 @inlined
 def move_coordinate(system, dt, alpha, local, backwards, b, k):
-    """Velocity and place of coordinate k of body b a step on; its momentum, on which the field does work, and the power
-    of what drives it and of its damping."""
+    """Advance velocity and displacement of coordinate k of body b by a step.
+
+    backwards: acceleration of the field [m/s2].  Returns the sum of its momenta before and after [kg m/s], and the
+    powers of its prescribed velocity and of its damping [W].
+    """
     old, free, taken = system.velocity[b, k], system.inverse_mass[b, k], 0.0
     rate = bodies.acceleration(system.force[b, k], free, backwards)
     if alpha > 0.0 or local > 0.0:
@@ -95,7 +101,7 @@ def move_coordinate(system, dt, alpha, local, backwards, b, k):
 
 @compiled
 def total(parts):
-    """Sum of the parts of a sum."""
+    """Sum of the partial sums, in their order."""
     value = 0.0
     for part in parts:
         value += part
@@ -104,7 +110,7 @@ def total(parts):
 
 @inlined
 def adapt(system, controls, parts):
-    """Adaptive damping of the next step, by the kinetic energy of this one."""
+    """Set the adaptive damping of the next step from the kinetic energy of this one; parts: zero on entry."""
     for b in range(len(system.velocity)):
         parts[b % PARTS] += bodies.kinetic_energy(system.mass[b], system.velocity[b])
         if system.place.shape[1] > RIGID:
@@ -116,11 +122,11 @@ def adapt(system, controls, parts):
 
 @inlined
 def find_forces(system, law, controls, step, singly, scratch):
-    """Forces of all interfaces on the bodies, where they are zero: first those that stay intact, each as one spring,
-    then the others contact by contact.
+    """Add the forces of all interfaces to those of the bodies, which are zero on entry.
 
-    singly: none as one spring, so that forces are the sums of the contacts' stresses to the last bit; these are read
-    then, too.  Samples are taken so.
+    Intact interfaces come first, each by its resultant springs, then the others contact point by contact point.
+    step: number of the step in the log of events; singly: evaluate every contact point by itself and write the
+    readings, as for samples, so that forces are the sums of the stresses to the last bit.
     """
     others, damped = 0, scratch.sums[TAKEN]
     damped[:] = 0.0
@@ -143,8 +149,12 @@ def find_forces(system, law, controls, step, singly, scratch):
 
 @inlined
 def forces_by_contacts(system, law, controls, p, step, singly, damped):
-    """Forces of one interface contact by contact: as springs while all that share a RelativeMotion stay in their
-    elastic range, else by the joint law; from the step after its faces ceased to overlap none, for good."""
+    """Add the forces of interface p, evaluated contact point by contact point.
+
+    Those that share a RelativeMotion (all between rigid bricks, one between deformable ones) are springs while all stay
+    in their elastic range, else the joint law applies.  Once the faces have ceased to overlap, forces are zero from the
+    next step on, permanently.
+    """
     interface = system.interfaces[p]
     start, size = interface.start, points_at_once(law.strain, interface)
     frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a), pose(system, interface.b))
@@ -196,7 +206,10 @@ def last_row(law, p, start):
 
 @inlined
 def damp(system, controls, p, motion, resultant, changed, damped):
-    """Resultant of an interface with stiffness-proportional damping; keeps what the next step compares with."""
+    """Resultant of interface p with stiffness-proportional damping [N, N m]; stores both for the next step.
+
+    changed: change of the elastic resultant since the last step; damped: partial sums of the work [J].
+    """
     before = last_motion(system, p)
     keep_last(system, p, motion, resultant)
     viscous, work = interfaces.add_viscous(controls.beta / controls.time_step, motion, before, resultant, changed)
@@ -206,7 +219,7 @@ def damp(system, controls, p, motion, resultant, changed, damped):
 
 @inlined
 def push(system, interface, forces):
-    """Add the forces of an interface to those on its bodies."""
+    """Add BodyForces of an interface to the forces on its bodies."""
     a, b = interface.a, interface.b
     system.force[a, X] += forces.x
     system.force[a, Z] += forces.z
@@ -218,14 +231,14 @@ def push(system, interface, forces):
 
 @inlined
 def stays_intact(interface, motion):
-    """Whether no contact of an interface has failed, nor leaves its elastic range at this RelativeMotion."""
+    """Whether no contact point of an interface has failed or leaves its elastic range at this RelativeMotion."""
     return interface.failed == 0 and interfaces.stays_intact(
         springs_of(interface), interface.largest_opening, interface.largest_slide, motion)
 
 
 @compiled
 def remember_last(system, law):
-    """What stiffness-proportional damping compares the next step with, at the present places."""
+    """Store present motions and resultants of all interfaces, for stiffness-proportional damping in the next step."""
     for p in range(len(system.interfaces)):
         interface = system.interfaces[p]
         start, size = interface.start, points_at_once(law.strain, interface)

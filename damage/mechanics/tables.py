@@ -1,7 +1,7 @@
-"""The tables that a time step works on, a field a line with its unit.
+"""Tables of a wall that a time step reads and writes, with the unit of each field.
 
-The joint law is homogeneous in the area: it is given stiffnesses, strengths and energies of a contact point times its
-area, and returns forces and works.
+The joint law is homogeneous in the area.  Its parameters here are those of a contact point times its area, so that it
+returns forces and works in place of stresses and works per area.
 """
 
 from typing import NamedTuple
@@ -17,20 +17,20 @@ X, Z, ROTATION = range(3)
 RIGID = 3
 """Number of coordinates of a rigid body."""
 OPENED, SLIPPED = 3, 4
-"""Kinds of events beside TENSION and SHEAR of the joint law: first passing of the threshold of damage."""
+"""Kinds of events besides TENSION and SHEAR of the joint law: opening or slip first exceeds the threshold of damage."""
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)
 """Entries of `energy` [J]."""
 REAL, INDEX = np.float64, np.uint32
 
 
 def _row(*fields):
-    """The dtype of a table's row from its fields: (name, type, unit, meaning)."""
+    """Structured dtype of a table from its fields (name, type, unit, meaning)."""
     row = np.dtype([(name, kind) for name, kind, _, _ in fields], align=True)
-    return np.dtype((np.record, row)) if numba.config.DISABLE_JIT else row  # its fields as attributes in any case
+    return np.dtype((np.record, row)) if numba.config.DISABLE_JIT else row  # plain Python, too: fields as attributes
 
 
 INTERFACE = _row(
-    # What walls that step together share, in the order of the fast step's blocks:
+    # Equal in all walls of a batch, in the order of the blocks of the fast step:
     ("ax", REAL, "m", "arm from the centre of body a to the middle of the contact points, along x"),
     ("az", REAL, "m", "the same along z"),
     ("bx", REAL, "m", "arm from the centre of body b, along x"),
@@ -40,7 +40,7 @@ INTERFACE = _row(
     ("kn_offset", REAL, "N", "sum of kn offset over the contact points"),
     ("kn_offset2", REAL, "N m", "sum of kn offset^2"),
     ("reach", REAL, "m", "offset of the outermost contact point"),
-    ("slide_loss", REAL, "-", "by how much an opening at the reach reduces the largest elastic shear displacement"),
+    ("slide_loss", REAL, "-", "reduction of the largest elastic shear displacement by an opening at the reach"),
     ("head", REAL, "-", "1 for an upright interface, 0 for a bed joint"),
     ("a", INDEX, "-", "row of body a"),
     ("b", INDEX, "-", "row of body b"),
@@ -48,15 +48,15 @@ INTERFACE = _row(
     ("stop", INDEX, "-", "row after the last one"),
     ("slide_least", REAL, "m", "shear displacement down to which the two faces overlap"),
     ("slide_most", REAL, "m", "the same upwards; both infinite on a support"),
-    # and what each has of its own:
+    # Different in each wall:
     ("failed", INDEX, "-", "FAILED once a contact point has failed, softened or been crushed, then ENDING, ENDED"),
     ("largest_opening", REAL, "m", "opening at the reach up to which no contact point leaves its elastic range"),
-    ("largest_slide", REAL, "m", "the same of the shear displacement, without opening"),
+    ("largest_slide", REAL, "m", "shear displacement up to which none does, without opening"),
 )
 SHARED = INTERFACE.names[:17]
 FAILED, ENDING, ENDED = 1, 2, 3
-"""Values of `failed`: the two faces ceased to overlap in this step (ENDING), or before, and there are no forces."""
-CONTACT = _row(  # what a contact point is; all of it times its area
+"""Values of `failed`; ENDING: the two faces ceased to overlap in this step; ENDED: before, and forces are zero."""
+CONTACT = _row(  # parameters of a contact point, times its area
     ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
     ("area", REAL, "m2", ""),
     ("kn", REAL, "N/m", "normal stiffness"),
@@ -67,17 +67,17 @@ CONTACT = _row(  # what a contact point is; all of it times its area
     ("mode_ii_energy", REAL, "J", "zero for a brittle bond"),
     ("compressive_strength", REAL, "N", "infinite where it does not crush"),
 )
-STATE = _row(  # what has become of it: the law's state, its elastic range, and what the step remembers
+STATE = _row(  # state of a contact point: of the joint law, its elastic range, and of the time step
     *((name, REAL, "", "as of the joint law, times area") for name in ContactState._fields),
     *((f"elastic_{name}", REAL, "", "as of the joint law, times area") for name in ElasticRange._fields),
     ("shear0", REAL, "m", "shear displacement at which the contact had `shear_stress`"),
-    ("idle", REAL, "m", "opening up to which a failed, open contact needs no law; below zero before it fails"),
-    ("passed", REAL, "-", "first passings of the threshold: 1 opened, 2 slipped, 3 both"),
+    ("idle", REAL, "m", "opening up to which the law of a failed, open contact is not evaluated; negative before"),
+    ("passed", REAL, "-", "thresholds exceeded so far: 1 opened, 2 slipped, 3 both"),
 )
 STATE_FIELDS = len(STATE.names)
 READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU = range(4)
-"""Rows of `readings`: normal displacement from where crushing has left the faces, also negative [m], and shear
-displacement [m] of a contact point, normal stress, tension positive, and shear stress [Pa]."""
+"""Rows of `readings` of a contact point: opening plus plastic closure, negative under compression, and shear
+displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 
 
 class System(NamedTuple):
@@ -93,7 +93,7 @@ class System(NamedTuple):
     6) relative motion and resultant of the last step, with which stiffness-proportional damping compares; of contacts
     where bricks deform.
 
-    The fast step takes those of several walls at once, which have one more axis before all others.
+    The fast step takes the tables of several walls, stacked along a first axis.
     """
 
     place: np.ndarray
@@ -115,7 +115,7 @@ class System(NamedTuple):
 
 
 def table(dtype, n, **fields):
-    """A structured array of n rows; fields that are not given are zero."""
+    """Structured array of n rows with these fields, (n,) or scalars; all other fields are zero."""
     rows = np.zeros(n, dtype)
     for name, values in fields.items():
         rows[name][:] = values
@@ -134,7 +134,7 @@ class Strain(NamedTuple):
 
 
 class Law(NamedTuple):
-    """material: of the joint law; threshold [m] of the events opened and slipped; strain: of the bricks."""
+    """Joint law of a wall: Material, threshold of the events OPENED and SLIPPED [m]; and the Strain of its bricks."""
 
     material: Material
     threshold: float
@@ -142,8 +142,8 @@ class Law(NamedTuple):
 
 
 class Controls(NamedTuple):
-    """time_step [s]; local damping [-]; alpha [1/s], beta [s] of mass- and stiffness-proportional damping; adaptive
-    damping: the share of the change of kinetic energy that it takes [-]."""
+    """Time step [s] and damping: local (Cundall's) [-], mass-proportional alpha [1/s], stiffness-proportional beta [s],
+    adaptive as the share of the rate of change of the kinetic energy [-]."""
 
     time_step: float
     local: float
@@ -153,7 +153,7 @@ class Controls(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Room for a step: others: (interfaces,) indices; sums: (5, PARTS)."""
+    """Work arrays of a step; others: (interfaces,) indices of those that are not intact; sums: (5, PARTS)."""
 
     others: np.ndarray
     sums: np.ndarray

@@ -1,1 +1,1 @@
-"""The built-in reference solver: a wall and its state, the fast step, the solver of a run, its command."""
+"""Reference solver: a wall and its state, its plain and fast time step, the interface to a run, its command."""

@@ -1,7 +1,7 @@
-"""Ensembles: walls of the same bricks that are moved together, as far as they can be, whatever shakes them.
+"""Ensembles: walls with equal bricks and stiffnesses advance together, whatever their motions.
 
-A wall stops where it takes a sample.  Walls that stop at one step are moved there as lanes of one block; one that stops
-elsewhere is moved by itself to where the others can follow.  Nothing of a wall depends on the others.
+A wall stops where it takes a sample.  Walls that stop at the same step advance to it as members of one batch; a wall
+that stops elsewhere advances by itself until the others can join it.  Results of a wall do not depend on the others.
 """
 
 from itertools import accumulate
@@ -11,18 +11,21 @@ from damage.reference.lanes import advance_together, kind_of
 from damage.run.turns import WAITED
 
 LEAST_LANES = 5
-"""Fewer walls are faster one by one: a block is of eight, however many of its lanes are used.  One alone takes a
-quarter of the time of a block with AVX-512 and a fifth with AVX2."""
+"""Least number of walls in a batch.  A batch computes eight SIMD lanes, however many are in use: fewer walls are faster
+one by one, since a single wall takes a quarter of the time of a batch with AVX-512 and a fifth with AVX2."""
 
 
 class Ensemble:
-    """Moves walls: those of the same bricks as lanes of one block."""
+    """Advances walls, those with equal bricks and stiffnesses in batches."""
 
     def __init__(self):
-        self._kinds = WeakKeyDictionary()  # {wall: what it shares with those that can be lanes beside it}
+        self._kinds = WeakKeyDictionary()  # {wall: key that is equal for walls of one batch}
 
     def move(self, asked):
-        """As `damage.run.turns.run_each`, of ReferenceSolvers, some of which wait for others."""
+        """Advance solvers, as `damage.run.turns.run_each`; returns WAITED for those that wait for others.
+
+        asked: (ReferenceSolver, *numbers of steps) of each.
+        """
         alike = {}
         for wall, *steps in asked:
             if wall not in self._kinds:
@@ -36,13 +39,13 @@ class Ensemble:
 
 
 def _chosen(walls):
-    """Groups of these walls, each with the steps that it is to take now: {wall: steps}.
+    """Batches to advance now, a list of {wall: numbers of steps}.
 
-    walls: {wall: steps that it asks for} of one kind.
+    walls: {wall: numbers of steps that it asks for}, of walls that can be in one batch.
     """
     if len(walls) < LEAST_LANES:
         return [{wall: steps} for wall, steps in walls.items()]
-    # The next to stop for good goes first: whoever stops there, too, goes with it, and the others wait.
+    # The walls with the earliest last stop come first, together with those that stop there, too; the others wait.
     ends = {wall: list(accumulate(steps)) for wall, steps in walls.items()}
     stop = min(of_wall[-1] for of_wall in ends.values())
     group = {wall: walls[wall][:of_wall.index(stop) + 1] for wall, of_wall in ends.items() if stop in of_wall}
@@ -52,7 +55,7 @@ def _chosen(walls):
 
 
 def _advance(asked):
-    """As `advance_together`, with an error that ends all of them as that of each."""
+    """As `advance_together`; an exception is the failure of each wall of the batch."""
     try:
         return advance_together(asked)
     except Exception as error:

@@ -1,11 +1,11 @@
-"""Walls that step together, in lockstep: one vector instruction does for eight what it would do for one.
+"""Batches: up to eight walls advance together, one in each SIMD lane of the vector instructions.
 
     run_together([wall, another, ...], 70, 70, 10)     # each as wall.run would, to the same bits
 
-Walls are ReferenceWalls of any state, motion, strength, damping and time step that share bricks, joints' places and
-stiffnesses, and friction.  Each stays a wall of its own: its tables are views on those of its lanes, and it may be
-read, changed and run alone at any time.  Lanes are made anew where the walls that are asked for are not those of the
-last time, so that a wall that has ended is simply left out.
+Members are ReferenceWalls with equal bricks, joint positions, stiffnesses and friction; state, motion, strengths,
+damping and time step may differ.  The tables of a member are views of the tables of its batch (`Lanes`), so that it can
+be read, changed and run alone at any time.  A batch is built anew where the walls differ from those of the last call,
+so that walls that have ended are left out.
 """
 
 import hashlib
@@ -21,23 +21,24 @@ from damage.reference.fast.step import Law
 from damage.reference.plain import Alone
 
 MOST_LANES = 8
-"""Walls that one block holds; more are moved in groups of so many."""
+"""Largest number of walls in a batch: the SIMD lanes of a vector (`damage.mechanics.eight`)."""
 SHARED = ("interfaces", tables.SHARED), ("contacts", ("offset", "kn", "ks", "area"))
-"""Columns of the tables that are equal in all walls of a block."""
+"""(table, columns) that are equal in all walls of a batch."""
 
 
 def run_together(walls, *steps):
-    """Advance walls as `ReferenceWall.run` does; returns for each None, or the FloatingPointError that ends it.
+    """Advance walls by the same numbers of steps, as `ReferenceWall.run`.
 
-    ValueError where they are not of the same bricks and stiffnesses.
+    Returns for each None, or the FloatingPointError that ends it.  Raises ValueError where they differ in bricks,
+    stiffnesses or friction.
     """
     return advance_together([(wall, steps) for wall in walls])
 
 
 def advance_together(asked):
-    """Advance walls by steps of their own, which are as many for all; returns as `run_together`.
+    """Advance walls by different numbers of steps with equal sums; returns and raises as `run_together`.
 
-    asked: (wall, numbers of steps) of each.
+    asked: (wall, numbers of steps) of each; ValueError, too, where the sums differ.
     """
     most = MOST_LANES if all(wall.fast for wall, _ in asked) else 1
     for first in range(0, len(asked), most):
@@ -50,7 +51,7 @@ def advance_together(asked):
 
 
 def bind(walls):
-    """What moves these walls: the fast step all of them, or the plain one a single wall."""
+    """Bind walls to what advances them: Lanes with the fast step, or Alone with the plain step for a single wall."""
     if all(wall.fast for wall in walls):
         return Lanes(walls)
     (wall,) = walls
@@ -59,6 +60,7 @@ def bind(walls):
 
 
 def _failure(wall):
+    """None, or a FloatingPointError where the forces of a wall are not finite."""
     if math.isfinite(wall.system.force.sum()):
         return None
     return FloatingPointError(f"forces are no longer finite at step {wall.step}: the time step of "
@@ -66,7 +68,10 @@ def _failure(wall):
 
 
 class Lanes:
-    """The tables of up to eight walls as one; making them binds the walls' own to them."""
+    """Batch of up to eight walls, whose tables become views of the joined tables of the batch.
+
+    Raises ValueError where the walls differ in bricks, stiffnesses or friction.
+    """
 
     def __init__(self, walls):
         self.walls = list(walls)
@@ -82,12 +87,15 @@ class Lanes:
         self._samples = self.room(0)
 
     def are_of(self, walls):
-        """Whether these are the walls, in this order, and still bound to these tables."""
+        """Whether the batch consists of these walls, in this order, all still bound to it."""
         return len(walls) == len(self.walls) and all(
             one is other and one.lanes is self and one.fast for one, other in zip(walls, self.walls))
 
     def run(self, *steps):
-        """Advance the walls by their numbers of steps, a sequence of each; `samples_of` gives what was after each."""
+        """Advance the walls by their numbers of steps, a sequence for each; `samples_of` returns the samples.
+
+        Raises ValueError where their sums differ.
+        """
         for wall in self.walls:
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
@@ -109,30 +117,32 @@ class Lanes:
             wall.step += last
 
     def room(self, n_samples):
-        """Samples of all walls, empty."""
+        """Samples of all walls, all zero."""
         return self.walls[0].room(len(self.walls), n_samples)
 
     def samples_of(self, wall, which):
-        """Samples of this wall after these of the last run's numbers of steps, a slice."""
+        """Samples of a wall from the last `run`; which: slice or indices of its numbers of steps."""
         return self._samples.of(self.walls.index(wall), which)
 
     def find_forces(self, singly):
-        """Forces at the present places without damping; and, if `singly`, stresses: then each contact by itself."""
+        """Forces at the present displacements without damping; if singly, by contact points and with readings."""
         alone.find_forces(self.tables, self._blocks, self._law, self._clock()[0], singly, False)
 
     def _controls(self):
+        """(walls, 5) as of damage.mechanics.tables.Controls."""
         return np.array([wall.controls for wall in self.walls], float)
 
     def _field(self, n_steps):
-        """(walls, n_steps, 3) as ReferenceWall.field."""
+        """(walls, n_steps, 3) as of ReferenceWall.field."""
         return np.array([wall.field(n_steps) for wall in self.walls])
 
     def _clock(self):
+        """(walls,) steps since the last `start` of each."""
         return np.array([wall.step - wall.first_step for wall in self.walls])
 
 
 def are_alike(wall, other):
-    """Whether two walls have the same bricks, stiffnesses and friction, so that they can be lanes of one block."""
+    """Whether two walls have equal bricks, stiffnesses and friction, so that they can be members of one batch."""
     one, two = wall.system, other.system
     return wall.material == other.material and len(one.contacts) == len(two.contacts) and all(
         np.array_equal(getattr(one, table)[name], getattr(two, table)[name], equal_nan=True)
@@ -140,14 +150,14 @@ def are_alike(wall, other):
 
 
 def kind_of(wall):
-    """What walls have in common that are `are_alike`, in short."""
+    """Key that is equal for walls that are `are_alike`: step, material and a digest of the shared columns."""
     parts = [np.ascontiguousarray(getattr(wall.system, table)[name]).tobytes()
              for table, names in SHARED for name in names]
     return wall.fast, wall.material, hashlib.sha256(b"".join(parts)).digest()
 
 
 def _in_turn(ends):
-    """The steps at which any wall ends, and the walls that do (bits)."""
+    """Steps at which any wall ends, (n,), and the walls that do as bits, (n,)."""
     steps = np.unique(np.concatenate(ends))
     return steps, sum(np.isin(steps, of_wall) << lane for lane, of_wall in enumerate(ends)).astype(np.int64)
 
@@ -160,7 +170,7 @@ def _is_plain(system):
 
 
 def _check(walls):
-    """Raise ValueError of walls that differ in what lanes share."""
+    """Raise ValueError where the walls cannot be in one batch."""
     for lane, wall in enumerate(walls[1:], 1):
         if not are_alike(walls[0], wall):
             raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
@@ -168,14 +178,14 @@ def _check(walls):
 
 
 def _join(systems):
-    """Tables of several walls with the wall as first axis; of one wall those that it has, seen so."""
+    """Tables of several walls stacked along a first axis; of a single wall, views with a first axis of length one."""
     def join(name):
         arrays = [getattr(system, name) for system in systems]
         if len(arrays) == 1:
             return arrays[0][np.newaxis]
         if name not in ("events", "values"):
             return np.stack(arrays)
-        joined = np.zeros((len(arrays), *arrays[0].shape), arrays[0].dtype)  # touches no more memory than there are
+        joined = np.zeros((len(arrays), *arrays[0].shape), arrays[0].dtype)  # untouched rows take no memory
         for row, system in enumerate(systems):
             count = min(int(system.n_events[0]), len(arrays[row]))
             joined[row, :count] = arrays[row][:count]
@@ -185,5 +195,5 @@ def _join(systems):
 
 
 def _lane(joined, lane):
-    """The tables of one wall of those joined, as views."""
+    """Views of the tables of one wall of a batch."""
     return tables.System(*(array[lane] for array in joined))

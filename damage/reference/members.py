@@ -1,4 +1,4 @@
-"""Members of a single run: the same run with strengths that scatter a little, which step together."""
+"""Ensemble members of a single run: runs with slightly scattered strengths that advance together."""
 
 import io
 import sys
@@ -17,11 +17,12 @@ from damage.run.turns import take_turns
 
 
 def run_members(backend, wall_file, make_wall, settings):
-    """Run all members of RunSettings, up to eight at a time; returns the exit status, that of the first that failed.
+    """Run all members of a run, up to eight at a time; returns the exit status.
 
-    Arguments otherwise as of `damage.run.session.run_session`.  The first member's history is the run's file, and the
-    table of all stands beside it (`damage.measure.members`).  Of the others nothing is kept, unless they fail or are
-    interrupted: then FILE_sSEED.h5 is what there is.
+    settings: RunSettings; other arguments as of `damage.run.session.run_session`.  The history of the first member is
+    the file of the run, with the table of all members beside it (`damage.measure.members`).  Histories of other members
+    are discarded, unless they failed or were interrupted: then they are in FILE_sSEED.h5.  The exit status is that of
+    the first member where it failed, else the largest of all.
     """
     out = Path(settings.out or free_name(make_wall(), settings, backend.name))
     members = settings.of_members()
@@ -31,7 +32,7 @@ def run_members(backend, wall_file, make_wall, settings):
         group = [_prepare(backend, wall_file, make_wall, one, path, HistoryKept if path == out else HistoryInMemory)
                  for one, path in zip(members[first:first + MOST_LANES], names[first:])]
         if first == 0:
-            members_path(out).unlink(missing_ok=True)  # that of the run that this one replaces
+            members_path(out).unlink(missing_ok=True)  # of the run that this one replaces
         with attended(f"{group[0].layout.wall.name}, {len(members)} members", quiet=settings.quiet) as keep_going:
             statuses += take_turns([with_errors_reported(f"member of seed {one.settings.seed}: ",
                                                          simulate(one, keep_going))
@@ -46,7 +47,7 @@ def run_members(backend, wall_file, make_wall, settings):
         return statuses[0]
     print(f"members: {write_members(list(ended.values()), out)}")
     for path in ended.keys() - {out}:
-        path.unlink(missing_ok=True)  # of one that grew too large for the memory
+        path.unlink(missing_ok=True)  # written where a history outgrew the memory
     report(ended[out], pictures=settings.pictures)
     if len(ended) < len(members):
         print(f"{len(ended)} of {len(members)} members ended: median and range are of these")
@@ -54,7 +55,7 @@ def run_members(backend, wall_file, make_wall, settings):
 
 
 def _prepare(backend, wall_file, make_wall, settings, path, write):
-    """A Prepared member; only that of the first prints what it will be."""
+    """Prepared run of a member; only the first one prints its opening lines."""
     settings, is_first = replace(settings, out=path), write is HistoryKept
     with nullcontext() if is_first else redirect_stdout(io.StringIO()), \
             nullcontext() if is_first else redirect_stderr(io.StringIO()):

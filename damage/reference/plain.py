@@ -1,4 +1,4 @@
-"""A wall moved by the plain step."""
+"""A wall that advances by the plain step."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from damage.mechanics import tables
 
 
 class Alone:
-    """One wall by itself, with the methods of `damage.reference.lanes.Lanes`."""
+    """A single wall, with the methods of `damage.reference.lanes.Lanes`."""
 
     def __init__(self, wall):
         self.wall, self._law = wall, tables.Law(wall.material, THRESHOLD, wall.strain)
@@ -16,11 +16,11 @@ class Alone:
         self._samples = self._room(0)
 
     def are_of(self, walls):
-        """Whether this is the wall."""
+        """Whether `walls` is this wall alone, still bound to this object and to the plain step."""
         return len(walls) == 1 and walls[0] is self.wall and self.wall.lanes is self and not self.wall.fast
 
     def run(self, steps):
-        """Advance by these numbers of steps, one after the other; `samples_of` gives what was after each."""
+        """Advance by numbers of steps, one after the other; `samples_of` returns the samples after each."""
         wall = self.wall
         if wall.adaptive_damping == 0.0:
             wall.system.relaxation[:] = 0.0
@@ -32,11 +32,11 @@ class Alone:
         wall.step += int(ends[-1])
 
     def samples_of(self, wall, which):
-        """Samples after these of the last run's numbers of steps, a slice."""
+        """Samples of the last `run`; which: slice or indices of its numbers of steps."""
         return self._samples.of(0, which)
 
     def find_forces(self, singly):
-        """Forces at the present places without damping; and, if `singly`, readings."""
+        """Forces at the present displacements without damping; if singly, with the readings."""
         self.wall.system.force[:] = 0.0
         undamped = tables.Controls(self.wall.time_step, 0.0, 0.0, 0.0, 0.0)
         plain.find_forces(self.wall.system, self._law, undamped, self.wall.step - self.wall.first_step, singly,

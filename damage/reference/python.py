@@ -1,4 +1,4 @@
-"""A run in the reference solver from Python: `damage.run(wall, motion, **options)`, documented in `damage.run`."""
+"""Runs in the reference solver from Python: implementation of `damage.run(wall, motion, **options)`."""
 
 import io
 import sys
@@ -26,19 +26,19 @@ from damage.wall.file import load_wall, wall_path
 from damage.wall.parameters import Wall
 
 DEFAULTS = {"pictures": False, "quiet": True}
-"""Options whose defaults are others than on the command line."""
+"""{option: default} where it differs from that of the command line."""
 
 
 def run(wall, motion=None, **options):
-    """The History of one run; `damage.run` describes the arguments."""
+    """History of one run; arguments and errors: `damage.run`."""
     settings, wall_file, built = _asked(wall, motion, options)
     if settings.quiet and not is_cached():
-        print(COMPILING, file=sys.stderr)  # a minute without a word looks like an error
+        print(COMPILING, file=sys.stderr)  # a minute without any output looks like an error
     with TemporaryDirectory(prefix="masonry-damage-") as folder, \
             redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
         if settings.out is not None:
             history = read_history(_simulate(wall_file, built, settings, HistoryWriter).path)
-        else:  # one that outgrows the memory goes on in this file, and is read before that goes
+        else:  # a history that outgrows the memory continues in this file, which is read before its folder is deleted
             path = Path(folder) / free_name(built, settings, BACKEND.name).name
             history = _simulate(wall_file, built, replace(settings, out=path), HistoryInMemory).history()
     if settings.pictures:
@@ -49,7 +49,7 @@ def run(wall, motion=None, **options):
 
 
 def _simulate(wall_file, built, settings, write):
-    """Run all stages; returns what kept the history, a HistoryWriter or HistoryInMemory."""
+    """Run all stages; returns the HistoryWriter or HistoryInMemory.  Raises KeyboardInterrupt where interrupted."""
     prepared = prepare(BACKEND, wall_file, lambda: built, settings, write)
     with attended(built.name, quiet=settings.quiet) as keep_going:
         (status,) = take_turns([simulate(prepared, keep_going)])
@@ -59,14 +59,14 @@ def _simulate(wall_file, built, settings, write):
 
 
 def _asked(wall, motion, options):
-    """(RunSettings, the wall's file, the Wall) of the arguments of `run`."""
+    """(RunSettings, path of the wall's file or "", Wall) from the arguments of `run`; raises InputError."""
     is_record, is_loading = isinstance(motion, (str, Path)), isinstance(motion, (Loading, Record))
     if not (motion is None or is_record or is_loading):
         raise InputError(f"motion = {motion!r}: expected a record's path or name, a Loading, or None with options like "
                          "harmonic=(0.2, 0.05)")
     words = _words(options | ({"record": motion} if is_record else {}))
     file = "" if isinstance(wall, Wall) else wall_path(wall)
-    # a command line says it all unless records of Python are among the arguments
+    # the command line is complete unless Python objects are among the arguments
     prog = f"{PROG} {shown_path(wall)}" if file and not is_loading else f"damage.run, {getattr(wall, 'name', wall)}:"
     settings = parse_run(words, prog=prog, solver=BACKEND.name)
     if is_loading:
@@ -80,7 +80,7 @@ def _asked(wall, motion, options):
 
 
 def _driven_by(loading, settings):
-    """The settings with a Loading in place of the motion of the options, which are to name none."""
+    """The settings with a Loading in place of their motion; raises InputError where the options name one, too."""
     if settings.loading != parse_run([], prog="", solver=BACKEND.name).loading:
         raise InputError(f"the motion {loading.name} and options of another: expected one of them; leave one out")
     if settings.sequence != (1.0,) and loading.drive.base is None:
@@ -89,7 +89,7 @@ def _driven_by(loading, settings):
 
 
 def _words(options):
-    """The words of a command line for options by their names in Python; raises InputError for one that is unknown."""
+    """Command line, a list of words, for options by their names in Python; raises InputError for an unknown name."""
     actions = {action.dest: action for action in make_parser("", BACKEND.name)._actions if action.dest != "help"}
     unknown = [name for name in options if name not in actions]
     if unknown:
@@ -99,7 +99,7 @@ def _words(options):
 
 
 def _option(action, name, value):
-    """The words of one option; none where its value is None or what leaving it out means."""
+    """Words of one option on the command line; none where its value is None or the default of a flag."""
     if value is None:
         return []
     option = action.option_strings[0]

@@ -1,4 +1,4 @@
-"""`python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the built-in solver."""
+"""Command `python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the reference solver."""
 
 import sys
 from pathlib import Path
@@ -20,7 +20,7 @@ BACKEND = Backend("reference", {"numba": numba.__version__}, lambda layout, time
 
 
 def run_reference(arguments):
-    """Run with the words of a command line, the wall first (a file, or the name of a wall that ships); returns the exit
+    """Run the command with these words, the wall first (a file, or the name of a wall that ships); returns the exit
     status."""
     wall, *options = arguments or ["--help"]
     if wall.startswith("-") and wall not in ("-h", "--help"):

@@ -1,4 +1,4 @@
-"""The reference solver's side of a run: the verbs of `damage.run.solver` for a ReferenceWall."""
+"""Interface of `damage.run.solver` for the reference solver."""
 
 import numpy as np
 
@@ -12,9 +12,9 @@ EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "s
 
 
 class ReferenceSolver(ReferenceWall, Solver):
-    """A ReferenceWall that a Run can move; `Solver` says what each verb does."""
+    """A ReferenceWall as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
 
-    stretch_samples = 28  # some two thousand steps
+    stretch_samples = 28  # about two thousand steps
 
     @property
     def clock(self):
@@ -22,7 +22,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         return self.step - self.first_step
 
     def start(self, base, gravity=None):
-        """As ReferenceWall.start; what came in and was dissipated counts from here."""
+        """As ReferenceWall.start; input and dissipated energies are zero from here."""
         super().start(base, gravity)
         self.energy[:] = 0.0
 
@@ -48,19 +48,18 @@ class ReferenceSolver(ReferenceWall, Solver):
             try:
                 yield self, *np.diff(ends, prepend=self.clock).tolist()
             except ArithmeticError:
-                if len(samples := self._taken(ends, sample_steps)) > 1:  # some may be of before it blew up
+                if len(samples := self._taken(ends, sample_steps)) > 1:  # some may be of before the instability
                     on_samples(self._instants_at(samples))
                 raise
             samples = self._taken(ends, sample_steps)
             goes_on = not samples or on_samples(self._instants_at(samples))
 
     def _taken(self, ends, sample_steps):
-        """Which of these ends were samples, of those that the wall has come to: maybe fewer than it asked for."""
+        """{index: step} of the ends that are samples and were reached, which may be fewer than requested."""
         return {k: step for k, step in enumerate(ends) if step <= self.clock and step % sample_steps == 0}
 
     def _next_ends(self, sample_steps, end, since):
-        """The next samples and looks, and the end; only the next of these where a sample has to be looked at there and
-        then."""
+        """Steps of the next samples and checks, and the end; only the first where a run reacts to each sample."""
         def steps_of(first, interval):
             return range(self.clock - (self.clock - first) % interval + interval, end, interval)
 
@@ -69,14 +68,14 @@ class ReferenceSolver(ReferenceWall, Solver):
         return ends[:1] if self._is_driven or self.layout.fibres is not None else ends
 
     def _instants_at(self, samples):
-        """Instants of those ends of the last `run` that are samples, {number of the end: step}."""
+        """Instants of samples of the last `run`, {index of the end: step}."""
         return self._instants(np.array([*samples.values()]), self.lanes.samples_of(self, list(samples)))
 
     def instants(self):
         return self._instants(np.array([self.clock]), self.sample_now())
 
     def _instants(self, clock, samples):
-        """Instants of Samples at these steps; the top is held of the last one, which is the only one then."""
+        """Instants of Samples at these steps; a pushed wall has one only, to which the present push force belongs."""
         totals, joints = samples.totals, self.active_contacts()
         bodies, supports = np.split(samples.displacement[..., :RIGID], [len(self.layout.bodies)], axis=1)
         strain = samples.displacement[:, :len(self.layout.bodies), RIGID:] if self.layout.strain else None
@@ -93,6 +92,6 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def drain_events(self):
         if self.layout.fibres is None and self.system.n_events[0] == 0:
-            return []  # as of most samples
+            return []  # the usual case
         return [(int(step), int(joint), EVENT_KINDS[kind], *values)
                 for step, joint, kind, values in zip(*super().drain_events())]

@@ -1,7 +1,7 @@
-"""Runs that step together, eight at a time, to the same bits as alone.
+"""Runs that advance together, eight at a time, to the same bits as alone.
 
-A run goes on from samples to the next ones and hands out the steps between, and so does every other; those that can be
-are moved as lanes of one block.  The next run begins where one has ended.  Nothing of a run knows of the others.
+Each run yields the steps up to its next samples; those of walls that can be in one batch are taken together.  The next
+run begins when one has ended.  The results of a run do not depend on the others.
 """
 
 from functools import partial
@@ -20,14 +20,14 @@ from damage.wall.file import load_wall
 
 
 def run_references(lines, histories=None, settled=None, most=MOST_LANES):
-    """Run command lines as `run_reference` does, the wall file first, so many at a time; what each ended with is in its
-    history, of which no summary and no picture is made.
+    """Run command lines as `run_reference`, several at a time, without summaries and pictures.
 
-    lines: (name, words) of each, with an --out of its own, asked for when a run can begin; (None, None) where there is
-    none now, which ends all where none is under way; histories: {name: HistoryInMemory or HistoryKept} of runs whose
-    histories are wanted in memory, each of which gets its own in place of the class; settled: SettledWalls of runs
-    before, for more to come.  Yields (name, exit status) of each as it ends;
-    none begins after one was interrupted.
+    lines: iterable of (name, words), the wall file first, each with an --out of its own; an element is taken when a run
+    can begin, and (None, None) means that there is none now; if no run is in progress then, all ends.  histories:
+    {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class is replaced by the
+    object.  settled: SettledWalls of earlier runs; most: number of runs at a time.
+
+    Yields (name, exit status) of each run as it ends.  No run begins after an interrupt.
     """
     histories, settled = {} if histories is None else histories, settled or SettledWalls()
     names, interrupted = [], []
@@ -48,7 +48,7 @@ def run_references(lines, histories=None, settled=None, most=MOST_LANES):
 
 
 def _run(name, line, histories, settled, keep_going):
-    """One run from its command line on: a generator as of `simulate`."""
+    """One run from its command line: a generator as `damage.run.session.simulate`."""
     wall, *words = line
     prepared = []
     status = reported(partial(_prepare, wall, words, histories.get(name, HistoryWriter), prepared), f"{name}: ")

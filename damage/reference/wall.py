@@ -1,8 +1,8 @@
-"""The built-in reference solver: a wall of rigid blocks, explicit in time, in the plane.
+"""A wall of the reference solver: rigid bodies in the plane, integrated explicitly in time.
 
-The same layout, joint law, stages, loading and history file as the walls in YADE; the time step itself
-is `damage.reference.kernel`.  Walls that share bricks and stiffnesses can step together, `run_together` of
-`damage.reference.lanes`.
+Layout, joint law, stages, loading and history file are those of walls in YADE.  The time step is the plain one
+(`damage.mechanics.step`) or the fast one (`damage.reference.fast`).  Walls with equal bricks and stiffnesses can
+advance together (`damage.reference.lanes`).
 """
 
 import numpy as np
@@ -21,11 +21,11 @@ from damage.wall.modes import static_displacement
 
 
 class ReferenceWall:
-    """One wall and its state; time is counted in steps.
+    """A wall and its state; time is counted in steps.
 
-    layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
-    alpha: mass-proportional damping [1/s].  These, `local_damping` (Cundall's) and `adaptive_damping` (the
-    share of the change of kinetic energy that adaptive global damping takes) can be set at any time.
+    layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
+    damping [1/s]; fast: the fast or the plain step.  time_step, beta, alpha, `local_damping` (Cundall's, [-]) and
+    `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be changed at any time.
     """
 
     def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, fast=True):
@@ -37,7 +37,7 @@ class ReferenceWall:
         row = contact_rows(layout)[0]
         self.stiffness = Stiffness(self.system.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
-        self.lanes = None  # those that the wall was last moved in
+        self.lanes = None  # Lanes or Alone that last advanced the wall
         self._held, self._is_driven, self._active = None, False, (0, np.empty(0, int))
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
@@ -46,7 +46,7 @@ class ReferenceWall:
 
     @property
     def displacement(self):
-        """(n_bodies, 3) [m, m, rad] since the wall was built; can be assigned."""
+        """Displacements and rotations since the wall was built, (n_bodies, 3) [m, m, rad]; can be assigned."""
         return self.system.place[:len(self.layout.bodies), :RIGID].copy()
 
     @displacement.setter
@@ -55,7 +55,7 @@ class ReferenceWall:
         self.refresh()
 
     def place_bodies(self, values):
-        """Give the bodies displacements (n_bodies, 3) [m, m, rad], without their forces."""
+        """Set the displacements of the bodies, (n_bodies, 3) [m, m, rad], without updating forces."""
         bodies = slice(len(self.layout.bodies))
         self.system.place[bodies, :RIGID] = values
         angle = self.system.place[bodies, ROTATION]
@@ -63,7 +63,7 @@ class ReferenceWall:
 
     @property
     def velocity(self):
-        """(n_bodies, 3) [m/s, m/s, rad/s] half a step ago; can be assigned."""
+        """Velocities half a step ago, (n_bodies, 3) [m/s, m/s, rad/s]; can be assigned."""
         return self.system.velocity[:len(self.layout.bodies), :RIGID].copy()
 
     @velocity.setter
@@ -78,42 +78,41 @@ class ReferenceWall:
 
     @property
     def force(self):
-        """Of the contacts on each body, the supports last: (n_bodies + supports, 3) [N, N, N m]."""
+        """Forces of the contact points on each body, the supports last, (n_bodies + n_supports, 3) [N, N, N m]."""
         return self.system.force[:, :RIGID].copy()
 
     @property
     def opening(self):
-        """Inelastic opening (n_joints,) [m]: past the broken bond, or what a softened one has given way."""
+        """Inelastic opening of failed and softened contact points, (n_joints,) [m]."""
         return self.contact_data(self.sample_now())["opening_m"][0]
 
     @property
     def slip(self):
-        """Plastic slip of the closed contacts (n_joints,) [m]."""
+        """Accumulated slip: plastic shear displacement while closed, (n_joints,) [m]."""
         return self.of_joints(self.system.states["slip"])
 
     @property
     def offset(self):
-        """Shear displacement less its elastic part (n_joints,) [m] of what has broken or softened, zero elsewhere; of
-        fibres by their shares, each with its own stress."""
+        """Shear displacement less its elastic part, (n_joints,) [m]; zero where intact; mean of parallel elements."""
         return self.contact_data(self.sample_now())["offset_m"][0]
 
     @property
     def state(self):
-        """Bits BROKEN, AT_LIMIT and CRUSHED (n_joints,)."""
+        """State of the contact points, (n_joints,) bits BROKEN, AT_LIMIT, CRUSHED, ENDED of damage.history.schema."""
         return self.contact_data(self.sample_now())["state"][0]
 
     @property
     def energy(self):
-        """Input, friction, fracture and damping energy [J] since `start`."""
+        """Input, friction, fracture and damping energy since `start`, (4,) [J]."""
         return self.system.energy
 
     @property
     def stresses(self):
-        """Normal stress, tension positive, and shear stress of the kernel's contacts (2, contacts) [Pa]."""
+        """Normal stress, tension positive, and shear stress of the contacts of the tables, (2, contacts) [Pa]."""
         return self.system.readings[[tables.READ_SIGMA, tables.READ_TAU]]
 
     def sample_now(self):
-        """Samples of one: contact data, places and energies of this instant."""
+        """Samples with a single sample, of the present time."""
         samples = self.room(1, 1)
         field = self.field(1)[0]
         field[2] = GRAVITY
@@ -122,12 +121,14 @@ class ReferenceWall:
         return samples.of(0, slice(1))
 
     def room(self, n_walls, n_samples):
-        """Samples of so many walls like this, zero."""
+        """Samples for n_walls walls like this one, all zero."""
         return Samples.none(n_walls, n_samples, self.system, len(self.layout.supports))
 
     def field(self, n_steps):
-        """Acceleration of the base along x and z, zero beyond its end, and gravity, whose last value holds beyond its
-        end: (n_steps, 3) [m/s2] of the next steps."""
+        """Acceleration of the base along x and z and gravity in the next steps, (n_steps, 3) [m/s2].
+
+        After their ends the base is at rest and gravity keeps its last value.
+        """
         first, rows = self.step - self.first_step, np.zeros((n_steps, 3))
         base, gravity = self.base[first:first + n_steps], self.gravity[first:first + n_steps]
         rows[:len(base), :2] = base
@@ -135,18 +136,20 @@ class ReferenceWall:
         return rows
 
     def active_contacts(self):
-        """The active contact points, those of failed interfaces: indices, or a slice where parallel elements fail."""
+        """Indices of the active contact points, those of failed interfaces; all, a slice, with parallel elements."""
         if self.layout.fibres is not None:
             return slice(None)
         interfaces = self.system.interfaces
         failed = interfaces["failed"] > 0
-        if (count := np.count_nonzero(failed)) != self._active[0]:  # an interface that has failed stays so
+        if (count := np.count_nonzero(failed)) != self._active[0]:  # failure is permanent
             self._active = count, np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"]))
         return self._active[1]
 
     def contact_data(self, samples, joints=slice(None)):
-        """{name of FIELD_NAMES: (n, n_selected)} of Samples of this wall, at these joints; parallel elements by their
-        shares, and the state by the last of each that fails."""
+        """Contact data of Samples of this wall, {name of FIELD_NAMES: (n, n_selected)}; joints: indices or a slice.
+
+        Parallel elements give the mean by their shares; their state is that of the last one to fail.
+        """
         fibres, n, found = self.layout.fibres, self.layout.n_joints, {}
         for name, values in zip(FIELD_NAMES, np.moveaxis(samples.contacts, 1, 0)):
             of_joints = values if fibres is None else values[:, fibres.last] if name == "state" else fibres.mean(values)
@@ -155,21 +158,24 @@ class ReferenceWall:
         return found
 
     def of_joints(self, values):
-        """Values of the kernel's contacts as those of the joints (..., n_joints): fibres by their shares."""
+        """Values (..., contacts) of contact points, (..., n_joints): means of parallel elements by their shares."""
         fibres = self.layout.fibres
         return (values if fibres is None else fibres.mean(values))[..., :self.layout.n_joints]
 
-    # --- what moves it --------------------------------------------------------------------------
+    # --- loading and time steps -----------------------------------------------------------------
 
     def run(self, *steps):
-        """Advance by these numbers of steps, one after the other; before and after each forces and stresses belong to
-        the present places, and `lanes.samples_of` gives what was."""
+        """Advance by numbers of steps, one after the other; after each there is a sample (`lanes.samples_of`).
+
+        Forces and stresses are those at the present displacements before and after.  Raises FloatingPointError where
+        forces are no longer finite.
+        """
         (failure,) = run_together([self], *steps)
         if failure is not None:
             raise failure
 
     def refresh(self):
-        """Forces and stresses, to be called where places or contacts were changed by hand."""
+        """Recompute forces and stresses; to be called after displacements or contacts were changed directly."""
         system = self.system
         intact = system.states["kappa"] == 0.0
         system.states["elastic_tension_stiffness"][intact] = system.contacts["kn"][intact]
@@ -178,22 +184,25 @@ class ReferenceWall:
 
     @property
     def material(self):
-        """What the joint law's contacts share."""
+        """damage.wall.joint_law.Material of all contact points."""
         return material_of(self.layout.wall.joint)
 
     @property
     def controls(self):
-        """Time step [s], local damping [-], alpha [1/s], beta [s] and adaptive damping [-]."""
+        """Values of damage.mechanics.tables.Controls."""
         return self.time_step, self.local_damping, self.alpha, self.beta, self.adaptive_damping
 
     def start(self, base, gravity=None):
-        """From this step on move the base by `base` (k, 2) [m/s2] under `gravity` (k,) [m/s2]."""
+        """Set the acceleration of the base along x, z, (k, 2) [m/s2], and gravity, (k,) [m/s2], from this step on."""
         self.base = np.ascontiguousarray(base, float).reshape(-1, 2)
         self.gravity = np.array([GRAVITY]) if gravity is None else np.ascontiguousarray(gravity, float)
         self.first_step = self.step
 
     def drain_events(self):
-        """(steps since `start`, joints, kinds, values (n, 4)) logged since the last call."""
+        """Events logged since the last call: steps since `start`, contact points, kinds, each (n,), and values, (n, 4).
+
+        Values: as of damage.mechanics.tables.System.  Raises OverflowError where more than CAPACITY were logged.
+        """
         count = int(self.system.n_events[0])
         if count > CAPACITY:
             raise OverflowError(f"{count} events between two samples, {CAPACITY} fit; sample more often")
@@ -204,7 +213,11 @@ class ReferenceWall:
         return events[:, 0], events[:, 1], events[:, 2], values
 
     def _events_of_fibres(self, events, values):
-        """A contact breaks with the last of its fibres; what it opens and slips is known now, at the sample."""
+        """Events of contact points from those of their parallel elements.
+
+        A contact point fails with its last element.  Its opening and slip, means over the elements, are compared with
+        the threshold at the samples.
+        """
         fibres = self.layout.fibres
         of_contacts = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
         events, values = events[of_contacts], values[of_contacts]
@@ -220,46 +233,45 @@ class ReferenceWall:
         return events, values
 
     def hold(self, bodies, rotation):
-        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
+        """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation: prevent it, too."""
         self._held, self._is_driven = bodies, True
         for coordinate in (X, ROTATION) if rotation else (X,):
             self.system.inverse_mass[bodies, coordinate] = self.system.velocity[bodies, coordinate] = 0.0
 
     def push(self, velocity):
-        """Prescribe the horizontal velocity of the held bodies [m/s]; the jump's work is input."""
+        """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""
         old, mass = self.system.velocity[self._held, X], self.layout.bodies.mass[self._held]
         self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity**2 - old**2))
         self.system.velocity[self._held, X] = velocity
 
     def move_supports(self, velocity):
-        """Prescribe the velocity of the supports, (n_supports, 3) or one of all [m/s, m/s, rad/s]; their work on the
-        wall is input."""
+        """Prescribe the velocity of the supports, (n_supports, 3) or (3,) [m/s, m/s, rad/s]; their work is input."""
         self._is_driven = True
         self.system.velocity[len(self.layout.bodies):, :RIGID] = velocity
 
     @property
     def support_force(self):
-        """Of the wall on each support, (n_supports, 3) [N, N, N m]; moments about the support's reference point."""
+        """Forces of the wall on the supports, (n_supports, 3) [N, N, N m], moments about their reference points."""
         return self.system.force[len(self.layout.bodies):, :RIGID].copy()
 
     def push_force(self):
-        """Horizontal force that moves the held bodies [N], NaN where none are held."""
+        """Horizontal force on the held bodies by their prescribed motion [N]; NaN where none are held."""
         if self._held is None:
             return np.nan
         return -float(self.system.force[self._held, X].sum())
 
-    # --- what is measured -----------------------------------------------------------------------
+    # --- results --------------------------------------------------------------------------------
 
     def base_force(self):
-        """Horizontal and downward force of the wall on its supports [N]."""
+        """Horizontal and downward force of the wall on all supports [N]."""
         fx, fz, _ = self.support_force.sum(axis=0)
         return float(fx), -float(fz)
 
     def kinetic_energy(self):
-        """At the instant of the places: velocities are carried half a step on [J]."""
+        """Kinetic energy at the time of the displacements [J]: velocities are advanced by half a step."""
         return float(self.sample_now().totals[0, KINETIC])
 
     def elastic_energy(self):
-        """Of all contacts, and of bricks that deform [J]."""
+        """Elastic energy of all contact points, and of deformable bricks [J]."""
         now = self.sample_now()
         return float(np.sum(now.stored)) + float(now.totals[0, STRAIN])

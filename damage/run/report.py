@@ -75,7 +75,7 @@ def describe(summary):
         lines.append(f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
                      f"{summary['period_elongation']:.2f} of the intact wall's period")
     if summary["energy_error_fraction"] is not None:
-        lines.append(f"energy error {100 * summary['energy_error_fraction']:.3f} % of the input")
+        lines.append(f"energy balance error {100 * summary['energy_error_fraction']:.3f} % of the input")
     if summary["peak_force_n"] is not None:
         lines.append(f"peak force {rounded(summary['peak_force_n'] / 1e3, 3)} kN at "
                      f"{rounded(100 * summary['drift_at_peak_force'], 3)} % drift; stiffness "

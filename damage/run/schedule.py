@@ -19,7 +19,7 @@ SOFTENING_STEP_FACTOR = 0.35
 """The same where joints soften (docs/validation/step-and-damping.md)."""
 
 JOINT_STEPS = 10
-"""A sample lasts a multiple of so many steps: a solver may look at its broken joints less often than in every step."""
+"""Steps of which the interval of samples is a multiple: a solver may update its failed joints at this interval."""
 
 
 @dataclass(frozen=True)

@@ -212,7 +212,7 @@ def simulate(prepared, keep_going, settled=None):
             finished = yield from run.run_all()
         collapsed = run.collapsed_at_s
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
-            raise RunError(f"energy error {100 * run.energy_error:.3g} % of the input, expected up to "
+            raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
     finally:

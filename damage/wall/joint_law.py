@@ -1,11 +1,11 @@
-"""The joint law: the definition that every solver is compared with.
+"""Joint law: stresses, slip, failure and dissipation of a contact point.  All solvers are compared with it.
 
-A contact of unit area with normal opening u_n (tension positive) and shear displacement u_s:
-linear springs, a tension cut-off, Mohr-Coulomb slip, and a bond.  A brittle bond goes at once: exceeding
-either strength removes both.  A bond with fracture energies G_I, G_II softens (`soften`).  Once it is gone
-the contact is a dry joint with the same friction angle.  Equation numbers are those of Sarhosis et al. (2021),
-doi:10.1016/j.engstruct.2021.112529, with tension positive, so that equation (11) reads
-|tau| >= c - sigma tan(phi).  Dilation is zero.  The softening bond's are:
+A contact point of unit area has a normal opening u_n (tension positive) and a shear displacement u_s.  It has linear
+springs, a tension cut-off, Mohr-Coulomb slip, and a bond.  A brittle bond fails at once: exceeding either strength
+removes both.  A bond with fracture energies G_I, G_II softens (`soften`).  After failure the contact point is a dry
+joint with the same friction angle.  Dilation is zero.  Equations (7) to (11) are those of Sarhosis et al. (2021),
+doi:10.1016/j.engstruct.2021.112529, here with tension positive, so that (11) reads |tau| >= c - sigma tan(phi).
+Softening:
 
     (S1)  sigma <= f_t exp(-kappa)
     (S2)  |tau| <= c exp(-kappa) - sigma tan(phi), never below zero
@@ -13,20 +13,20 @@ doi:10.1016/j.engstruct.2021.112529, with tension positive, so that equation (11
     (S4)  sigma = k_n u_n while closed; f_t exp(-kappa) u_n / u_max while 0 < u_n <= u_max = w + f_t exp(-kappa) / k_n
     (S5)  d tau = k_s (d u_s - ds)
 
-w: the largest inelastic opening so far; ds >= 0: inelastic slip.  Tension unloads to the origin, shear with its
-stiffness; friction is there from the start and does not soften.  G -> 0 is the brittle bond.  Cohesion that
-decays exponentially and shear that unloads elastically are Lourenço and Rots (1997, J. Eng. Mech. 123(7),
-660-668); the last hundredth of the bond fails at once, and 1 - GONE makes up for the energy that its tail had.
+w: largest inelastic opening so far; ds >= 0: increment of inelastic slip.  Tension unloads to the origin, shear with
+the elastic stiffness; friction acts from the start and does not soften.  The limit G -> 0 is the brittle bond.
+Exponential softening of the cohesion and elastic unloading in shear follow Lourenço and Rots (1997, J. Eng. Mech.
+123(7), 660-668).  The last hundredth of the strengths is lost at once; the factor 1 - GONE keeps the fracture energies.
 
-A joint that crushes is perfectly plastic in compression, whatever its bond:
+Crushing is perfectly plastic in compression, with or without a bond:
 
     (C1)  sigma >= -f_c
-    (C2)  sigma = k_n (u_n + d) while closed, with a closure d that only grows: d d > 0 at sigma = -f_c alone
+    (C2)  sigma = k_n (u_n + d) while closed; the plastic closure d only grows, and only at sigma = -f_c
 
-All of the law holds with u_n + d in place of u_n: it unloads with k_n, opens at u_n > -d, has friction by the sigma
-that is left, and whole bonds hang together across the closure.  Crushing takes f_c dd.
+All other equations hold with u_n + d in place of u_n: the joint unloads with k_n and opens at u_n > -d, the friction
+limit follows the reduced sigma, and an intact bond stays intact.  Crushing dissipates f_c dd.
 
-The functions are scalar and pure; they run as plain Python, and numba compiles them as they are.
+The functions are scalar and without side effects; they run as plain Python or compiled by numba.
 """
 
 import math
@@ -36,13 +36,13 @@ import numpy as np
 from numba.extending import register_jitable
 
 INTACT, TENSION, SHEAR = 0, 1, 2
-"""What `advance` reports of a step: no break, the bond broke in tension, or in shear."""
+"""Results of `advance`: no failure in the step, failure of the bond in tension, or in shear."""
 GONE = 0.01
-"""Share of its strengths [-] at which a softening bond fails."""
+"""Remaining share of its strengths [-] at which a softening bond fails."""
 
 
 class Material(NamedTuple):
-    """Parameters common to all contacts of a wall: friction = tan(phi) [-], equal before and after the bond fails."""
+    """Parameters common to all contact points of a wall; friction: tan(phi) [-], equal before and after failure."""
 
     friction: float
 
@@ -53,9 +53,9 @@ def material_of(joint):
 
 
 class LawParameters(NamedTuple):
-    """normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa] of the whole bond (infinite
-    for a joint that stays elastic); material: Material; mode_i_energy, mode_ii_energy [J/m2]: zero for a
-    brittle bond; compressive_strength [Pa], infinite where nothing crushes."""
+    """Parameters of a contact point: normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa] of the
+    intact bond, infinite for a joint that stays elastic; material: Material; mode_i_energy, mode_ii_energy: fracture
+    energies [J/m2], zero for a brittle bond; compressive_strength [Pa], infinite without crushing."""
 
     normal_stiffness: float
     shear_stiffness: float
@@ -68,10 +68,10 @@ class LawParameters(NamedTuple):
 
 
 class ContactState(NamedTuple):
-    """normal_stress, shear_stress [Pa]; slip [m]: plastic, signed, of the closed contact;
-    broken: the bond has failed; at_limit: has failed in shear or slid without a bond, ever;
-    friction_work, fracture_work [J/m2]: dissipated so far, of the latter by crushing, too; kappa [-], gap [m]: of a
-    bond that softens, how far, and its largest inelastic opening w; closure [m]: by how much it is crushed, d."""
+    """State of a contact point: normal_stress, shear_stress [Pa]; slip: plastic shear displacement while closed, signed
+    [m]; broken: whether the bond has failed; at_limit: whether it ever failed in shear, or slid afterwards;
+    friction_work, fracture_work: dissipated so far, the latter with crushing [J/m2]; kappa: softening variable [-];
+    gap: largest inelastic opening w [m]; closure: plastic closure d [m]."""
 
     normal_stress: float = 0.0
     shear_stress: float = 0.0
@@ -86,8 +86,8 @@ class ContactState(NamedTuple):
 
 
 class ElasticRange(NamedTuple):
-    """What is left of a contact's elastic range: tensile_strength, cohesion [Pa]; tension_stiffness [Pa/m] while it is
-    open; friction: its coefficient [-]."""
+    """Elastic range of a contact point in its present state: tensile_strength, cohesion [Pa]; tension_stiffness: normal
+    stiffness while open [Pa/m]; friction: coefficient [-]."""
 
     tensile_strength: float
     cohesion: float
@@ -97,25 +97,27 @@ class ElasticRange(NamedTuple):
 
 @register_jitable
 def stays_elastic(normal_stress, shear_stress, tensile_strength, cohesion, friction):
-    """Whether a contact with these elastic stresses is within its strengths, equations (10) and (11), so that
-    `advance` would change nothing but stresses.
+    """Whether elastic trial stresses are within the remaining strengths, equations (10) and (11).
 
-    Strengths are those it has left (`strength_left`).  All may be forces instead of stresses [N], or, with what
-    `elastic_range` returns, opening and shear displacement [m].
+    If so, `advance` changes the stresses only.  All arguments but friction [-] are stresses [Pa], or forces [N], or,
+    with the result of `elastic_range`, displacements [m].  Strengths: as of `strength_left`.
     """
     return (normal_stress <= tensile_strength) & (abs(shear_stress) < cohesion - normal_stress * friction)
 
 
 @register_jitable
 def withstands(normal_stress, compressive_strength):
-    """Whether a contact with this elastic stress does not crush, (C1); both may be forces [N]."""
+    """Whether an elastic trial stress [Pa] causes no crushing, (C1); both arguments may be forces [N]."""
     return normal_stress >= -compressive_strength
 
 
 @register_jitable
 def elastic_range(parameters):
-    """The strengths as displacements: `stays_elastic(opening, shear, *elastic_range(parameters))` of a contact that
-    never failed.  Largest opening [m], slide [m] and its loss per opening [-]; parameters may be arrays."""
+    """Elastic range of an intact contact point in displacements: `stays_elastic(opening, shear, *elastic_range(...))`.
+
+    Returns the largest opening [m], the largest shear displacement without opening [m], and its reduction per opening
+    [-].  parameters: LawParameters, also of arrays.
+    """
     kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
     return (parameters.tensile_strength / kn, parameters.cohesion / ks,
             kn / ks * friction_left(False, parameters.material))
@@ -123,7 +125,7 @@ def elastic_range(parameters):
 
 @register_jitable
 def strength_left(broken, parameters, kappa=0.0):
-    """Tensile strength and cohesion that are left [Pa]: none once the bond has failed, else those of (S1), (S2)."""
+    """Remaining tensile strength and cohesion [Pa]: zero after failure, else by (S1), (S2); kappa: of softening [-]."""
     if broken:
         return 0.0, 0.0
     if kappa == 0.0:
@@ -133,13 +135,16 @@ def strength_left(broken, parameters, kappa=0.0):
 
 @register_jitable
 def friction_left(broken, material):
-    """The coefficient of friction [-] of a bond, or of the dry joint that it leaves."""
+    """Coefficient of friction [-] of an intact or, if broken, failed contact point."""
     return material.friction
 
 
 @register_jitable
 def tension_stiffness(tensile_strength, gap, normal_stiffness):
-    """Normal stiffness of an open contact [Pa/m], (S4): of the tensile strength left [Pa] and its gap [m]."""
+    """Secant normal stiffness of an open contact point [Pa/m], (S4).
+
+    tensile_strength: remaining [Pa]; gap: largest inelastic opening [m]; normal_stiffness: elastic [Pa/m].
+    """
     if gap == 0.0:
         return normal_stiffness
     return tensile_strength / (gap + tensile_strength / normal_stiffness)
@@ -147,7 +152,7 @@ def tension_stiffness(tensile_strength, gap, normal_stiffness):
 
 @register_jitable
 def range_left(state, parameters):
-    """The ElasticRange that a ContactState leaves; parameters may be arrays of contacts that share the state."""
+    """ElasticRange in a ContactState; parameters: LawParameters, also of arrays of contact points in the same state."""
     strength, cohesion = strength_left(state.broken, parameters, state.kappa)
     stiffness = parameters.normal_stiffness
     if state.kappa > 0.0 and not state.broken:
@@ -157,11 +162,10 @@ def range_left(state, parameters):
 
 @register_jitable
 def advance(opening, shear_increment, state, parameters):
-    """Advance one contact by one step.
+    """State of a contact point after a step, equations (7) to (11), (S1) to (S5), (C1), (C2).
 
-    opening [m]: normal opening at the end of the step, negative when pressed together;
-    shear_increment [m]: shear displacement during the step.
-    Returns (new ContactState, INTACT | TENSION | SHEAR).
+    opening: at the end of the step [m], negative under compression; shear_increment: shear displacement in the step
+    [m]; state: ContactState before it; parameters: LawParameters.  Returns (ContactState, INTACT | TENSION | SHEAR).
     """
     closure, work = crush(opening, state, parameters)
     new, event = advance_uncrushed(opening + closure, shear_increment, state, parameters)
@@ -171,19 +175,19 @@ def advance(opening, shear_increment, state, parameters):
 
 @register_jitable
 def crush(opening, state, parameters):
-    """Closure [m] at an opening [m], (C1), (C2), and the work that its growth takes [J/m2]."""
+    """Plastic closure [m] at an opening [m] by (C1), (C2), and the work of its growth in the step [J/m2]."""
     strength = parameters.compressive_strength
     more = -(opening + state.closure) - strength / parameters.normal_stiffness
     if not more > 0.0:
         return state.closure, 0.0
-    # Trapezium of the stresses before and after, as central differences do work on the bodies.
+    # Trapezoidal rule over the step, which is the work of central differences on the bodies.
     before = min(max(-state.normal_stress, 0.0), strength)
     return state.closure + more, 0.5 * (before + strength) * more
 
 
 @register_jitable
 def advance_uncrushed(opening, shear_increment, state, parameters):
-    """`advance` at an opening from where the contact's closure has left its faces [m]."""
+    """`advance` without crushing; opening: plus the plastic closure [m]."""
     kn, ks, material = parameters.normal_stiffness, parameters.shear_stiffness, parameters.material
     slip, broken, at_limit, kappa, gap = state.slip, state.broken, state.at_limit, state.kappa, state.gap
     friction_work, fracture_work = state.friction_work, state.fracture_work
@@ -201,8 +205,10 @@ def advance_uncrushed(opening, shear_increment, state, parameters):
 
 @register_jitable
 def break_or_slide(opening, sigma, trial, state, parameters):
-    """What a brittle bond, or the joint without one, makes of an opening [m] and elastic stresses [Pa] that are beyond
-    its strengths; returns as `advance` does."""
+    """State of a brittle bond, or of a failed contact point, beyond its strengths; returns as `advance`.
+
+    opening: at the end of the step [m]; sigma, trial: elastic normal and shear stress there [Pa].
+    """
     kn, ks, material = parameters.normal_stiffness, parameters.shear_stiffness, parameters.material
     slip, broken, at_limit, kappa, gap = state.slip, state.broken, state.at_limit, state.kappa, state.gap
     friction_work, fracture_work = state.friction_work, state.fracture_work
@@ -212,23 +218,23 @@ def break_or_slide(opening, sigma, trial, state, parameters):
         fracture_work += elastic_energy(sigma, trial, kn, ks)
         broken, event = True, TENSION
     if broken and opening > 0.0:
-        if event == INTACT:  # what shear it still held slides off as it opens
+        if event == INTACT:  # its remaining elastic shear energy dissipates by friction as it opens
             friction_work += max(0.5 * state.shear_stress * trial / ks, 0.0)
         return ContactState(0.0, 0.0, slip, broken, at_limit, friction_work, fracture_work, kappa, gap), event
-    if broken and trial == 0.0:  # closes without shear
+    if broken and trial == 0.0:  # closed, without shear stress
         return ContactState(sigma, trial, slip, broken, at_limit, friction_work, fracture_work, kappa, gap), event
 
     limit = -sigma * friction_left(True, material)
     if not broken:
-        if opening > 0.0:  # a bond under tension that fails in shear is open at once
+        if opening > 0.0:  # failed in shear under tension: without a bond it is open
             fracture_work += elastic_energy(sigma, trial, kn, ks)
             return ContactState(0.0, 0.0, slip, True, True, friction_work, fracture_work, kappa, gap), SHEAR
         broken, event = True, SHEAR
         fracture_work += 0.5 * (abs(trial) - limit) ** 2 / ks
         friction_work += limit * (abs(trial) - limit) / ks
     else:
-        # Trapezium of the stresses before and after, as central differences do work on the bodies: the
-        # limit changes with the normal stress, and joints slide mostly while it falls.
+        # Trapezoidal rule over the step, which is the work of central differences on the bodies: the limit changes
+        # with the normal stress, and joints slide mostly while it decreases.
         before = max(state.shear_stress if trial > 0.0 else -state.shear_stress, 0.0)
         friction_work += 0.5 * (before + limit) * (abs(trial) - limit) / ks
     sign = 1.0 if trial > 0.0 else -1.0
@@ -238,12 +244,12 @@ def break_or_slide(opening, sigma, trial, state, parameters):
 
 @register_jitable
 def soften(opening, trial, state, parameters):
-    """What a bond with fracture energies makes of an opening [m] and a trial shear stress [Pa] that are beyond its
-    strengths; returns as `advance` does.
+    """State of a softening bond beyond its strengths, (S1) to (S5); returns as `advance`.
 
-    kappa after the step fulfils (S1) to (S5) with itself: kappa = grown(kappa).  `grown` never falls, so that from
-    the old kappa the iteration climbs to the first solution; for fracture energies above f_t^2 / k_n and c^2 / k_s,
-    and any below, which then jump, there is one.
+    opening: at the end of the step [m]; trial: elastic shear stress there [Pa].  kappa after the step is the smallest
+    solution of the implicit equation kappa = grown(kappa).  `grown` increases with kappa, so that fixed-point iteration
+    from the old kappa converges to it from below.  A solution exists for all fracture energies; below f_t^2 / k_n or
+    c^2 / k_s (snap-back) it may jump.
     """
     kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
     rate_i = (1.0 - GONE) * parameters.tensile_strength / parameters.mode_i_energy
@@ -265,12 +271,12 @@ def soften(opening, trial, state, parameters):
     slid = (abs(trial) - tau) / ks
     fracture_work, slip, at_limit = state.fracture_work, state.slip, state.at_limit
     old_share = math.exp(-state.kappa)
-    if opening > 0.0:  # the secant has become less steep
+    if opening > 0.0:  # work of the decrease of the secant stiffness
         strength = old_share * parameters.tensile_strength
         old, new = tension_stiffness(strength, state.gap, kn), sigma / opening
         fracture_work += 0.5 * min(state.gap + strength / kn, opening) * opening * max(old - new, 0.0)
     sign = 1.0 if trial > 0.0 else -1.0
-    # Trapezium of the stresses before and after, as in `advance`.
+    # Trapezoidal rule over the step, as in `break_or_slide`.
     lost = 0.5 * (max(sign * state.shear_stress, 0.0) + tau) * slid
     of_the_bond = min(lost, 0.5 * parameters.cohesion * (old_share + share) * slid)
     if opening <= 0.0:
@@ -283,8 +289,10 @@ def soften(opening, trial, state, parameters):
 
 @register_jitable
 def on_the_envelope(share, opening, trial, gap, parameters):
-    """Normal stress [Pa], gap [m] and size of the shear stress [Pa] with this share of the strengths left [-]:
-    (S1), (S4), (S2)."""
+    """Normal stress [Pa], gap [m] and |shear stress| [Pa] at a remaining share of the strengths [-]: (S1), (S2), (S4).
+
+    opening [m]; trial: elastic shear stress [Pa]; gap: largest inelastic opening before [m].
+    """
     kn, strength = parameters.normal_stiffness, share * parameters.tensile_strength
     gap = max(gap, opening - strength / kn)
     sigma = kn * opening
@@ -296,12 +304,12 @@ def on_the_envelope(share, opening, trial, gap, parameters):
 
 @register_jitable
 def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffness):
-    """Elastic energy of a contact per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s."""
+    """Elastic energy per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s; stresses [Pa], stiffnesses [Pa/m]."""
     return (0.5 * normal_stress * normal_stress / normal_stiffness
             + 0.5 * shear_stress * shear_stress / shear_stiffness)
 
 
 @register_jitable
 def inelastic_opening(opening, normal_stress, normal_stiffness):
-    """Inelastic part of an opening [m]: all of it once the bond has failed, none while it is intact."""
+    """Inelastic part of an opening [m], from the normal stress [Pa] and stiffness [Pa/m]; zero where closed."""
     return opening - normal_stress / normal_stiffness if opening > 0.0 else 0.0

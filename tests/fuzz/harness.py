@@ -16,7 +16,8 @@ from pathlib import Path
 REPOSITORY = Path(__file__).resolve().parents[2]
 PROGRAM = ("-m", "tests.fuzz.worker")
 SECONDS, START_S = 10, 300
-"""Longest time of a file; of the worker's start, which may compile and run a wall."""
+"""Most processor time of a file, and as long it may sleep; of the worker's start, which may compile and run a wall."""
+POLL_S = 0.1
 GOOD = ("refused", "read")
 """What may come of a damaged file: one line of InputError, or what stands in it (nothing that counts was hit)."""
 
@@ -83,10 +84,17 @@ class Worker:
 
     def _answer(self, seconds):
         """The worker's next line; where it hangs or dies, that, and it is ended."""
+        began = last = self._used_s()
+        asleep_s = 0.0
         while b"\n" not in self.unread:
-            if not select.select([self.process.stdout], [], [], seconds)[0]:
-                self._end()
-                return {"word": "hang", "message": f"no end in {seconds} s", "seconds": seconds, "bytes": 0}
+            if not select.select([self.process.stdout], [], [], POLL_S)[0]:
+                used = self._used_s()
+                asleep_s = asleep_s + POLL_S if used == last and self._sleeps() else 0.0
+                last = used
+                if max(used - began, asleep_s) > seconds:
+                    self._end()
+                    return {"word": "hang", "message": f"no end in {seconds} s", "seconds": seconds, "bytes": 0}
+                continue
             part = os.read(self.process.stdout.fileno(), 65536)
             if not part:
                 message = (self.folder / "printed").read_text(errors="replace")[-600:]
@@ -94,6 +102,24 @@ class Worker:
             self.unread += part
         line, _, self.unread = self.unread.partition(b"\n")
         return json.loads(line)
+
+    def _used_s(self):
+        """Processor time of the worker and of what it started, which a busy machine does not lengthen [s]."""
+        return sum(int(one[11]) + int(one[12]) for one in self._group()) / os.sysconf("SC_CLK_TCK")
+
+    def _sleeps(self):
+        """Whether none of them waits for a processor or for the disk."""
+        return all(one[0] not in "RD" for one in self._group())
+
+    def _group(self):
+        """Fields of /proc/PID/stat behind the name, of each process in the worker's group."""
+        for path in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                fields = path.read_text().rpartition(")")[2].split()
+            except (FileNotFoundError, ProcessLookupError):
+                continue
+            if int(fields[2]) == self.process.pid:
+                yield fields
 
     def _end(self):
         """End the worker and what it started; returns its status."""

@@ -33,7 +33,7 @@ INSTANTS = 100
 
 
 def scene_of(length, courses):
-    """A wall whose bonds are all gone: (layout, model, reader)."""
+    """A wall without bonds: (layout, model, reader)."""
     layout = lay_out(Wall("loose", length, 0.075 * courses, precompression=0.0,
                           joint=Joint(tensile_strength=0.0, cohesion=0.0)))
     model = build(layout, STEP)
@@ -49,7 +49,7 @@ def scene_of(length, courses):
 
 
 def put(reader, body, x=0.0, z=0.0, turn=0.0, velocity=(0.0, 0.0)):
-    """Move a body by x, z [m], turn it clockwise [rad] and give it a velocity [m/s]."""
+    """Move a body by x, z [m], rotate it clockwise [rad] and give it a velocity [m/s]."""
     state = reader.states[body]
     state.pos = state.pos + Vector3(x, 0, z)
     state.ori = Quaternion(Vector3(0, 1, 0), turn) * state.ori
@@ -100,7 +100,7 @@ def depth(corners):
 
 
 def _overlap(one, other):
-    """Depth of the overlap of two rectangles, 0 where an axis parts them (separating axes)."""
+    """Depth of the overlap of two rectangles, 0 where an axis separates them (separating axis theorem)."""
     depths = []
     for sides in (one, other):
         for a, b in ((0, 1), (1, 2)):

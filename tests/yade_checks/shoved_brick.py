@@ -1,4 +1,4 @@
-"""Inside YADE: a brick is shoved across another that stands still, until it has fallen by half its height.
+"""Inside YADE: a brick is pushed across another that is at rest, until it has fallen by half its height.
 
     yade -n shoved_brick.py SPEED RESULTS.npz
 

@@ -1,4 +1,4 @@
-"""Inside YADE: what a dry joint does while it slides far, and where a tilted block touches.
+"""Inside YADE: forces of a dry joint during large slip, and contact points of a tilted block.
 
     yade -n slide_and_tilt.py RESULTS.npz
 
@@ -28,7 +28,7 @@ PRESSURE = 0.3e6  # [Pa]
 
 
 class Scene:
-    """A wall whose bodies all move as they are told."""
+    """A wall whose bodies all have prescribed motions."""
 
     def __init__(self, wall):
         self.layout = lay_out(wall)

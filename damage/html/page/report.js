@@ -167,7 +167,7 @@ const CONFIG = {responsive: true, displaylogo: false,
 const LINE = {type: "scatter", mode: "lines"};
 const AXIS = {showline: true, linecolor: "#555", ticks: "outside", ticklen: 4, gridcolor: "#e8e8e8",
   zerolinecolor: "#bbb"};
-const MARGIN = {l: 62, r: 10, t: 26, b: 42};  // plotly's own is not asked for: marks are laid over the plots by this
+const MARGIN = {l: 62, r: 10, t: 26, b: 42};
 const named = (text) => ({text, standoff: 6});
 
 // Range of lists of numbers with some room, what is not finite left out.
@@ -182,7 +182,8 @@ function rangeOf(lists, room) {
   return [low - more, high + more];
 }
 
-// A mark over a plot, moved without drawing that anew: a line across at x or, where y is given, a ring.
+// A mark over a plot, moved without drawing that anew: a line across at x or, where y is given, a ring.  Its place is
+// by what plotly left of the plot beside legends, which is wider or narrower with the screen and its font.
 class Mark {
   constructor(div, kind) {
     this.div = div;
@@ -193,14 +194,13 @@ class Mark {
   move(x, y) { [this.x, this.y] = [x, y]; this.place(); }
 
   place() {
-    const {element} = this, {margin, xaxis, yaxis} = this.div.layout;
+    const {element} = this, {xaxis, yaxis} = this.div.layout, {l, t, w, h} = this.div._fullLayout._size;
     const share = (value, [low, high]) => (value - low) / (high - low);
     const x = share(this.x, xaxis.range), y = this.y === undefined ? 0.5 : share(this.y, yaxis.range);
-    const wide = (this.div.layout.width || this.div.clientWidth) - margin.l - margin.r, tall = this.div.clientHeight - margin.t - margin.b;
     element.hidden = !(x >= 0 && x <= 1 && y >= 0 && y <= 1);
-    element.style.left = `${margin.l + x * wide}px`;
-    element.style.top = `${this.y === undefined ? margin.t : margin.t + (1 - y) * tall}px`;
-    if (this.y === undefined) element.style.height = `${tall}px`;
+    element.style.left = `${l + x * w}px`;
+    element.style.top = `${this.y === undefined ? t : t + (1 - y) * h}px`;
+    if (this.y === undefined) element.style.height = `${h}px`;
   }
 }
 
@@ -216,7 +216,7 @@ function timeMarks(runs) {
 
 function scaled(values, factor) { return factor === 1 ? values : values.map((value) => factor * value); }
 
-// On paper what is cracked is black, thicker, and told apart by its line alone.
+// On paper what is cracked is black, thicker, and distinguished by its line alone.
 function printable(run, legend, onPaper) {
   const lines = legend.widths.flatMap((width) => legend.states.map((state) => (
     onPaper ? {color: "#000000", width: 1.7 * width.pixels} : {color: state.colour, width: width.pixels})));
@@ -286,7 +286,7 @@ async function drawEnergy(run, runs, lines) {
 
 async function drawOverTime(runs, panels) {
   const traces = [], n = panels.length, gap = 0.05, tall = (1 - gap * (n - 1)) / n;
-  const layout = {height: 80 + 150 * n, margin: {...MARGIN, l: 80, t: 36}, hovermode: "x", shapes: timeMarks(runs),
+  const layout = {height: 114 + 150 * n, margin: {...MARGIN, l: 80, t: 70}, hovermode: "x", shapes: timeMarks(runs),
     legend: {orientation: "h", y: 1.005, yanchor: "bottom", x: 0, itemwidth: 50},
     xaxis: {...AXIS, range: rangeOf(runs.map((run) => run.time_s), 0), title: named("time [s]"),
       anchor: n > 1 ? `y${n}` : "y"}};
@@ -390,11 +390,11 @@ class Player {
   }
 
   show() {
-    const time = this.times[this.at], told = `${time.toFixed(3)} s`;
+    const time = this.times[this.at], content = `${time.toFixed(3)} s`;
     this.slider.value = this.at;
-    this.slider.setAttribute("aria-valuetext", told);
-    byId("time-told").textContent = told;
-    byId("magnify-told").textContent = `× ${MAGNIFICATIONS[this.magnification]}`;
+    this.slider.setAttribute("aria-valuetext", content);
+    byId("time-shown").textContent = content;
+    byId("magnify-shown").textContent = `× ${MAGNIFICATIONS[this.magnification]}`;
     byId("magnify").setAttribute("aria-valuetext", `${MAGNIFICATIONS[this.magnification]} times`);
     for (const run of this.page.runs) this.showWall(run);
     if (this.ready) this.showTime(time);
@@ -411,7 +411,7 @@ class Player {
     const {k, counts, lines} = this.linesOf(run);
     Plotly.restyle(byId(`wall-${run.letter}`), {x: lines.map((one) => one.x), y: lines.map((one) => one.y),
       text: lines.map((one) => one.text || [])});
-    byId(`told-${run.letter}`).textContent = this.inWords(run, k, counts);
+    byId(`shown-${run.letter}`).textContent = this.inWords(run, k, counts);
     run.shown = k;
   }
 
@@ -419,11 +419,11 @@ class Player {
     const {drift, states, threshold_mm} = this.page, point = run.instant[k];
     const value = (name, digits) => run[name][point].toFixed(digits);
     const over = this.times[this.at] > run.times[run.times.length - 1] ? ", its end" : "";
-    const told = states.states.map((one) => `${counts[one.code] || 0} ${one.name}`).join(", ");
+    const content = states.states.map((one) => `${counts[one.code] || 0} ${one.name}`).join(", ");
     return `${run.times[k].toFixed(3)} s${over}: DI ${value("DI", 3)} (drift ${value("DI_drift", 3)}, open `
       + `${value("DI_open", 3)}, slip ${value("DI_slip", 3)}); `
       + `drift ${(drift.factor * run.drift_ratio[point]).toPrecision(3)} ${drift.unit}, base shear `
-      + `${value("base_shear_kn", 2)} kN. Contact points: ${told}, ${counts[BROKEN] || 0} broken up to `
+      + `${value("base_shear_kn", 2)} kN. Contact points: ${content}, ${counts[BROKEN] || 0} broken up to `
       + `${threshold_mm} mm, of ${run.n_joints}. Displacements × ${MAGNIFICATIONS[this.magnification]}`
       + (run.snapshot[k] ? "." : ", but no place of the bricks was written near this time.");
   }
@@ -467,6 +467,7 @@ async function start() {
       page.runs.forEach((run) => printable(run, page.states, onPaper));
       fitPage(page.runs, onPaper);
     });
+  document.documentElement.classList.add("drawn");
   window.report = player;
   performance.mark("all-drawn");
 }

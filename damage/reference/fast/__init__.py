@@ -1,6 +1,6 @@
-"""The fast step: that of `damage.mechanics.step` for eight numbers at once, to the same bits.
+"""The fast time step: `damage.mechanics.step` in vectors of eight numbers, to the same bits.
 
-It takes walls whose bodies are rigid and whose interfaces stay the same.
+It requires rigid bodies and a fixed set of interfaces.
 """
 
 

@@ -1,4 +1,4 @@
-"""The fast step of one wall: eight of its bodies, or of its interfaces, at once."""
+"""Fast step of a single wall: a vector holds eight of its bodies, or of its interfaces."""
 
 from damage.mechanics import interfaces
 from damage.mechanics.eight import add, bits, load, spread, store
@@ -20,18 +20,17 @@ from damage.reference.fast.rows import add_rows, rows_of, set_rows
 from damage.reference.fast.step import any_above_zero, forces_by_contacts, remember_last, wall_of
 
 FORCES = INDEX(4)
-"""Where the forces of a body begin in its row, after its pose."""
+"""Index of the forces in a body's row, after its Pose."""
 
 
 @compiled
 def run(tables, blocks, law, controls, field, clock, ends, stiffness, samples):
-    """Advance from places whose forces are known to each of these ends, where forces and readings are known again and a
-    sample is written.
+    """Advance a wall and write a sample at each of the steps `ends`, as `damage.mechanics.step.run`.
 
-    tables: of the wall, with an axis of length one before all others; controls: (1, 5) as of
-    `damage.mechanics.tables.Controls`; field: (1, steps + 1, 3) acceleration of the base along x and z and gravity, of
-    each step and the one after them [m/s2]; clock: steps that came before; ends: steps from here to each; stiffness,
-    samples: as of `damage.mechanics.samples`.  Call `find_forces` once before the first run.
+    tables: System of the wall with a first axis of length one; blocks: Blocks of it; controls: (1, 5) as of
+    `damage.mechanics.tables.Controls`; field: (1, steps + 1, 3) acceleration of the base along x and z and gravity, in
+    each step and the one after the last [m/s2]; clock: number of steps before; ends: (n,) rising numbers of steps from
+    now; stiffness, samples: as of `damage.mechanics.samples`.  `find_forces` must be called once before the first run.
     """
     pack(tables, blocks, 1)
     damped, adaptive, step = any_above_zero(controls, 3), any_above_zero(controls, 4), 0
@@ -51,8 +50,10 @@ def run(tables, blocks, law, controls, field, clock, ends, stiffness, samples):
 
 @compiled
 def find_forces(tables, blocks, law, clock, at_end, damped):
-    """Forces [N, N m] on every body at the present places; calling it twice changes nothing.  As `all_forces`, with
-    damped false: constants from within would have it compiled once more."""
+    """Forces of the contact points on all bodies at the present displacements [N, N m], into the tables.
+
+    Arguments as of `all_forces`; damped is False, an argument since a constant would have that compiled a second time.
+    """
     pack(tables, blocks, 1)
     all_forces(tables, blocks, law, clock, at_end, damped)
     unpack(tables, blocks, 1)
@@ -60,7 +61,7 @@ def find_forces(tables, blocks, law, clock, at_end, damped):
 
 @compiled
 def all_forces(tables, blocks, law, step, at_end, damped):
-    """Forces of the contacts on all bodies, into the blocks; at_end: as `singly` of
+    """Forces of the contact points on all bodies, into the blocks; at_end: as `singly` of
     `damage.mechanics.step.find_forces`."""
     clear(blocks.sums, at.DAMPED, at.KINETIC)
     poses_to_rows(blocks)
@@ -74,19 +75,19 @@ def all_forces(tables, blocks, law, step, at_end, damped):
 
 @compiled
 def forces_of_undamped(blocks):
-    """`forces_of_intact` without damping: apart, as what a branch would need leaves no room in registers."""
+    """`forces_of_intact` without damping, compiled apart: a branch inside would need too many registers."""
     return forces_of_intact(blocks, False)
 
 
 @compiled
 def forces_of_damped(blocks):
-    """The same with damping."""
+    """`forces_of_intact` with damping."""
     return forces_of_intact(blocks, True)
 
 
 @inlined
 def forces_of_intact(blocks, damped):
-    """Forces of the intact interfaces: eight of them are a block.  Returns whether there are others."""
+    """Forces of the intact interfaces, eight in a block.  Returns whether there are interfaces that are not intact."""
     rows, first, second, any_other = blocks.rows, blocks.first, blocks.second, 0
     block = NONE
     while block < INDEX(len(blocks.others)):
@@ -110,7 +111,7 @@ def forces_of_intact(blocks, damped):
 
 @compiled
 def forces_of_others(tables, blocks, law, step, at_end, damped):
-    """Forces of the interfaces that do not stay intact, contact by contact, after all others; at the end of all."""
+    """Forces of the interfaces that are not intact (at_end: of all), by contact points, after the others."""
     for block in range(len(blocks.others)):
         flags, p = ALL if at_end else int(blocks.others[block]), 8 * block
         while flags:

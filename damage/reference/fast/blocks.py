@@ -1,8 +1,8 @@
-"""The tables of up to eight walls side by side, as the compiled step works on them: blocks of eight elements.
+"""Memory layout of the fast step: blocks of eight slots, whose fields are vectors.
 
-A slot is a row of a table of one wall.  One wall alone has its rows as slots; several walls w have slot = 8 row + w.
-Either way eight slots are a block, whose fields lie one after the other, eight numbers each: what is done to all
-elements alike is done to eight numbers as one value (`damage.mechanics.eight`), of eight walls or of eight rows.
+A slot is a row of a table of one wall.  In a single wall, slots are rows; in a batch, row r of wall w is slot 8 r + w.
+Eight slots are a block.  Its fields follow one another, each a vector of eight numbers (`damage.mechanics.eight`): of
+eight rows of a single wall, or of one row in eight walls.
 """
 
 from typing import NamedTuple
@@ -15,52 +15,52 @@ from damage.mechanics.eight import load, store
 from damage.mechanics.tables import STATE
 from damage.reference.fast.compiled import compiled
 
-# Unsigned, as a signed index might count from an array's end: to look costs time.  Where numba is switched off, plain
-# integers and unsigned ones would add to floats.
+# Unsigned: numba checks signed indices for negative ones, which costs time.  Without numba the sum of a Python integer
+# and an unsigned one would be a float.
 INDEX = np.int64 if numba.config.DISABLE_JIT else np.uint64
 
 
 def _fields(first, n, step=8):
-    """Where n fields begin in a block, the first of them as the field of this number."""
+    """Indices in a block at which n fields begin; first: number of the first of them."""
     return [INDEX(step * (first + k)) for k in range(n)]
 
 
 WIDTH, ONE, NONE = INDEX(eight.WIDTH), INDEX(1), INDEX(0)
-"""Elements of a block; and indices to count with."""
-# Where fields begin in a block of bodies;
+"""Slots of a block, and the constants one and zero as indices."""
+# Indices of the fields, and size, of a block of bodies;
 X, Z, COS1, SIN, FX, FZ, MOMENT, ROTATION, VX, VZ, VROTATION, MASS, INERTIA, INVERSE_X, INVERSE_Z, INVERSE_ROTATION, \
     BODY = _fields(0, 17)
-# of interfaces, those of INTERFACE that all walls share;
+# of interfaces, the fields of INTERFACE that are equal in all walls;
 AX, AZ, BX, BZ, KN, KS, KN_OFFSET, KN_OFFSET2, REACH, SLIDE_LOSS, HEAD, INTERFACE = _fields(0, 12)
-# of what leaves them intact, which each wall has of its own;
+# of the elastic limits of interfaces, different in each wall;
 OPENING, SLIDE, LIMITS = _fields(0, 3)
-# of the relative motion and the resultant in the last step, with which damping compares them;
+# of relative motion and resultant in the last step, for stiffness-proportional damping;
 MIDDLE, SHEAR, ROTATED, NORMAL, ALONG, COUPLE, LAST = _fields(0, 7)
-# of what a failed interface does until its turn comes;
+# of the forces of failed interfaces, which are added after those of the intact ones;
 PUSH_X, PUSH_Z, MOMENT_A, MOMENT_B, WORK, WAITING = _fields(0, 6)
-# of what a sample reads of a contact point, in the order of `readings`;
+# of the readings of contact points, in the order of `readings`;
 OPENED, SHEARED, SIGMA, TAU, READ = _fields(0, 5)
-# and of the bench, where one block is worked on.
+# and of the bench: parameters of the step, equal for all bodies of a wall.
 BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(0, 7)
-# Sums are taken in eight parts, the first of rows 0, 8, 16 and so on: those of one wall are the elements of a block.
+# Eight partial sums, of rows 0, 8, 16 and so on, of rows 1, 9, 17 and so on: for a single wall the lanes of a vector.
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
-# Of a contact of a failed interface: fields of its state, by name, and its compressive strength.
+# Fields of the state of a contact point of a failed interface, by name; its compressive strength follows.
 COPIED = ("shear_stress", "shear0", "normal_stress", "idle", "elastic_tensile_strength", "elastic_cohesion",
           "elastic_friction", "elastic_tension_stiffness", "closure", "kappa")
 COLUMNS, CHANGED = tuple(STATE.names.index(name) for name in COPIED), 3
-"""Columns of STATE in this order; how many of them, the first ones, a step without the law changes."""
+"""Columns of STATE in the order of COPIED; number of the first ones, which elastic steps change."""
 SHEAR_STRESS, SHEAR0, NORMAL_STRESS, IDLE, TENSILE, COHESION, FRICTION, KT, CLOSURE, KAPPA, COMPRESSIVE, LOOSE = \
     _fields(0, len(COPIED) + 2)
 
 
 class Blocks(NamedTuple):
-    """Arrays of blocks, flat; first, second: (interfaces,) where the fields of bodies a and b begin, in `bodies` of
-    the first wall, of one wall in `rows`.
+    """Flat arrays of blocks of a single wall or of a batch.
 
-    rows: of one wall alone, where places and forces of a body lie side by side, eight numbers in this order; starts:
-    (bodies,) where they begin; others: a byte a block of interfaces, whose bits are those that do not stay intact;
-    loose: a byte an interface, whose bits are the walls whose contacts are in `contacts`, and waits, those of them that
-    stay springs and whose forces are in `waiting`; readings: of all contacts of several walls.
+    rows: single wall: Pose and forces of each body, eight numbers in a row; starts: (bodies,) indices of the rows;
+    first, second: (interfaces,) indices of the fields of bodies a and b, in `rows` of a single wall, in `bodies` of the
+    first wall of a batch; bench: parameters of the step; others: a byte for each block of interfaces, its bits those
+    that are not intact; loose: a byte for each interface, its bits the walls whose contact points are in `contacts`;
+    waits: those of them that stay elastic, with their forces in `waiting`; readings: of all contact points of a batch.
     """
 
     bodies: np.ndarray
@@ -82,11 +82,14 @@ class Blocks(NamedTuple):
 
 
 def make_blocks(interfaces, n_bodies, n_contacts, lanes):
-    """Blocks of walls that share these interfaces (a table); their limits and states are still to be packed."""
+    """Blocks of walls with these interfaces (table INTERFACE), without their states, which `pack` copies.
+
+    lanes: 1 for a single wall, 8 for a batch.
+    """
     def blocks_of(rows, size):
         return -(-rows // 8) * int(size)
 
-    row = np.zeros(-(-len(interfaces) // 8) * 8, int) + (n_bodies - 1)  # none: the ground against itself
+    row = np.zeros(-(-len(interfaces) // 8) * 8, int) + (n_bodies - 1)  # padding: the last support with itself
     a, b = row.copy(), row
     a[:len(interfaces)], b[:len(interfaces)] = interfaces["a"], interfaces["b"]
     shared = _zeros(blocks_of(len(interfaces), INTERFACE)).reshape(-1, int(INTERFACE) // 8, 8)
@@ -107,14 +110,14 @@ def make_blocks(interfaces, n_bodies, n_contacts, lanes):
 
 
 def _zeros(n):
-    """An array of zeros that begins where a line of the processor's cache does, 64 bytes: eight numbers of a block are
-    then one line, and not the end of one and the beginning of the next."""
+    """Array of n zeros that is aligned to the 64 bytes of a cache line, so that a vector lies in one line."""
     bytes_ = np.zeros(8 * n + 64, np.uint8)
     first = -bytes_.ctypes.data % 64
     return bytes_[first:first + 8 * n].view(float)
 
 
 def _first(row, lanes):
+    """Indices `Blocks.first` or `second` for rows of bodies, (interfaces,)."""
     if lanes == 1:
         return (8 * row).astype(INDEX)
     slot = row * lanes
@@ -123,13 +126,13 @@ def _first(row, lanes):
 
 @compiled
 def place_of(slot, size):
-    """Where the first field of a slot lies in an array of blocks of this size."""
+    """Index of the first field of a slot in an array of blocks; size: of a block."""
     return slot // WIDTH * size + slot % WIDTH
 
 
 @compiled
 def pack(tables, blocks, lanes):
-    """Copy places and motions of the bodies, and what leaves interfaces intact, from the tables into their blocks."""
+    """Copy the state of the bodies and the elastic limits of the interfaces from the tables into the blocks."""
     bodies = blocks.bodies
     for row in range(tables.place.shape[1]):
         for w in range(tables.place.shape[0]):  # within: eight walls share what is fetched
@@ -151,7 +154,7 @@ def pack(tables, blocks, lanes):
 
 @compiled
 def unpack(tables, blocks, lanes):
-    """Copy places, velocities and forces of the bodies from their blocks into the tables."""
+    """Copy displacements, velocities and forces of the bodies from the blocks into the tables."""
     bodies = blocks.bodies
     for row in range(tables.place.shape[1]):
         for w in range(tables.place.shape[0]):  # within: eight walls share what is fetched
@@ -168,7 +171,7 @@ def unpack(tables, blocks, lanes):
 
 @compiled
 def pack_limits(tables, blocks, lanes):
-    """Copy what leaves interfaces intact into their blocks: nothing where a contact has failed."""
+    """Copy the elastic limits of the interfaces into the blocks; -inf where a contact point has failed."""
     for w in range(tables.interfaces.shape[0]):
         for p in range(tables.interfaces.shape[1]):
             interface, k = tables.interfaces[w, p], place_of(INDEX(p * lanes + w), LIMITS)
@@ -178,7 +181,7 @@ def pack_limits(tables, blocks, lanes):
 
 @compiled
 def clear(sums, start, stop):
-    """Zero the sums from one to before another."""
+    """Set the sums from index start to before stop to zero."""
     while start < stop:
         store(sums, start, 0.0)
         start += WIDTH
@@ -186,7 +189,7 @@ def clear(sums, start, stop):
 
 @compiled
 def total(sums, first, lanes):
-    """Take the eight parts of a sum together: that of wall w is then at `first` + w."""
+    """Add the eight partial sums of a sum in their order; the result of wall w is at `first` + w."""
     if lanes == 1:
         value = 0.0
         for part in range(8):

@@ -1,4 +1,4 @@
-"""The bodies of up to eight walls, or eight of one wall, moved at once."""
+"""Bodies in the fast step: equations of motion of eight bodies of one wall, or of one body in eight walls."""
 
 import numpy as np
 
@@ -11,14 +11,16 @@ from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH, clear, total
 from damage.reference.fast.compiled import compiled, inlined
 
 ALL = 2**eight.WIDTH - 1
-"""All flags of a value, as bits."""
+"""The flags of a vector, all set, as bits."""
 
 
 @compiled
 def move(energy, relaxation, blocks, lanes, controls, field, step):
-    """`damage.mechanics.step.move` of all walls; energy, relaxation: of their tables, all of which a call would copy.
+    """`damage.mechanics.step.move` of all walls.
 
-    field: (walls, steps, 3) acceleration of the base along x and z and gravity [m/s2].
+    energy, relaxation: of their tables, passed singly since a call copies all fields of a System; blocks: Blocks;
+    lanes: 1 or 8; controls: (walls, 5); field: (walls, steps, 3) acceleration of the base along x and z and gravity
+    [m/s2]; step: row of it.
     """
     bench, bodies, sums = blocks.bench, blocks.bodies, blocks.sums
     clear(sums, at.SWEPT_X, at.DAMPED)
@@ -43,7 +45,7 @@ def move(energy, relaxation, blocks, lanes, controls, field, step):
 
 @compiled
 def set_all(bench, relaxation, lanes, controls, field, step):
-    """Put what acts on all bodies on the bench; returns whether anything damps them."""
+    """Write the parameters of the step of all walls to the bench; returns whether any wall has damping."""
     damped = False
     for w in range(controls.shape[0]):
         alpha = controls[w, 2] + relaxation[w, 0]
@@ -54,7 +56,7 @@ def set_all(bench, relaxation, lanes, controls, field, step):
 
 @compiled
 def set_bench(bench, w, lanes, field, controls, alpha):
-    """Put what acts on all bodies of a wall on the bench."""
+    """Write the parameters of the step of wall w to the bench: field, time step and damping."""
     dt, local, rate = controls[0], controls[1], controls[3] / controls[0]
     for i in range(w, w + 1) if lanes > 1 else range(8):
         k = INDEX(i)
@@ -64,7 +66,7 @@ def set_bench(bench, w, lanes, field, controls, alpha):
 
 @inlined
 def accelerations(bodies, k, bench):
-    """Acceleration of bodies along their three coordinates [m/s2, rad/s2]."""
+    """Accelerations of the bodies at index k along their three coordinates [m/s2, rad/s2]."""
     return (mechanics.acceleration(load(bodies, k + at.FX), load(bodies, k + at.INVERSE_X), load(bench, at.BASE_X)),
             mechanics.acceleration(load(bodies, k + at.FZ), load(bodies, k + at.INVERSE_Z), load(bench, at.BASE_Z)),
             mechanics.acceleration(load(bodies, k + at.MOMENT), load(bodies, k + at.INVERSE_ROTATION), 0.0))
@@ -72,14 +74,14 @@ def accelerations(bodies, k, bench):
 
 @compiled
 def move_free(bodies, k, bench, sums, part):
-    """Move eight bodies whose fields begin at k by a step, undamped."""
+    """Advance the eight bodies at index k by a step without damping; part: offset of their partial sums."""
     rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
     advance(bodies, k, load(bench, at.STEP), rate_x, rate_z, rate_rotation, sums, part)
 
 
 @compiled
 def move_damped(bodies, k, bench, sums, part):
-    """The same with damping."""
+    """Advance the eight bodies at index k by a step with damping; arguments as of `move_free`."""
     rate_x, rate_z, rate_rotation = accelerations(bodies, k, bench)
     rate_x, power_x = damp(bodies, k, at.VX, at.MASS, at.INVERSE_X, rate_x, bench)
     rate_z, power_z = damp(bodies, k, at.VZ, at.MASS, at.INVERSE_Z, rate_z, bench)
@@ -90,7 +92,7 @@ def move_damped(bodies, k, bench, sums, part):
 
 @inlined
 def damp(bodies, k, velocity, mass, inverse, rate, bench):
-    """Acceleration along one coordinate less its damping, and the power of that."""
+    """Acceleration of a coordinate with damping, and the power of the damping [W]."""
     dt, old = load(bench, at.STEP), load(bodies, k + velocity)
     taken = mechanics.damping(old, rate, load(bodies, k + inverse), load(bench, at.ALPHA), load(bench, at.LOCAL))
     rate = rate - taken
@@ -99,7 +101,7 @@ def damp(bodies, k, velocity, mass, inverse, rate, bench):
 
 @inlined
 def advance(bodies, k, dt, rate_x, rate_z, rate_rotation, sums, part):
-    """Velocities and places of eight bodies a step of dt [s] on with these accelerations."""
+    """Advance velocities and displacements of eight bodies by a step dt [s]; set their forces to zero."""
     old_x, old_z = load(bodies, k + at.VX), load(bodies, k + at.VZ)
     vx, vz, v_rotation = old_x + dt * rate_x, old_z + dt * rate_z, load(bodies, k + at.VROTATION) + dt * rate_rotation
     mass, free_x, free_z = load(bodies, k + at.MASS), load(bodies, k + at.INVERSE_X), load(bodies, k + at.INVERSE_Z)
@@ -116,7 +118,7 @@ def advance(bodies, k, dt, rate_x, rate_z, rate_rotation, sums, part):
     add(bodies, k + at.X, dt * vx)
     add(bodies, k + at.Z, dt * vz)
     store(bodies, k + at.ROTATION, angle)
-    store(bodies, k + at.FX, 0.0)  # for those of the next places
+    store(bodies, k + at.FX, 0.0)  # the next forces are added to zero
     store(bodies, k + at.FZ, 0.0)
     store(bodies, k + at.MOMENT, 0.0)
     cos1, sin = mechanics.small_rotation(angle)
@@ -128,7 +130,7 @@ def advance(bodies, k, dt, rate_x, rate_z, rate_rotation, sums, part):
 
 @inlined
 def rotate_far(bodies, k):
-    """Cosine less one and sine of those of the bodies whose rotation is not small."""
+    """Cosine less one, and sine, for those of the eight bodies whose rotation is not small."""
     for _ in range(eight.WIDTH):
         angle = bodies[k + at.ROTATION]
         if abs(angle) >= mechanics.SMALL:
@@ -154,7 +156,7 @@ def adapt(relaxation, blocks, lanes, controls):
 
 @compiled
 def add_kinetic_energy(bodies, k, sums, part):
-    """Add the kinetic energy [J] of bodies."""
+    """Add the kinetic energy of the eight bodies at index k [J] to the partial sums."""
     mass, inertia = load(bodies, k + at.MASS), load(bodies, k + at.INERTIA)
     add(sums, at.KINETIC + part, mechanics.kinetic_energy(
         (mass, mass, inertia), (load(bodies, k + at.VX), load(bodies, k + at.VZ), load(bodies, k + at.VROTATION))))

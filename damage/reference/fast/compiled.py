@@ -1,4 +1,4 @@
-"""How the functions of this folder are compiled: as those of `damage.mechanics`, which are compiled into them."""
+"""Compilation of the functions of this folder, which include those of `damage.mechanics`."""
 
 from pathlib import Path
 
@@ -11,5 +11,5 @@ compiled, inlined = FAST.compiled, FAST.inlined
 
 
 def is_cached():
-    """Whether numba has cached the step of one wall, which every run needs, as these sources have it."""
+    """Whether numba has cached the step of a single wall, which every run needs, of these sources."""
     return FAST.is_cached("alone.run")

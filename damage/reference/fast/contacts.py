@@ -1,7 +1,7 @@
-"""Contacts of an interface in eight walls at once, to the same bits as `damage.mechanics.contacts` one by one.
+"""Contact points of an interface in the eight walls of a batch, to the same bits as `damage.mechanics.contacts`.
 
-Those of a failed interface are copied into a block, change there while all of them stay elastic, and are copied back
-where the joint law is asked and where a wall is left.
+The contact points of a failed interface are copied from the tables into blocks.  They are updated there while all of
+them stay elastic, and copied back before the joint law is evaluated and at the end of a run.
 """
 
 import numpy as np
@@ -18,7 +18,10 @@ from damage.wall import joint_law
 
 @compiled
 def loosen(tables, columns, blocks):
-    """Copy the contacts of all failed interfaces into their blocks; columns: the states as numbers."""
+    """Copy the contact points of all failed interfaces into the blocks.
+
+    columns: the states as an array of numbers, (walls, contacts, fields).
+    """
     blocks.loose[:] = 0
     for w in range(tables.interfaces.shape[0]):
         for p in range(tables.interfaces.shape[1]):
@@ -28,7 +31,7 @@ def loosen(tables, columns, blocks):
 
 @compiled
 def fasten(tables, columns, blocks, which):
-    """Copy what has changed of those of these walls (bits) back."""
+    """Copy changed states of the contact points in the blocks back to the tables, for the walls `which` (bits)."""
     for p in range(tables.interfaces.shape[1]):
         for w in range(tables.interfaces.shape[0]):
             if blocks.loose[p] & which & 1 << w:
@@ -37,7 +40,7 @@ def fasten(tables, columns, blocks, which):
 
 @compiled
 def take(tables, columns, blocks, w, p):
-    """Copy the contacts of an interface of one wall into their blocks."""
+    """Copy the contact points of interface p of wall w into the blocks."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
         k = INDEX(i) * at.LOOSE + INDEX(w)
         for n in range(len(at.COLUMNS)):
@@ -48,7 +51,7 @@ def take(tables, columns, blocks, w, p):
 
 @compiled
 def give(tables, columns, blocks, w, p):
-    """Copy what has changed of them back."""
+    """Copy changed states of the contact points of interface p of wall w back to the tables."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
         k = INDEX(i) * at.LOOSE + INDEX(w)
         for n in range(at.CHANGED):
@@ -57,7 +60,7 @@ def give(tables, columns, blocks, w, p):
 
 @inlined
 def intact_springs(contacts, start, stop, motion):
-    """Resultant of an intact interface contact by contact [N, N m]."""
+    """Resultant of an intact interface as the sum over its contact points [N, N m]."""
     normal, shear, couple = spread(0.0), spread(0.0), spread(0.0)
     for i in range(start, stop):
         contact = contacts[0, i]
@@ -70,10 +73,10 @@ def intact_springs(contacts, start, stop, motion):
 
 @inlined
 def read_intact(contacts, readings, start, stop, motion):
-    """`damage.mechanics.contacts.read` of an interface that is intact, into blocks."""
+    """`damage.mechanics.contacts.read` of an intact interface, into the blocks."""
     for i in range(start, stop):
         contact, k = contacts[0, i], INDEX(i) * at.READ
-        # Zero is added as a closure and a force of before would be: it takes the sign from what is zero.
+        # Adding zero, as the law adds closure and earlier force, turns -0 into +0: the bits stay equal.
         opening = motion.opening + contact.offset * motion.rotation + 0.0
         store(readings, k + at.OPENED, opening)
         store(readings, k + at.SHEARED, motion.shear)
@@ -83,7 +86,7 @@ def read_intact(contacts, readings, start, stop, motion):
 
 @inlined
 def read_loose(contacts, blocks, law, start, stop, motion, which):
-    """The same of one that has failed, in these walls (flags)."""
+    """`damage.mechanics.contacts.read` of a failed interface in the walls `which` (flags), into the blocks."""
     for i in range(start, stop):
         contact, k, r = contacts[0, i], INDEX(i) * at.LOOSE, INDEX(i) * at.READ
         opening, sigma, tau, is_open = loose_trial(contact, blocks.contacts, k, motion, law.plain)
@@ -95,7 +98,7 @@ def read_loose(contacts, blocks, law, start, stop, motion, which):
 
 @compiled
 def keep_readings(tables, blocks, w, p):
-    """Copy the readings of an interface of one wall into their blocks."""
+    """Copy the readings of interface p of wall w into the blocks."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
         k = INDEX(i) * at.READ + INDEX(w)
         for field, row in ((at.OPENED, READ_OPENING), (at.SHEARED, READ_SHEAR), (at.SIGMA, READ_SIGMA),
@@ -105,7 +108,7 @@ def keep_readings(tables, blocks, w, p):
 
 @compiled
 def give_readings(tables, blocks, w, start, stop):
-    """Copy the readings of contacts of one wall back."""
+    """Copy the readings of the contact points start to stop of wall w back to the tables."""
     for i in range(start, stop):
         k = INDEX(i) * at.READ + INDEX(w)
         for field, row in ((at.OPENED, READ_OPENING), (at.SHEARED, READ_SHEAR), (at.SIGMA, READ_SIGMA),
@@ -115,14 +118,17 @@ def give_readings(tables, blocks, w, start, stop):
 
 @inlined
 def parted_in(tables, p, motion):
-    """Lanes (bits) in which the faces of an interface no longer overlap at this RelativeMotion."""
+    """Walls (bits) in which the faces of interface p do not overlap at this RelativeMotion."""
     return int(bits(parted(motion, tables.interfaces[0, p].slide_least, tables.interfaces[0, p].slide_most)))
 
 
 @inlined
 def forces_of_loose(tables, blocks, law, p, held, frame, motion, damped):
-    """What an interface does in those walls that are held (bits), where its contacts stay springs, which are returned:
-    it waits until the intact interfaces have pushed their bodies."""
+    """Forces of failed interface p in the walls `held` (bits), where all its contact points stay elastic.
+
+    They are stored, and added after those of the intact interfaces, in the order of the plain step.  Returns the walls
+    (bits) in which they stay elastic.
+    """
     waiting, k, m = blocks.waiting, p * at.WAITING, p * at.LAST
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
     resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion,
@@ -141,7 +147,7 @@ def forces_of_loose(tables, blocks, law, p, held, frame, motion, damped):
 
 @inlined
 def push_waiting(blocks, p, flags, damped):
-    """Add to its bodies what an interface does in those walls (bits) that wait, which are returned."""
+    """Add the stored forces of interface p to its bodies in the walls `flags` (bits); returns those that had any."""
     waits = flags & int(blocks.loose[p]) & int(blocks.waits[p])
     if waits:
         waiting, k = blocks.waiting, INDEX(p) * at.WAITING
@@ -155,11 +161,11 @@ def push_waiting(blocks, p, flags, damped):
 
 @inlined
 def loose_spring(contact, loose, k, motion, plain):
-    """`damage.mechanics.contacts.elastic_trial` in eight walls: opening [m] and normal force [N]; plain: where nothing
-    softens or crushes."""
+    """Opening plus plastic closure [m] and normal force [N] of a contact point in eight walls, as
+    `damage.mechanics.contacts.elastic_trial`; plain: no contact point softens or crushes."""
     opening = motion.opening + contact.offset * motion.rotation
     if plain:
-        opening = opening + 0.0  # as a closure of zero would be
+        opening = opening + 0.0  # as with a closure of zero
         return opening, contact.kn * opening
     opening = opening + load(loose, k + at.CLOSURE)
     return opening, either(opening > 0.0, load(loose, k + at.KT), contact.kn) * opening
@@ -167,7 +173,7 @@ def loose_spring(contact, loose, k, motion, plain):
 
 @inlined
 def loose_trial(contact, loose, k, motion, plain):
-    """The same with the shear force [N], and where the contact is open and needs no law."""
+    """Result of `loose_spring`, shear force [N], and whether the contact point stays open (`contacts.stays_open`)."""
     opening, sigma = loose_spring(contact, loose, k, motion, plain)
     tau0 = load(loose, k + at.SHEAR_STRESS)
     tau = tau0 + contact.ks * (motion.shear - load(loose, k + at.SHEAR0))
@@ -176,8 +182,10 @@ def loose_trial(contact, loose, k, motion, plain):
 
 @inlined
 def loose_springs(contacts, loose, plain, start, stop, motion, elastic):
-    """`damage.mechanics.contacts.elastic_resultant` in eight walls, of which it leaves those elastic whose contacts all
-    are."""
+    """`damage.mechanics.contacts.elastic_resultant` in eight walls.
+
+    Returns the Resultant, and those of the walls `elastic` (flags) in which all contact points stay elastic.
+    """
     held = elastic
     normal, shear, couple = spread(0.0), spread(0.0), spread(0.0)
     for i in range(start, stop):
@@ -197,7 +205,7 @@ def loose_springs(contacts, loose, plain, start, stop, motion, elastic):
 
 @inlined
 def remember_loose(contacts, loose, plain, start, stop, motion, elastic):
-    """`damage.mechanics.contacts.remember` in the walls that are elastic."""
+    """`damage.mechanics.contacts.remember` in the walls `elastic` (flags)."""
     for i in range(start, stop):
         contact, k = contacts[0, i], INDEX(i) * at.LOOSE
         moves = elastic & (load(loose, k + at.IDLE) >= 0.0)

@@ -1,9 +1,10 @@
-"""Rows of four numbers, here and there in an array, as four values of WIDTH numbers and back: turned in the
-processor's registers, where to fetch each number by itself would cost more than what is done with it.
+"""Transposition of WIDTH scattered rows of four numbers into four vectors, and back.
+
+It takes place in the registers of the processor, which is faster than to load each number by itself.
 
     x, z, cos1, sin = rows_of(bodies, places, i, 0)      # of the rows at places[i] to places[i + WIDTH - 1]
-    set_rows(bodies, places, i, 4, x, z, cos1, sin)      # and back, four numbers further on
-    add_rows(bodies, first, second, i, 4, (x, z, turn), (x, z, other_turn))
+    set_rows(bodies, places, i, 4, x, z, cos1, sin)      # writes them four numbers further on
+    add_rows(bodies, first, second, i, 4, (x, z, moment), (x, z, other_moment))
 """
 
 from llvmlite import ir
@@ -12,9 +13,9 @@ from numba.extending import lower_builtin
 
 from damage.mechanics.eight import NUMBERS, WIDTH, teach_type
 
-# Of two values in turns, within each pair of numbers: the first ones, and the second ones.
+# Shuffles of two vectors: their even elements alternately, and their odd elements.
 _EVEN, _ODD = ([k + of for pair in range(0, WIDTH, 2) for of in (pair, WIDTH + pair)] for k in (0, 1))
-# Of two values of pairs: the first pair of each four, and the second one.
+# Shuffles of two vectors of pairs: the first pairs of each four alternately, and the second pairs.
 _FRONT, _BACK = ([four + k + i for four in range(0, WIDTH, 4) for k in (pair, WIDTH + pair) for i in (0, 1)]
                  for pair in (0, 2))
 _FOURS = [list(range(four, four + 4)) for four in range(0, WIDTH, 4)]
@@ -23,18 +24,18 @@ _ROW, _VALUE = ir.VectorType(ir.DoubleType(), 4), ir.VectorType(ir.DoubleType(),
 
 
 def rows_of(array, places, i, offset):
-    """Four values: the numbers from `offset` on of rows that begin at places[i] to places[i + WIDTH - 1]."""
+    """Four vectors: the numbers from `offset` on of the rows that begin at places[i] to places[i + WIDTH - 1]."""
     return tuple(array[places[i:i + WIDTH] + offset + k] for k in range(4))
 
 
 def set_rows(array, places, i, offset, a, b, c, d):
-    """Write four values into rows, where `rows_of` reads them."""
+    """Write four vectors into the rows from which `rows_of` reads them."""
     for k, eight in enumerate((a, b, c, d)):
         array[places[i:i + WIDTH] + offset + k] = eight
 
 
 def add_rows(array, first, second, i, offset, to_first, to_second):
-    """Add three values each to rows at two places, one pair of places after the other: they may share rows."""
+    """Add three vectors to each of two sets of rows, one pair of rows after the other, since pairs may share rows."""
     for k in range(WIDTH):
         for places, eights in ((first, to_first), (second, to_second)):
             for n, eight in enumerate(eights):
@@ -52,7 +53,7 @@ def _mixed(builder, x, y, order):
 
 
 def _as_rows(builder, a, b, c, d):
-    """Rows of four, of four values."""
+    """WIDTH rows of four numbers from four vectors."""
     low = [_mixed(builder, a, b, order) for order in (_EVEN, _ODD)]
     high = [_mixed(builder, c, d, order) for order in (_EVEN, _ODD)]
     both = [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]
@@ -60,7 +61,7 @@ def _as_rows(builder, a, b, c, d):
 
 
 def _as_columns(builder, rows):
-    """Four values, of rows of four."""
+    """Four vectors from WIDTH rows of four numbers."""
     both = [_mixed(builder, rows[k], rows[k + 4], list(range(8))) for k in range(4)]
     low = [_mixed(builder, both[0], both[1], order) for order in (_EVEN, _ODD)]
     high = [_mixed(builder, both[2], both[3], order) for order in (_EVEN, _ODD)]
@@ -68,7 +69,7 @@ def _as_columns(builder, rows):
 
 
 def _pointers(context, builder, signature, array, places, i, offset):
-    """To the rows; arguments: values, their types the first of the signature's."""
+    """LLVM pointers to the rows."""
     kinds = signature.args
     numbers = context.make_array(kinds[0])(context, builder, array).data
     wheres = context.make_array(kinds[1])(context, builder, places).data

@@ -1,7 +1,7 @@
-"""What the fast step does of one wall and of several alike: see `alone` and `together`.
+"""Parts of the fast step that a single wall (`alone`) and a batch (`together`) have in common.
 
-Walls that step together share the bricks and the stiffnesses of the joints.  A step moves all bodies; evaluates all
-interfaces as one spring each, eight at a time; and evaluates those that do not stay intact contact by contact.
+A step advances all bodies, evaluates all interfaces by their resultant springs in vectors of eight, and then evaluates
+those that are not intact contact point by contact point.
 """
 
 from typing import NamedTuple
@@ -27,7 +27,7 @@ from damage.wall.joint_law import Material
 
 
 class Law(NamedTuple):
-    """material: of the joint law; threshold [m] of events; plain: whether no contact softens or crushes."""
+    """Joint law of a wall: Material, threshold of events [m], and plain: whether no contact softens or crushes."""
 
     material: Material
     threshold: float
@@ -36,7 +36,7 @@ class Law(NamedTuple):
 
 @inlined
 def wall_of(tables, w):
-    """The tables of one wall."""
+    """System of wall w, views of the joined tables."""
     return System(tables.place[w], tables.velocity[w], tables.force[w], tables.mass[w], tables.inverse_mass[w],
                   tables.trig[w], tables.interfaces[w], tables.contacts[w], tables.states[w], tables.readings[w],
                   tables.energy[w], tables.events[w], tables.values[w], tables.n_events[w], tables.relaxation[w],
@@ -45,7 +45,7 @@ def wall_of(tables, w):
 
 @compiled
 def any_above_zero(controls, column):
-    """Whether any wall has this of its controls."""
+    """Whether a column of the controls, (walls, 5), is above zero for any wall."""
     found = False
     for w in range(controls.shape[0]):
         found |= controls[w, column] > 0.0
@@ -54,11 +54,11 @@ def any_above_zero(controls, column):
 
 @inlined
 def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
-    """`damage.mechanics.step.forces_by_contacts` of wall w."""
+    """`damage.mechanics.step.forces_by_contacts` of interface p of wall w; at_end: as `singly` there."""
     bodies, apart = (blocks.rows, ONE) if lanes == 1 else (blocks.bodies, WIDTH)
     slot, system = INDEX(p * lanes + w), wall_of(tables, w)
     last, limits, m, held = blocks.last, blocks.limits, place_of(slot, at.LAST), place_of(slot, at.LIMITS)
-    start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop  # of all walls: fewer to fetch
+    start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop  # equal in all walls: stays in the cache
     a, b, k = blocks.first[p] + INDEX(w), blocks.second[p] + INDEX(w), place_of(INDEX(p), at.INTERFACE)
     frame, motion = interfaces.relative_motion(line_of(blocks.interfaces, k), pose_of(bodies, a, apart),
                                                pose_of(bodies, b, apart))
@@ -95,7 +95,7 @@ def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
 
 @compiled
 def remember_last(tables, blocks, lanes, which):
-    """`damage.mechanics.step.remember_last` of these walls (bits)."""
+    """`damage.mechanics.step.remember_last` of the walls `which` (bits)."""
     bodies, apart = (blocks.rows, ONE) if lanes == 1 else (blocks.bodies, WIDTH)
     for w in range(tables.interfaces.shape[0]):
         if not which >> w & 1:

@@ -1,7 +1,7 @@
-"""The fast step of up to eight walls side by side, each to the same bits as alone.
+"""Fast step of a batch of up to eight walls, each in one SIMD lane, to the same bits as alone.
 
-Walls end, where a sample is taken, at steps of their own: the contacts of a wall that ends are evaluated one by one,
-while the others go on as always.
+A wall *ends* at the steps at which a sample of it is taken, which differ between walls.  At these steps its contact
+points are evaluated one by one, while the other walls take an ordinary step.
 """
 
 import numpy as np
@@ -48,13 +48,13 @@ LANES = 8
 
 @compiled
 def run(tables, columns, blocks, law, controls, field, clock, ends, ending, stiffness, samples, taken):
-    """Advance from places whose forces are known to the last of these ends, where those of all walls are known again.
+    """Advance all walls to the last of the steps `ends`, and write samples, as `damage.mechanics.step.run`.
 
-    columns: the states of the tables as numbers (walls, contacts, fields); controls: (walls, 5) as of
-    `damage.mechanics.tables.Controls`; field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity,
-    of each step and the one after them [m/s2]; clock: (walls,) steps that came before; ends: steps from here to each;
-    ending: the walls (bits) that end there, all at the last one: a sample of each is written; stiffness, samples: as of
-    `damage.mechanics.samples`; taken: (walls,) samples that each has, zero at first.
+    tables: joined System; columns: its states as an array of numbers, (walls, contacts, fields); controls: (walls, 5)
+    as of `damage.mechanics.tables.Controls`; field: (walls, steps + 1, 3) acceleration of the base along x and z and
+    gravity, in each step and the one after the last [m/s2]; clock: (walls,) numbers of steps before; ends: (n,) rising
+    numbers of steps from now; ending: (n,) walls (bits) of which a sample is written there, all of them at the last;
+    stiffness, samples: as of `damage.mechanics.samples`; taken: (walls,) numbers of samples written, zero on entry.
     """
     pack(tables, blocks, LANES)
     damped, adaptive, step = any_above_zero(controls, 3), any_above_zero(controls, 4), 0
@@ -84,8 +84,11 @@ def run(tables, columns, blocks, law, controls, field, clock, ends, ending, stif
 
 @compiled
 def all_forces(tables, columns, blocks, law, clock, step, ending, all_end, damped):
-    """Forces of the contacts on all bodies, into the blocks, where they are zero; ending: walls (bits) whose contacts
-    are all evaluated one by one, as `singly` of `damage.mechanics.step.find_forces`; all_end: whether these are all."""
+    """Forces of the contact points on all bodies, into the blocks, where they are zero on entry.
+
+    ending: walls (bits) whose contact points are all evaluated by themselves, as `singly` of
+    `damage.mechanics.step.find_forces`; all_end: whether these are all walls.
+    """
     clear(blocks.sums, at.DAMPED, at.KINETIC)
     others = True
     if not all_end:
@@ -105,8 +108,10 @@ def all_forces(tables, columns, blocks, law, clock, step, ending, all_end, dampe
 
 @compiled
 def take_limits(tables, blocks, which):
-    """Let no interface of these walls (bits) count as intact until its limits are packed again: `forces_of_intact` then
-    leaves them out, which costs nothing in the steps at which no wall ends."""
+    """Set the elastic limits of all interfaces of the walls `which` (bits) to -inf, until `pack_limits`.
+
+    `forces_of_intact` then leaves them out, without a test that would take time in steps at which no wall ends.
+    """
     for p in range(tables.interfaces.shape[1]):
         for w in range(tables.interfaces.shape[0]):
             if which >> w & 1:
@@ -115,21 +120,23 @@ def take_limits(tables, blocks, which):
 
 @compiled
 def forces_of_undamped(tables, blocks, law, going):
-    """`forces_of_intact` without damping: apart, as what a branch would need leaves no room in registers."""
+    """`forces_of_intact` without damping, compiled apart: a branch inside would need too many registers."""
     return forces_of_intact(tables, blocks, law, going, False)
 
 
 @compiled
 def forces_of_damped(tables, blocks, law, going):
-    """The same with damping."""
+    """`forces_of_intact` with damping."""
     return forces_of_intact(tables, blocks, law, going, True)
 
 
 @inlined
 def forces_of_intact(tables, blocks, law, going, damped):
-    """Forces of the intact interfaces: one of them in eight walls is a block; and what the failed ones do, in the walls
-    that do not end (bits), where their contacts stay springs, for `forces_of_others`.  Returns whether there are
-    others."""
+    """Forces of the intact interfaces, one in eight walls at a time.
+
+    For failed interfaces whose contact points stay elastic, in the walls `going` (bits) that do not end, the forces are
+    stored for `forces_of_others`.  Returns whether there are interfaces that are not intact.
+    """
     bodies, first, second, any_other = blocks.bodies, blocks.first, blocks.second, 0
     row = NONE
     while row < INDEX(len(blocks.others)):
@@ -154,8 +161,8 @@ def forces_of_intact(tables, blocks, law, going, damped):
 
 @compiled
 def forces_of_others(tables, columns, blocks, law, clock, step, ending, all_end, damped):
-    """Forces of the interfaces that do not stay intact, contact by contact, after all others; of all in the walls that
-    end."""
+    """Forces of the interfaces that are not intact, and of all in the walls that end, contact point by contact point,
+    after the others."""
     for p in range(len(blocks.others)):
         flags = ending if all_end else int(blocks.others[p])
         if flags == 0:
@@ -163,7 +170,7 @@ def forces_of_others(tables, columns, blocks, law, clock, step, ending, all_end,
         done = end_interface(tables, blocks, law, p, ending, damped) if ending else 0
         flags = flags & ~(done | push_waiting(blocks, p, flags & ~ending, damped))
         w = 0
-        while flags:  # hardly ever
+        while flags:  # rarely
             if flags & 1 and w < tables.interfaces.shape[0]:
                 forces_by_law(tables, columns, blocks, law, clock[w] + step, w, p, ending >> w & 1 > 0, damped)
             flags, w = flags >> 1, w + 1
@@ -171,7 +178,7 @@ def forces_of_others(tables, columns, blocks, law, clock, step, ending, all_end,
 
 @inlined
 def forces_by_law(tables, columns, blocks, law, step, w, p, ends, damped):
-    """Forces of an interface of wall w that does not stay elastic."""
+    """Forces of interface p of wall w, which leaves its elastic range; ends: whether a sample of the wall is taken."""
     if blocks.loose[p] >> w & 1:
         give(tables, columns, blocks, w, p)
         blocks.loose[p] &= 255 - (1 << w)
@@ -179,14 +186,14 @@ def forces_by_law(tables, columns, blocks, law, step, w, p, ends, damped):
     failed = tables.interfaces[w, p].failed
     if failed == FAILED:
         take(tables, columns, blocks, w, p)
-    if ends or failed >= ENDING:  # readings of an interface that has ended stay, whatever its lanes are read as
+    if ends or failed >= ENDING:  # an ended interface keeps its readings
         keep_readings(tables, blocks, w, p)
 
 
 @compiled
 def end_interface(tables, blocks, law, p, ending, damped):
-    """Forces of an interface contact by contact in the walls that end (bits), where it is intact or its contacts stay
-    springs, and the readings of its contacts there; returns these walls."""
+    """Forces and readings of interface p by contact points in the walls `ending` (bits), where it is intact or all its
+    contact points stay elastic; returns these walls (bits)."""
     k, a, b = place_of(INDEX(p), at.INTERFACE), blocks.first[p], blocks.second[p]
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
     frame, motion, _, intact = evaluate(
@@ -215,8 +222,10 @@ def end_interface(tables, blocks, law, p, ending, damped):
 
 @compiled
 def observe(tables, columns, blocks, which, stiffness, samples, taken):
-    """Write the next sample of each of these walls (bits), as `damage.mechanics.samples.observe`, by the bench of the
-    step that begins now."""
+    """Write the next sample of each of the walls `which` (bits), as `damage.mechanics.samples.observe`.
+
+    The bench must hold the parameters of the next step.
+    """
     kinetic_energy(blocks)
     for w in range(tables.place.shape[0]):
         if which >> w & 1:
@@ -230,8 +239,7 @@ def observe(tables, columns, blocks, which, stiffness, samples, taken):
 
 @compiled
 def observe_places(tables, blocks, w, samples, k):
-    """Write the places of the bodies of wall w, the forces on its supports and the totals of the sample with this
-    number."""
+    """Write displacements of the bodies, forces on the supports and totals of wall w into its sample k."""
     supports = tables.place.shape[1] - samples.support_force.shape[2]
     for b in range(tables.place.shape[1]):
         slot = INDEX(b) * at.BODY + INDEX(w)
@@ -249,7 +257,7 @@ def observe_places(tables, blocks, w, samples, k):
 
 @inlined
 def half_step_on(bodies, k, velocity, force, inverse, field, dt):
-    """Velocities half a step on."""
+    """Velocities of a coordinate of eight bodies, advanced by half a step; arguments: indices of its fields."""
     free = load(bodies, k + inverse)
     return load(bodies, k + velocity) + either(
         free > 0.0, 0.5 * dt * (load(bodies, k + force) * free - field), 0.0)
@@ -257,7 +265,7 @@ def half_step_on(bodies, k, velocity, force, inverse, field, dt):
 
 @compiled
 def kinetic_energy(blocks):
-    """`damage.mechanics.samples.kinetic_energy` of all walls, where the sum of kinetic energies begins."""
+    """`damage.mechanics.samples.kinetic_energy` of all walls [J], into the sums from KINETIC on."""
     bodies, bench = blocks.bodies, blocks.bench
     energy, block, dt = spread(0.0), NONE, load(bench, at.STEP)
     while block < INDEX(len(bodies)) // at.BODY:
@@ -274,7 +282,7 @@ def kinetic_energy(blocks):
 
 @compiled
 def observe_stored(blocks, which, stiffness, samples, taken):
-    """Write the elastic energy of all contacts."""
+    """Write the elastic energies of all contact points into the samples of the walls `which` (bits)."""
     readings, room = blocks.readings, blocks.sums
     for c in range(samples.stored.shape[2]):
         k = INDEX(c) * at.READ
@@ -287,7 +295,7 @@ def observe_stored(blocks, which, stiffness, samples, taken):
 
 @compiled
 def observe_failed(tables, columns, blocks, w, stiffness, samples, k):
-    """Write what the contacts of failed interfaces of wall w are."""
+    """Write the contact data of the failed interfaces of wall w into its sample k."""
     system = wall_of(tables, w)
     for p in range(tables.interfaces.shape[1]):
         if tables.interfaces[w, p].failed:

@@ -1,0 +1,180 @@
+"""Seed faults one by one in a copy of the repository, and say which of the tests named for each detects it.
+
+    python3 scripts/seeded_faults.py                # all of them, about half an hour on one core
+    python3 scripts/seeded_faults.py law index      # those of some subjects
+    python3 scripts/seeded_faults.py --table FILE   # write the table that the documents show
+
+A fault is a small change of one line, such as a sign or a factor.  First the tests must pass without any; status 1
+where they do not, or where a fault stays undetected.
+"""
+
+import argparse
+import csv
+import re
+import subprocess
+import sys
+import tempfile
+from itertools import starmap
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class Fault(NamedTuple):
+    """A change of the text `right` in the file at `path` to `wrong`; tests: files that see it."""
+
+    subject: str
+    what: str
+    path: str
+    right: str
+    wrong: str
+    tests: str
+
+
+FAULTS = [*starmap(Fault, (
+    ("wall", "every second course starts with the wrong half", "damage/wall/layout.py",
+     'starts_half = (course % 2 == 1) != (', 'starts_half = (course % 2 == 1) == (', "test_layout"),
+    ("wall", "inertia of a brick by m (l^2 + h^2) / 6", "damage/wall/layout.py",
+     "inertia = mass * (length**2 + height**2) / 12", "inertia = mass * (length**2 + height**2) / 6", "test_layout"),
+    ("wall", "a whole brick in series with a base joint", "damage/wall/compliance.py",
+     "distance[first < 0] = brick.height / 2", "distance[first < 0] = brick.height", "test_layout test_modes"),
+    ("wall", "strengths that scatter have a mean above one", "damage/wall/layout.py",
+     "np.exp(spread * normal - spread**2 / 2)", "np.exp(spread * normal)", "test_layout test_members"),
+    ("wall", "the critical time step is half as long", "damage/wall/modes.py",
+     "float(2 / np.sqrt(highest))", "float(1 / np.sqrt(highest))", "test_modes"),
+    ("wall", "bricks' cells overlap the face by one side only", "damage/wall/kinematics.py",
+     "np.where(on_ground, -np.inf, start - other_end)", "np.where(on_ground, -np.inf, start - other_start)",
+     "test_ends"),
+    ("law", "friction falls under compression", "damage/wall/joint_law.py",
+     "(abs(shear_stress) < cohesion - normal_stress * friction)",
+     "(abs(shear_stress) < cohesion + normal_stress * friction)", "test_joint_law"),
+    ("law", "friction work by the stress after the step alone", "damage/wall/joint_law.py",
+     "friction_work += 0.5 * (before + limit) * (abs(trial) - limit) / ks",
+     "friction_work += limit * (abs(trial) - limit) / ks", "test_joint_law test_reference"),
+    ("law", "slip softens by the tensile fracture energy", "damage/wall/joint_law.py",
+     "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_ii_energy",
+     "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_i_energy", "test_softening"),
+    ("law", "crushing takes the full strength from its first step", "damage/wall/joint_law.py",
+     "state.closure + more, 0.5 * (before + strength) * more", "state.closure + more, strength * more",
+     "test_crushing"),
+    ("law", "a bond that opens keeps its tension", "damage/wall/joint_law.py",
+     "if not broken and sigma > strength:  # (10)", "if not broken and sigma > 2 * strength:  # (10)",
+     "test_joint_law"),
+    ("step", "the base pushes bodies the wrong way", "damage/mechanics/bodies.py",
+     "either(inverse_mass > 0.0, force * inverse_mass - field, 0.0)",
+     "either(inverse_mass > 0.0, force * inverse_mass + field, 0.0)", "test_reference"),
+    ("step", "forces act at one of the two material points", "damage/mechanics/interfaces.py",
+     "line.bx + dbx - 0.5 * dx", "line.bx + dbx", "test_reference"),
+    ("step", "the couple of an interface ignores the relative rotation", "damage/mechanics/interfaces.py",
+     "couple = resultant.couple * frame.length2", "couple = resultant.couple", "test_reference"),
+    ("step", "moments on both bodies alike, in the fast step of one wall", "damage/reference/fast/alone.py",
+     "(-forces.x, -forces.z, -forces.moment_b))", "(-forces.x, -forces.z, -forces.moment_a))", "test_plain"),
+    ("step", "walls that end count their interfaces twice, among eight", "damage/reference/fast/together.py",
+     "                blocks.limits[INDEX(p) * at.LIMITS + INDEX(w) + at.OPENING] = -np.inf",
+     "                blocks.limits[INDEX(p) * at.LIMITS + INDEX(w) + at.OPENING] += 0.0", "test_together"),
+    ("step", "a joint that ends loses all its energy to friction", "damage/mechanics/contacts.py",
+     "system.energy[FRICTION] += 0.5 * tau * (tau / contact.ks + slid)",
+     "system.energy[FRICTION] += tau * (tau / contact.ks + slid)", "test_ends"),
+    ("step", "viscous damping opposes the position", "damage/mechanics/interfaces.py",
+     "resultant.shear + rate * elastic_change.shear,", "resultant.shear - rate * elastic_change.shear,",
+     "test_damping"),
+    ("run", "the default step may reach the damped limit", "damage/run/schedule.py",
+     "0.85 * limit", "1.0 * limit", "test_run_constants"),
+    ("run", "a brick has fallen after its whole height", "damage/run/watch.py",
+     "-layout.bodies.height[:layout.n_bricks] / 2", "-layout.bodies.height[:layout.n_bricks]", "test_run_constants"),
+    ("run", "all events of a sequence have the strength of the first", "damage/run/schedule.py",
+     "= factor * once", "= once", "test_sequence test_run"),
+    ("run", "a harmonic motion starts at its peak", "damage/motion/loading.py",
+     "sine = self.amplitude_g * GRAVITY * np.sin(2 * np.pi * time_s / self.period_s)\n",
+     "sine = self.amplitude_g * GRAVITY * np.cos(2 * np.pi * time_s / self.period_s)\n", "test_loading"),
+    ("run", "weight counts twice in the unbalanced force", "damage/run/watch.py",
+     "on_bodies[:, 1] - GRAVITY * layout.bodies.mass", "on_bodies[:, 1] - 2 * GRAVITY * layout.bodies.mass",
+     "test_run test_run_constants"),
+    ("index", "joints count as open from 0.2 mm", "damage/index.py",
+     "THRESHOLD = 0.1 * MILLIMETRE", "THRESHOLD = 0.2 * MILLIMETRE", "test_index"),
+    ("index", "opening and slip add up", "damage/index.py",
+     "return 1 - (1 - drift) * (1 - opened) * (1 - slipped)", "return 1 - (1 - drift) * (1 - opened - slipped)",
+     "test_index"),
+    ("index", "fractions of the joints that are given, not of all", "damage/index.py",
+     "(np.sum(length) if total_length is None else total_length)", "np.sum(length)", "test_index test_history"),
+    ("index", "slip to one side does not count", "damage/index.py",
+     "np.abs(slip) > threshold", "np.asarray(slip) > threshold", "test_index"),
+    ("measures", "Psi with another exponent of the number of cracks", "damage/measure/cracks.py",
+     "** 0.15 *", "** 0.3 *", "test_cracks"),
+    ("measures", "the mean width is weighted by length alone", "damage/measure/cracks.py",
+     "np.divide(width**2 @ length, weight,", "np.divide(width @ length, weight,", "test_cracks"),
+    ("measures", "the energy balance leaves damping out", "damage/measure/energy.py",
+     "for name in (*STORED, *DISSIPATED))\n    total = total -",
+     "for name in (*STORED, *DISSIPATED[:2]))\n    total = total -", "test_measures"),
+    ("measures", "driven cycles end before the motion does", "damage/measure/cycles.py",
+     "begins_driven = cycles[:, 0] <= _motion_end(series)", "begins_driven = cycles[:, 1] <= _motion_end(series)",
+     "test_measures"),
+    ("measures", "ripples around zero count as cycles", "damage/measure/vibration.py",
+     "REARM = 0.02", "REARM = 0.0", "test_measures"),
+    ("studies", "intervals of few records too narrow", "damage/studies/fragility.py",
+     "np.sqrt(n / (n - 1)) * student", "np.sqrt((n - 1) / n) * student", "test_fragility"),
+    ("studies", "a wall that collapsed does not exceed", "damage/studies/fragility.py",
+     '(runs[measure] > level) | runs["collapsed_at_s"].notna()', "runs[measure] > level", "test_fragility"),
+    ("studies", "the fit's slope has the wrong sign", "damage/studies/fragility.py",
+     "- (n - y) * np.exp(density - above)", "+ (n - y) * np.exp(density - above)", "test_fragility"),
+    ("studies", "the last value of a range is left out", "damage/studies/grid.py",
+     'values["from"] + MOST_POINTS) + 1)', 'values["from"] + MOST_POINTS))', "test_study"),
+    ("YADE", "the shear limit counts while a joint is open", "yade_scripts/joint_tracker.py",
+     "slides = ~is_open & (np.abs(tau) >= limit", "slides = (np.abs(tau) >= limit", "test_joint_tracker"),
+    ("YADE", "slip goes on while a joint is open", "yade_scripts/joint_tracker.py",
+     "np.where(stays_closed, plastic - self._plastic[joints], 0.0)", "plastic - self._plastic[joints]",
+     "test_joint_tracker"),
+))]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("subjects", nargs="*", metavar="SUBJECT")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="CSV to write")
+    asked = parser.parse_args()
+    if unknown := {*asked.subjects} - {fault.subject for fault in FAULTS}:
+        parser.error(f"no subject {min(unknown)}; expected some of {', '.join({fault.subject: 0 for fault in FAULTS})}")
+    faults = [fault for fault in FAULTS if not asked.subjects or fault.subject in asked.subjects]
+    with tempfile.TemporaryDirectory() as folder:
+        rows = list(attack(faults, Path(folder)))
+    undetected = [what for _, what, _, test in rows if not test]
+    if asked.table:
+        with asked.table.open("w", newline="", encoding="utf-8") as out:
+            csv.writer(out, lineterminator="\n").writerows([("subject", "fault", "file", "detected by"), *rows])
+    print(f"{len(rows) - len(undetected)} of {len(rows)} faults detected")
+    return 1 if undetected else 0
+
+
+def attack(faults, folder):
+    """Rows (subject, what, path, test) of each fault, seeded alone; the test is "" where none of those named fails."""
+    files = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    subprocess.run(["tar", "cf", str(folder / "copy.tar"), "-T", "-"], cwd=ROOT, input=files, text=True, check=True)
+    subprocess.run(["tar", "xf", "copy.tar"], cwd=folder, check=True)
+    if failed := first_failure(folder, sorted({test for fault in faults for test in fault.tests.split()}), False):
+        raise SystemExit(f"{failed} fails without a fault: correct it first")
+    for fault in faults:
+        path = folder / fault.path
+        text = path.read_text(encoding="utf-8")
+        if fault.right not in text:
+            raise SystemExit(f"{fault.path} has no {fault.right!r}: correct FAULTS")
+        path.write_text(text.replace(fault.right, fault.wrong), encoding="utf-8")
+        test = first_failure(folder, fault.tests.split())
+        path.write_text(text, encoding="utf-8")
+        print(f"{fault.subject:9} {fault.what}: {test or 'NOT DETECTED'}", flush=True)
+        yield fault.subject, fault.what, fault.path, test
+
+
+def first_failure(folder, tests, stop=True):
+    """The first test that fails, as FILE::NAME, "" where all pass."""
+    files = [f"tests/{test}.py" for test in tests]
+    done = subprocess.run([sys.executable, "-m", "pytest", "-q", *["-x"] * stop, "-p", "no:cacheprovider", *files],
+                          cwd=folder, capture_output=True, text=True)
+    failed = re.search(r"^(?:FAILED|ERROR) tests/(\S+)", done.stdout, re.MULTILINE)
+    if done.returncode not in (0, 1, 2):
+        raise SystemExit(f"pytest ended with status {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+    return failed[1] if failed else ""
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,167 @@
+"""The site of the documents in a real browser, from files and from a server: no errors, search, narrow screens.
+
+`bash scripts/browser.sh` installs what these need and runs them.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import threading
+import time
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from shutil import which
+
+import pytest
+from conftest import REPOSITORY
+
+from benchmarks.report_in_browser import BROWSER, DRIVER, browser
+
+for module in ("selenium", "sphinx", "myst_parser", "furo"):
+    pytest.importorskip(module, reason=f"{module} is not installed: bash scripts/browser.sh")
+pytestmark = [pytest.mark.long, pytest.mark.skipif(
+    not (which(BROWSER) and which(DRIVER)), reason=f"{BROWSER} or {DRIVER} is not installed: bash scripts/browser.sh"),
+    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")]  # of selenium's own
+
+NARROW_PX, SEARCH_S = 390, 20
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The folder of the site."""
+    folder = tmp_path_factory.mktemp("site") / "html"
+    done = subprocess.run(["bash", REPOSITORY / "scripts" / "site.sh", "--out", folder], capture_output=True, text=True,
+                          env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """What `python3 -m http.server` answers with, without its log."""
+
+    def log_message(self, *words):
+        pass
+
+
+@pytest.fixture(scope="module", params=["file", "server"])
+def address(request, site):
+    """Where the site is opened, without the page's name."""
+    if request.param == "file":
+        yield site.as_uri()
+        return
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=site)) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+        server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def driver():
+    with browser() as driver:
+        yield driver
+
+
+@pytest.fixture
+def narrow(driver):
+    """The driver with the screen of a telephone."""
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": NARROW_PX, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+    yield driver
+    driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def pages(site):
+    """Names of all pages of the site."""
+    return sorted(path.relative_to(site).as_posix() for path in site.rglob("*.html"))
+
+
+def requested(driver):
+    """URLs that were requested since the log was read last."""
+    messages = (json.loads(entry["message"])["message"] for entry in driver.get_log("performance"))
+    return {one["params"]["request"]["url"] for one in messages if one["method"] == "Network.requestWillBeSent"}
+
+
+def test_the_browser_reports_what_it_is_asked_to(driver, site, tmp_path):
+    """So that an empty log means that there was nothing to report."""
+    bad = tmp_path / "bad.html"
+    bad.write_text('<link rel="stylesheet" href="nowhere.css"><script type="module" src="nowhere.js"></script>')
+    driver.get_log("browser")
+    driver.get(bad.as_uri())
+    assert len(driver.get_log("browser")) >= 2
+    requested(driver)
+
+
+def test_every_page_opens_without_an_error_or_a_warning(driver, site, address):
+    faults, names = {}, pages(site)
+    assert len(names) > 40
+    driver.get("about:blank")
+    driver.get_log("browser"), requested(driver)
+    for name in names:
+        driver.get(f"{address}/{name}")
+        driver.execute_script("scrollTo(0, document.body.scrollHeight); dispatchEvent(new Event('resize'))")
+        time.sleep(0.05)  # what follows the page's position does so in the next frame
+        if found := driver.get_log("browser"):
+            faults[name] = [entry["message"] for entry in found]
+        elsewhere = {url for url in requested(driver) if not url.startswith((address, "data:", "about:"))}
+        if elsewhere:
+            faults.setdefault(name, []).append(f"requests {elsewhere}")
+    assert faults == {}
+
+
+@pytest.mark.parametrize("word, page", [("lintel", "model/model"), ("softening", "guides/own-wall"),
+                                        ("precompression", "model/model")])
+def test_the_search_shows_the_text_around_the_word(driver, address, word, page):
+    driver.get("about:blank")
+    driver.get_log("browser")
+    driver.get(f"{address}/search.html?q={word}")
+    until, hits = time.monotonic() + SEARCH_S, {}
+    while time.monotonic() < until and page not in hits:
+        time.sleep(0.2)
+        hits = {link.partition(".html")[0]: text for link, text in driver.execute_script(
+            "return Array.from(document.querySelectorAll('#search-results li'), (hit) => [hit.querySelector('a')"
+            ".getAttribute('href'), (hit.querySelector('.context') || {innerText: ''}).innerText])")}
+    assert word in hits[page].lower()
+    assert 60 < len(hits[page]) < 300
+    assert all(hits.values())
+    assert driver.get_log("browser") == []
+
+
+def test_a_narrow_screen_scrolls_up_and_down_only(narrow, site):
+    """Tables that are wider scroll in a box of their own."""
+    wide, cut = {}, {}
+    for name in pages(site):
+        narrow.get((site / name).as_uri())
+        width = narrow.execute_script("return document.documentElement.scrollWidth")
+        if width > NARROW_PX:
+            wide[name] = width
+        hidden = narrow.execute_script(
+            "const boxed = (one) => one && (/auto|scroll/.test(getComputedStyle(one).overflowX) || "
+            "boxed(one.parentElement)), wider = (one) => one.scrollWidth > one.clientWidth + 1 && one.clientWidth > 0;"
+            "return Array.from(document.querySelectorAll('article *'))"
+            ".filter((one) => (wider(one) || one.getBoundingClientRect().right > arguments[0]) && !boxed(one))"
+            ".map((one) => `${one.tagName} ${one.textContent.slice(0, 60)}`)", NARROW_PX)
+        if hidden:
+            cut[name] = hidden
+    assert (wide, cut) == ({}, {})
+
+
+def test_a_dark_screen_has_light_words_on_dark(driver, site):
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
+        {"name": "prefers-color-scheme", "value": "dark"}]})
+    try:
+        driver.get((site / "guides" / "gallery.html").as_uri())
+        colours = driver.execute_script("return ['color', 'backgroundColor'].flatMap((name) => [document.body, "
+                                        "document.querySelector('pre')].map((one) => getComputedStyle(one)[name]))")
+    finally:
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    *ink, page, box = (sum(map(int, re.findall(r"\d+", one)[:3])) / 3 for one in colours)
+    assert min(ink) > 180 and max(page, box) < 60
+
+
+def test_the_options_of_commands_are_there(driver, site):
+    driver.get((site / "api" / "commands.html").as_uri())
+    options = driver.execute_script("return Array.from(document.querySelectorAll('#command-reference dt'), "
+                                    "(term) => [term.textContent, term.nextElementSibling.textContent.trim()])")
+    assert dict(options)["--pushover DRIFT_PCT"] == "push the top to this drift"
