@@ -22,7 +22,9 @@ from damage.mechanics.tables import DAMPING, INPUT, RIGID
 from damage.motion.loading import Harmonic
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
+from damage.run.opening import describe_brick
 from damage.run.options import parse_run
+from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -416,6 +418,15 @@ def test_options_of_deformable_bricks_alone():
     assert "brick_order" in one_line_error(ModelOptions, bricks="deformable", brick_order=4)
     assert "even number" in one_line_error(ModelOptions, contacts="gauss", cells=3)
     assert parse_run(["--bricks", "deformable", "--brick-order", "3"], "test", "reference").model.brick_order == 3
+
+
+def test_choices_that_do_not_suit_deformable_bricks_are_warned_of():
+    suited = ModelOptions(**DEFORMABLE)
+    assert deformable_warnings(suited, softens=True) == deformable_warnings(ModelOptions(), softens=False) == []
+    (brittle,), (corners,) = (deformable_warnings(suited, softens=False), deformable_warnings(
+        replace(suited, contacts="corners"), softens=True))
+    assert "fracture energies" in brittle and "--contacts gauss" in corners
+    assert describe_brick(BRICK, suited).endswith("modulus 5200 MPa, deformable (order 2, plane stress)")
 
 
 def test_periods_of_deformable_bricks_by_the_command(capsys):
