@@ -18,11 +18,13 @@ from small_history import make_history
 from damage.draw.run import save_all, stress_picture
 from damage.history.reader import read_history
 from damage.measure.energy import energy_error
-from damage.mechanics.tables import DAMPING, INPUT, RIGID
+from damage.mechanics.tables import DAMPING, ENDED, FRICTION, INPUT, RIGID
 from damage.motion.loading import Harmonic
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
+from damage.run.opening import describe_brick
 from damage.run.options import parse_run
+from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -353,6 +355,22 @@ def test_energy_of_an_intact_wall_balances(options, beta, share):
     assert (solver.energy[DAMPING] > 1e-6 * kick) == damped
 
 
+@pytest.mark.parametrize("damping", [{"local": 0.7}, {"adaptive": 1.0}], ids=str)
+def test_damping_of_static_solutions_acts_on_strain_modes(damping):
+    solver = solver_of(lay(2, 4, Joint(**ELASTIC), precompression=3e5, brick_damping=0.0))
+    solver.add_static_displacement()
+    solver.start(np.zeros((0, 2)))
+    strain = solver.system.velocity[:-1, RIGID:]
+    strain[:] = np.where(solver.system.mass[:-1, RIGID:] > 0, 1e-5, 0.0)
+    solver.run(1)
+    began, kick = total_energy(solver), solver.kinetic_energy()
+    solver.damp(**damping)
+    solver.run(6000)
+    assert np.abs(strain).max() < 1e-3 * 1e-5
+    assert solver.kinetic_energy() < 1e-4 * kick
+    assert_allclose(total_energy(solver), began, atol=0.05 * kick)  # what was taken is counted
+
+
 @pytest.mark.parametrize("kind", ["brittle", "softening", "parallel elements"])
 def test_energy_of_a_shaken_wall_balances_while_joints_fail(kind):
     soft = {"mode_i_fracture_energy": 1.0, "mode_ii_fracture_energy": 10.0} if kind != "brittle" else {}
@@ -369,6 +387,31 @@ def test_energy_of_a_shaken_wall_balances_while_joints_fail(kind):
         errors.append(abs(total_energy(solver) - began))
     assert max(errors) < 5e-3 * max(inputs)
     assert solver.system.states["broken"].any()
+
+
+def test_a_brick_that_is_pushed_off_another_falls():
+    """Dry, at constant speed and not turning, on a brick that rests: friction takes mu m g s over the brick's length s,
+    the balance stays closed when the joint ends, and then it falls freely."""
+    wall = Wall("pair", LENGTH / 2, 2 * HEIGHT, precompression=0.0, joint=Joint(tensile_strength=0.0, cohesion=0.0))
+    solver = solver_of(lay_out(wall, ModelOptions(**DEFORMABLE)), 0.3)
+    solver.add_static_displacement()
+    solver.damp(adaptive=1.0)
+    solver.run(3000)
+    solver.damp()
+    solver.start(np.zeros((0, 2)))
+    solver.system.inverse_mass[0, :RIGID] = solver.system.velocity[0, :RIGID] = 0.0
+    solver.hold(np.array([1]), rotation=True)
+    solver.push(1.0)
+    mass, began = solver.layout.bodies.mass[1], total_energy(solver)
+    solver.run(round(0.5 * LENGTH / solver.time_step) + 10)
+    assert solver.system.interfaces["failed"][1] == ENDED and not solver.force[1].any()
+    friction = np.tan(wall.joint.friction_angle) * GRAVITY * mass * LENGTH / 2
+    assert solver.energy[FRICTION] == pytest.approx(friction, rel=3e-3)
+    before, speed = solver.displacement[1, 1], solver.velocity[1, 1]
+    solver.run(1000)
+    time_s = 1000 * solver.time_step
+    assert_allclose(solver.displacement[1, 1] - before, speed * time_s - GRAVITY * time_s**2 / 2, atol=1e-7)
+    assert_allclose(total_energy(solver), began, atol=1e-3 * friction)
 
 
 def test_a_run_has_a_balanced_history(tmp_path):
@@ -416,6 +459,15 @@ def test_options_of_deformable_bricks_alone():
     assert "brick_order" in one_line_error(ModelOptions, bricks="deformable", brick_order=4)
     assert "even number" in one_line_error(ModelOptions, contacts="gauss", cells=3)
     assert parse_run(["--bricks", "deformable", "--brick-order", "3"], "test", "reference").model.brick_order == 3
+
+
+def test_choices_that_do_not_suit_deformable_bricks_are_warned_of():
+    suited = ModelOptions(**DEFORMABLE)
+    assert deformable_warnings(suited, softens=True) == deformable_warnings(ModelOptions(), softens=False) == []
+    (brittle,), (corners,) = (deformable_warnings(suited, softens=False), deformable_warnings(
+        replace(suited, contacts="corners"), softens=True))
+    assert "fracture energies" in brittle and "--contacts gauss" in corners
+    assert describe_brick(BRICK, suited).endswith("modulus 5200 MPa, deformable (order 2, plane stress)")
 
 
 def test_periods_of_deformable_bricks_by_the_command(capsys):

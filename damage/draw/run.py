@@ -356,7 +356,7 @@ def save_all(history, folder):
     """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns their paths.
 
     The picture of the heap is included where bricks were followed beyond the collapse, that of stresses where bricks
-    deform.
+    are deformable.
     """
     chosen = PICTURES | ({"heap": heap_picture} if has_heap(history) else {}) | (
         {} if history.stress_pa is None else {"stress_max": stress_picture})

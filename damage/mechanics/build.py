@@ -136,8 +136,11 @@ def _interfaces(layout, row):
 
 
 def sum_springs(interfaces, contacts, material, strain=None):
-    """Write the resultant springs of intact interfaces into their table, and the limits up to which these hold: none
-    between bricks with strain modes, whose contact points are evaluated one by one."""
+    """Write the resultant springs of intact interfaces into their table, and the limits up to which these hold.
+
+    strain: of the layout, None where bricks are rigid; between deformable bricks contact points are evaluated one by
+    one.
+    """
     start = interfaces["start"]
     kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
     for name, values in (("kn", kn), ("ks", ks), ("kn_offset", kn * offset), ("kn_offset2", kn * offset**2)):

@@ -109,8 +109,8 @@ def law_resultant(system, law, start, stop, step, motion, before, damped):
     """Resultant of contact points of an interface by the joint law [N, N m].
 
     Returns the resultant; if damped, its change since the last step by the contact points that stayed elastic; and
-    whether a contact point has failed, softened or been crushed.  step: number of the step in
-    the log; motion, before: RelativeMotion now and in the last step.
+    whether a contact point has failed, softened or been crushed.  start, stop: rows of the contact points; step: number
+    of the step in the log; motion, before: RelativeMotion now and in the last step.
     """
     contacts, states = system.contacts, system.states
     normal = shear = couple = d_normal = d_shear = d_couple = 0.0

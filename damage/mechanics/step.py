@@ -155,8 +155,9 @@ def find_forces(system, law, controls, step, singly, scratch, loose, since):
 def forces_by_contacts(system, law, controls, p, step, singly, damped, loose):
     """Add the forces of interface p, evaluated contact point by contact point.
 
-    They are springs while all that share a RelativeMotion stay in their elastic range, else the joint law applies.
-    Once the faces have ceased to overlap, forces are zero from the next step on, permanently.
+    Those that share a RelativeMotion (all between rigid bricks, one between deformable ones) are springs while all stay
+    in their elastic range, else the joint law applies.  Once the faces have ceased to overlap, forces are zero from the
+    next step on, permanently.
     """
     interface = system.interfaces[p]
     start, size = interface.start, points_at_once(law.strain, interface)

@@ -134,8 +134,7 @@ class Strain(NamedTuple):
 
 
 class Law(NamedTuple):
-    """Joint law of a wall: its Material, the threshold of the events OPENED and SLIPPED [m], and the Strain of its
-    bricks."""
+    """Joint law of a wall: Material, threshold of the events OPENED and SLIPPED [m]; and the Strain of its bricks."""
 
     material: Material
     threshold: float

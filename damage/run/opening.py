@@ -18,7 +18,7 @@ def opening_lines(layout, loading, modes, time_step):
         f"contact points on {layout.total_joint_length:.2f} m of joints",
         *describe_top(layout),
         describe_joint(wall.joint, options.strength_cov),
-        describe_brick(wall.brick),
+        describe_brick(wall.brick, options),
         f"lintel {options.lintel}: {describe_share(elastic_share(wall, joint_table(layout), body_table(layout)))}",
         f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
         f"({time_step / modes.critical_time_step_s:.2f} of the critical)",
@@ -41,8 +41,8 @@ def describe_joint(joint, scatter=0.0):
     return f"joints: {', '.join(parts)}"
 
 
-def describe_brick(brick):
-    """A damage.Brick in one line.
+def describe_brick(brick, options=None):
+    """A damage.Brick in one line; options: ModelOptions, None where bricks are rigid.
 
     >>> from damage.wall.parameters import Brick
     >>> describe_brick(Brick(tensile_strength=1e6))
@@ -50,6 +50,8 @@ def describe_brick(brick):
     """
     line = (f"bricks: {brick.length:.4g} x {brick.height:.4g} x {brick.thickness:.4g} m, {brick.density:.4g} kg/m3, "
             f"modulus {brick.young_modulus / MEGA:.4g} MPa")
+    if options and options.deforms:
+        return f"{line}, deformable (order {options.brick_order}, plane {options.plane})"
     if not brick.splits:
         return f"{line}, never splitting"
     shear = "" if brick.cohesion is None else f" and {brick.cohesion / MEGA:.4g} MPa in shear"

@@ -63,6 +63,18 @@ def softening_warnings(settings, time_step, critical_s, softening):
     return found
 
 
+def deformable_warnings(model, softens):
+    """Choices of a ModelOptions that do not suit deformable bricks: a list of lines; softens: whether joints do."""
+    found = []
+    if model.deforms and model.contacts != "gauss":
+        found.append(f"--bricks deformable with --contacts {model.contacts}: expected --contacts gauss, which alone "
+                     "passes the patch test; corner points fail joints at rest")
+    if model.deforms and not softens:
+        found.append("--bricks deformable with brittle joints: how many contact points fail depends on their number; "
+                     "give joints fracture energies (docs/model/model.md)")
+    return found
+
+
 def sample_steps(time_step):
     """Steps between two samples, nearest to SAMPLE_S; time_step [s].
 

@@ -23,7 +23,7 @@ from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
-from damage.run.schedule import check_size, choose_time_step, softening_warnings
+from damage.run.schedule import check_size, choose_time_step, deformable_warnings, softening_warnings
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import take_turns
 from damage.start import is_of_output
@@ -167,6 +167,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     modes = natural_modes(layout)
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
     check_size(settings, layout, time_step)
+    warn(*deformable_warnings(settings.model, wall.joint.softens))
     if wall.joint.softens:
         warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening))
     print(*opening_lines(layout, settings.loading, modes, time_step), sep="\n", flush=True)
