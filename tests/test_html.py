@@ -254,6 +254,15 @@ class TestNothingElse:
             assert any(fnmatch(path.relative_to(REPOSITORY / "damage").as_posix(), pattern) for pattern in listed)
 
 
+def test_a_collapse_whose_bricks_were_followed_shows_where_they_lie(tmp_path):
+    layout = small_layout()
+    fallen = np.zeros((len(layout.bodies), 3)) + [0.2, -0.1, 1.0]
+    pages = [Page(page([damaged(tmp_path / f"{end}.h5", collapsed_at_s=0.15, snapshots={0.0: 0 * fallen, end: fallen}
+                                ).path], [])) for end in (0.2, 0.9)]
+    before, after = (["heap" in attributes.get("class", "") for attributes in one.all("img")] for one in pages)
+    assert not any(before) and after.count(True) == 1
+
+
 class TestSaidFirst:
     @pytest.mark.parametrize(("options", "words"), [
         ({"status": "interrupted"}, "interrupted at 0.200 s"), ({"status": "failed"}, "do not rely"),

@@ -127,7 +127,7 @@ class Near(NamedTuple):
 
 # --- forces -----------------------------------------------------------------------------------------
 
-@inlined
+@compiled
 def find_loose_forces(system, loose, dt):
     """Add the forces of all loose contacts to those on the bodies, if there are any, and search for neighbours first
     where a body has moved far enough; dt: time since they were last found [s]."""
@@ -148,7 +148,7 @@ def push_all(system, loose, dt):
             push_corner(system, loose, row, k, p, c, dt)
 
 
-@inlined
+@compiled
 def push_corner(system, loose, row, k, p, c, dt):
     """Forces between a corner of the core of body p, spring k of a pair, and the core of body c.
 
@@ -210,7 +210,7 @@ def place_of(system, loose, b, axis):
     return loose.cores[b, CENTRE_X + axis] + system.place[b, axis]
 
 
-@inlined
+@compiled
 def nearest(system, loose, p, c, corner, reach):
     """Near of a corner of the core of body p, counter-clockwise from the upper right, and the core of body c; farther
     than `reach` [m] the distance may be any above it."""
@@ -296,7 +296,7 @@ def can_touch(system, loose, a, b):
     return loose.joined[b] != a and system.inverse_mass[a, Z] + system.inverse_mass[b, Z] > 0.0
 
 
-@inlined
+@compiled
 def bound(system, loose):
     """Bounds of all bodies, grown by half of the margin between two."""
     cores, bounds, grown = loose.cores, loose.bounds, (1.0 + 0.5 * MARGIN) * loose.touch.radius
@@ -314,7 +314,7 @@ def bound(system, loose):
         loose.joined[b] = -1
 
 
-@inlined
+@compiled
 def keep(loose):
     """Keep the list of pairs as the last one, chained by their first bodies, and empty it."""
     for b in range(len(loose.first)):
@@ -330,7 +330,7 @@ def keep(loose):
     loose.counts[PAIRS] = 0
 
 
-@inlined
+@compiled
 def list_pair(system, loose, a, b):
     """Add a pair to the list, with the springs that it has had."""
     row = add_pair(loose, a, b)
