@@ -53,13 +53,14 @@ def warn_of_ends(history):
     """Warning of joints that ended or, in histories before schema version 5, slid beyond their faces; a list of str."""
     ended, slid = ended_joints(history), offset_over_overlap(history)
     if ended is not None:
+        collide = bool(history.parameters.get("new_contacts"))
         others = ("bricks that meet anew touch at corners and faces alone" if history.solver == "yade" else
-                  "the bricks collide as rectangles with rounded corners" if history.parameters.get("new_contacts") else
+                  "the bricks collide as rectangles with rounded corners" if collide else
                   "bricks find no new contacts, and what the run says of those there from then on is not valid; give "
                   "--new-contacts")
         first = f"{ended.count} joints ended, the first" if ended.count > 1 else "1 joint ended,"
-        return [f"{first} {_at(history, ended.row, ended.sample)}: its faces no longer overlap, it has no forces any "
-                f"more; {others}"]
+        return [f"{first} {_at(history, ended.row, ended.sample)}: its faces no longer overlap"
+                f"{' or are apart' if collide else ''}, it has no forces any more; {others}"]
     if slid is None or slid[0] < 1:
         return []
     share, row, sample = slid
