@@ -48,7 +48,8 @@ def strain_tables(layout):
     row, of = contact_rows(layout)[0], layout.strain
     n_bodies = len(layout.bodies) + len(layout.supports)
     if of is None:
-        return Strain(np.zeros((n_bodies, 0)), np.zeros((n_bodies, 0)), np.zeros((1, 2, 0)), np.zeros((0, 2), INDEX))
+        return Strain(np.zeros((n_bodies, 0)), np.zeros((n_bodies, 0)), np.zeros((1, 2, 0)),
+                      np.zeros((len(row), 2), INDEX))
     resting = np.zeros((len(layout.supports), of.n_modes))
     return Strain(np.vstack([of.stiffness, resting]), np.vstack([of.damping, resting]), of.shapes,
                   np.column_stack([of.first, of.second])[row].astype(INDEX))
