@@ -46,6 +46,12 @@ class TestLaw:
         assert less.normal_stress == approx(-FC / 2) and less.closure == pressed.closure
         assert again.normal_stress == approx(-FC) and again.closure == approx(2.5 * DEEP)
 
+    def test_a_step_across_the_strength_dissipates_the_trapezium_of_its_stresses(self):
+        """From zero to f_c while the joint closes by 2 DEEP: f_c DEEP is put in, of which half is stored."""
+        state, = follow([-2 * DEEP])
+        assert elastic_energy(state.normal_stress, 0.0, KN, KS) == approx(0.5 * FC * DEEP)
+        assert state.fracture_work == approx(0.5 * FC * DEEP)
+
     def test_a_dry_joint_opens_where_its_closure_has_left_it(self):
         closed, opened = follow([-2.9 * DEEP, -1.8 * DEEP], ContactState(broken=True))
         assert closed.normal_stress < 0 and closed.closure == approx(1.9 * DEEP)

@@ -27,6 +27,11 @@ def test_index_combines_the_three_by_equation_one():
     assert row.DI == pytest.approx(1 - 0.75 * 0.9 * 0.8)
 
 
+def test_lengths_that_are_left_out_count_in_the_total():
+    row = index_of(opening=(2e-4, 0, 0, 0), slip=(0, 2e-4, 0, 0), total_length=20.0)
+    assert (row.DI_open, row.DI_slip) == pytest.approx((0.05, 0.1))
+
+
 def test_no_damage_is_exactly_zero_and_all_damage_exactly_one():
     assert index_of().DI == 0.0
     assert index_of(opening=(1, 1, 1, 1)).DI == 1.0
