@@ -48,9 +48,9 @@ def build(layout, material):
         relaxation=np.zeros(2), last=np.zeros((len(contacts if n_modes else interfaces), 6)))
 
 
-def no_strain(n_bodies):
+def no_strain(n_bodies, n_contacts):
     """The Strain of rigid bricks."""
-    return Strain(np.zeros((n_bodies, 0)), np.zeros((n_bodies, 0)), np.zeros((1, 2, 0)), np.zeros((0, 2), INDEX))
+    return Strain(np.zeros((n_bodies, 0)), np.zeros((n_bodies, 0)), np.zeros((1, 2, 0)), np.zeros((n_contacts, 2), INDEX))
 
 
 def strain_tables(layout):
@@ -58,7 +58,7 @@ def strain_tables(layout):
     row, of = contact_rows(layout)[0], layout.strain
     n_bodies = len(layout.bodies) + len(layout.supports)
     if of is None:
-        return no_strain(n_bodies)
+        return no_strain(n_bodies, len(row))
     resting = np.zeros((len(layout.supports), of.n_modes))
     return Strain(np.vstack([of.stiffness, resting]), np.vstack([of.damping, resting]), of.shapes,
                   np.column_stack([of.first, of.second])[row].astype(INDEX))

@@ -36,8 +36,6 @@ def motion_at(system, strain, interface, i, motion):
 @inlined
 def push_modes(system, strain, interface, i, normal, shear):
     """Add a contact's forces along normal and tangent [N] to the generalized forces of both bricks' modes."""
-    if strain.shapes.shape[2] == 0:
-        return
     a, b, at_a, at_b = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1]
     for m in range(strain.shapes.shape[2]):
         system.force[a, RIGID + m] += normal * strain.shapes[at_a, 0, m] + shear * strain.shapes[at_a, 1, m]
