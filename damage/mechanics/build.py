@@ -50,7 +50,8 @@ def build(layout, material):
 
 def no_strain(n_bodies, n_contacts):
     """The Strain of rigid bricks."""
-    return Strain(np.zeros((n_bodies, 0)), np.zeros((n_bodies, 0)), np.zeros((1, 2, 0)), np.zeros((n_contacts, 2), INDEX))
+    none = np.zeros((n_bodies, 0))
+    return Strain(none, none, np.zeros((1, 2, 0)), np.zeros((n_contacts, 2), INDEX))
 
 
 def strain_tables(layout):
