@@ -38,7 +38,7 @@ def fasten(tables, columns, blocks, which):
                 give(tables, columns, blocks, w, p)
 
 
-@compiled
+@inlined
 def take(tables, columns, blocks, w, p):
     """Copy the contact points of interface p of wall w into the blocks."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
@@ -49,7 +49,7 @@ def take(tables, columns, blocks, w, p):
     blocks.loose[p] |= 1 << w
 
 
-@compiled
+@inlined
 def give(tables, columns, blocks, w, p):
     """Copy changed states of the contact points of interface p of wall w back to the tables."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
@@ -96,7 +96,7 @@ def read_loose(contacts, blocks, law, start, stop, motion, which):
             store(blocks.readings, r + field, either(which, value, load(blocks.readings, r + field)))
 
 
-@compiled
+@inlined
 def keep_readings(tables, blocks, w, p):
     """Copy the readings of interface p of wall w into the blocks."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
@@ -106,7 +106,7 @@ def keep_readings(tables, blocks, w, p):
             blocks.readings[k + field] = tables.readings[w, row, i]
 
 
-@compiled
+@inlined
 def give_readings(tables, blocks, w, start, stop):
     """Copy the readings of the contact points start to stop of wall w back to the tables."""
     for i in range(start, stop):

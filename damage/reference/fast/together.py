@@ -190,7 +190,7 @@ def forces_by_law(tables, columns, blocks, law, step, w, p, ends, damped):
         keep_readings(tables, blocks, w, p)
 
 
-@compiled
+@inlined
 def end_interface(tables, blocks, law, p, ending, damped):
     """Forces and readings of interface p by contact points in the walls `ending` (bits), where it is intact or all its
     contact points stay elastic; returns these walls (bits)."""
