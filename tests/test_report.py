@@ -8,9 +8,9 @@ from damage.measure.warnings import energy_warnings, static_warnings
 
 
 @pytest.mark.parametrize(("broken", "unbalanced", "words"), [
-    (0, 1e-6, []), (3, 1e-6, ["3 contact points broke"]), (0, 2e-5, ["at rest"]),
+    (0, 1e-6, []), (3, 1e-6, ["3 contact points failed"]), (0, 2e-5, ["at rest"]),
     (0, float("nan"), []),  # interrupted before the static stage ended
-    (1, 1.0, ["1 contact points broke", "at rest"]),
+    (1, 1.0, ["1 contact points failed", "at rest"]),
 ])
 def test_an_odd_static_stage_is_reported(broken, unbalanced, words):
     history = SimpleNamespace(static={"broken_joints": broken, "unbalanced_force": unbalanced})
