@@ -53,6 +53,17 @@ def test_slip_work_and_flags_follow_the_law(every):
     assert tracker.at_limit[0] and state.at_limit
 
 
+def test_the_shear_that_a_joint_holds_when_it_opens_is_dissipated_once():
+    """Broken in shear under 0.1 MPa it holds tau = 0.1 tan phi MPa, whose elastic energy is tau^2 / 2 k_s an area."""
+    layout = lay_out(Wall("small", 0.45, 0.15))
+    tracker, contacts = JointTracker(layout, 1e-4), layout.contacts
+    stiffness, tau = contacts.shear_stiffness[0], 0.1e6 * tracker.friction
+    tracker.breaks(0, "shear", -0.1e6, 0.3e6)
+    before = tracker.friction_energy
+    list(tracker.sample(np.array([0]), np.array([1e-5]), np.array([0.3e6 / stiffness]), np.zeros(1)))
+    assert tracker.friction_energy - before == pytest.approx(tau**2 / (2 * stiffness) * contacts.area[0])
+
+
 def test_slip_is_frozen_while_open():
     path = [(4e-6, 0.0), *[(2e-4, 1e-5 * k) for k in range(50)], *[(-1e-6, 4.9e-4)] * 5]
     _, tracker, _, events = follow_both(path, 1)
