@@ -3,19 +3,30 @@
     python3 benchmarks/deformable.py periods [WALL ...]     # of the shipped walls, by default
     python3 benchmarks/deformable.py brick                  # frequencies of a free brick by order
     python3 benchmarks/deformable.py cost [WALL]            # time per step and per run, processor time
+    python3 benchmarks/deformable.py runs DIR               # the symmetric wall shaken, five members a row, as a table
+
+`runs` keeps its histories in DIR and makes only those that are missing; the table has the rows that are there.
 """
 
 import argparse
+import json
+import resource
+import subprocess
 import sys
 import time
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import eigsh
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from damage.history.reader import read_history
+from damage.measure.cracks import psi_history
+from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
 from damage.run.schedule import STEP_FACTOR
 from damage.run.settings import HOLD_S, RAMP_S, SETTLE_S
@@ -30,7 +41,36 @@ WALLS = ("solid", "symmetric", "asymmetric")
 MODELS = {"rigid bricks": {}, "order 2": {"bricks": "deformable"},
           "order 3": {"bricks": "deformable", "brick_order": 3}}
 CELLS = (2, 4, 8)
-STEPS = 2000
+STEPS = 1000
+
+
+ROOT = Path(__file__).resolve().parents[1]
+SOFTENING = """from dataclasses import replace
+
+from damage.wall.file import load_wall
+
+
+def wall():
+    wall = load_wall("symmetric")
+    return replace(wall, joint=replace(wall.joint, mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))
+"""
+DEFORM, WEAKER, STRONGER = ["--bricks", "deformable"], ["0.2", "0.05"], ["0.33", "0.1"]
+RUNS = {  # name: (words, joints, harmonic motion, options), rigid ones first: times are compared with theirs
+    "rigid": ("rigid", "brittle", WEAKER, []),
+    "deformable": ("deformable (default: mass x 9, damped)", "brittle", WEAKER, DEFORM),
+    "soft_rigid": ("rigid", "softening", WEAKER, []),
+    "strong_rigid": ("rigid", "brittle", STRONGER, []),
+    "strong_soft_rigid": ("rigid", "softening", STRONGER, []),
+    "strong_deformable": ("deformable", "brittle", STRONGER, DEFORM),
+    "soft_deformable": ("deformable", "softening", WEAKER, DEFORM),
+    "strong_soft_deformable": ("deformable", "softening", STRONGER, DEFORM),
+    "undamped": ("deformable, modes undamped, mass x 9", "brittle", WEAKER, [*DEFORM, "--brick-damping", "0"]),
+    "true_mass": ("deformable, damped, true mass", "brittle", WEAKER, [*DEFORM, "--brick-mass", "1"]),
+    "undamped_true_mass": ("deformable, undamped, true mass", "brittle", WEAKER,
+                           [*DEFORM, "--brick-damping", "0", "--brick-mass", "1"]),
+    "points": ("deformable, twice the contact points", "brittle", WEAKER, [*DEFORM, "--cells", "4"]),
+}
+"""Runs of `runs`, in order of their importance."""
 
 
 class Mesh:
@@ -155,37 +195,104 @@ def frequencies():
 
 
 def cost(name):
-    """Processor time of a step, intact, and of a run of 0.6 s, rest of 2 s and settling."""
+    """Processor time of a step, intact, and of a run of 0.6 s, rest of 2 s and settling, a wall."""
     wall, base = load_wall(f"walls/{name}.py"), None
-    for label, options, fast in (("rigid bricks, fast step", {}, True), ("rigid bricks, plain step", {}, False),
-                                 *((f"deformable, {order}", MODELS[order], False) for order in ("order 2", "order 3"))):
-        layout = lay_out(wall, ModelOptions(contacts="gauss", **options))
-        solver = ReferenceSolver(layout, STEP_FACTOR * natural_modes(layout, 1).critical_time_step_s, fast=fast)
-        solver.add_static_displacement()
-        solver.start(np.zeros((0, 2)), np.array([GRAVITY]))
-        solver.run(10)  # compiles
-        best = np.inf
-        for _ in range(3):
-            began = time.process_time()
-            solver.run(STEPS)
-            best = min(best, (time.process_time() - began) / STEPS)
-        length = (0.0 if layout.strain else RAMP_S) + HOLD_S + 0.6 + 2.0 + SETTLE_S
-        run = best * length / solver.time_step
-        base = base or run
-        print(f"{label}: {len(layout.contacts)} contact points, time step {1e6 * solver.time_step:.3g} us; "
-              f"{1e6 * best:.1f} us a step, {1e9 * best / len(layout.contacts):.0f} ns a contact point, {run:.1f} s a "
-              f"run ({run / base:.1f})", flush=True)
+    for together, (label, options) in product((8, 1), MODELS.items()):
+        walls = [standing(wall, options) for _ in range(together)]
+        layout, time_step, step = walls[0].layout, walls[0].time_step, time_of_step(walls)
+        run = step * ((0.0 if layout.strain else RAMP_S) + HOLD_S + 0.6 + 2.0 + SETTLE_S) / time_step
+        base = (step, run) if layout.strain is None else base
+        print(f"{together} together, {label}: {len(layout.contacts)} points, "
+              f"time step {1e6 * time_step:.3g} us; {1e6 * step:.1f} us a step and wall ({step / base[0]:.1f}), "
+              f"{run:.1f} s a run ({run / base[1]:.1f})", flush=True)
+
+
+def time_of_step(walls):
+    """Processor time of a step and wall [s], the least of three attempts."""
+    run_together(walls, 10)  # compiles
+    best = np.inf
+    for _ in range(3):
+        began = time.process_time()
+        run_together(walls, STEPS)
+        best = min(best, time.process_time() - began)
+    return best / STEPS / len(walls)
+
+
+def standing(wall, options):
+    """A solver of a wall at rest under its weight."""
+    layout = lay_out(wall, ModelOptions(contacts="gauss", **options))
+    solver = ReferenceSolver(layout, STEP_FACTOR * natural_modes(layout, 1).critical_time_step_s)
+    solver.add_static_displacement()
+    solver.start(np.zeros((0, 2)), np.array([GRAVITY]))
+    return solver
+
+
+def runs(folder):
+    """Make the RUNS that are missing, and print the table of those that are there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "softening.py").write_text(SOFTENING)
+    missing = [name for name in RUNS if not (folder / f"{name}_seconds.json").is_file()]
+    for more in ([], DEFORM) if missing else ():  # compiling does not count
+        simulate("benchmarks/small_wall.py", ["0.05", "0.01"], more, folder / "warm.h5")
+    for name in missing:
+        _, joints, motion, options = RUNS[name]
+        wall = folder / "softening.py" if joints == "softening" else "walls/symmetric.py"
+        before = _processor_s()
+        simulate(wall, motion, options, folder / f"{name}.h5")
+        (folder / f"{name}_seconds.json").write_text(json.dumps(_processor_s() - before))
+    print_runs(folder)
+
+
+def simulate(wall, motion, options, out):
+    """Five members of a run."""
+    subprocess.run([sys.executable, "-m", "damage", "reference", wall, "--harmonic", *motion, "--rest", "1",
+                    "--contacts", "gauss", *options, "--members", "5", "--no-pictures", "--quiet", "--overwrite",
+                    "--out", out.resolve()], cwd=ROOT, check=True)
+
+
+def print_runs(folder):
+    """Print the table of the RUNS that are in a folder, without times where FILE_seconds.json holds null."""
+    heads = ("motion", "joints", "bricks", "T0 [s]", "largest drift [%]", "DI, slip by displacement",
+             "DI, slip by shear limit", "failed contact points",
+             "length of cracks, first member [m]", "time to rigid bricks")
+    print("", "| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads), sep="\n")
+    rigid = {}
+    for name, (bricks, joints, motion, _) in RUNS.items():
+        if not (kept := folder / f"{name}_seconds.json").is_file():
+            continue
+        seconds, table = json.loads(kept.read_text()), pd.read_csv(folder / f"{name}_members.csv")
+        first = rigid.setdefault((joints, *motion), seconds)
+        times = "" if None in (seconds, first) else f"{seconds / first:.1f}"  # null where something else was compiled
+        cells = [f"{motion[0]} s, {motion[1]} g", joints, bricks, f"{table.eigen_period_s[0]:.4f}",
+                 _spread(100 * table.max_drift_ratio), _spread(table["max_DI"]), _spread(table["max_shear_limit_DI"]),
+                 _spread(table.tension_breaks + table.shear_breaks, "{:.0f}"),
+                 f"{psi_history(read_history(folder / f'{name}.h5')).crack_length_m.max():.1f}",
+                 times]
+        print("| " + " | ".join(cells) + " |")
+
+
+def _spread(values, form="{:.3f}"):
+    """Median and range as text."""
+    return f"{form.format(values.median())} ({form.format(values.min())}-{form.format(values.max())})"
+
+
+def _processor_s():
+    """Processor time of all ended child processes [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("periods", "brick", "cost"))
-    parser.add_argument("walls", nargs="*")
+    parser.add_argument("what", choices=("periods", "brick", "cost", "runs"))
+    parser.add_argument("walls", nargs="*", help="walls, or the folder of `runs`")
     asked = parser.parse_args()
     if asked.what == "periods":
         periods(asked.walls or WALLS)
     elif asked.what == "brick":
         frequencies()
+    elif asked.what == "runs":
+        runs(Path(*asked.walls))
     else:
         cost(*(asked.walls or ["symmetric"]))
 

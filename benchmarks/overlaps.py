@@ -1,6 +1,6 @@
 """The largest overlap of two bricks, of a brick and a cap, and of either with the ground, over all snapshots of runs.
 
-    ./yade walls/symmetric.py --lintel none --harmonic 0.2 0.1 --past-collapse 2 --out heap.h5
+    ./yade walls/symmetric.py --lintel none --harmonic 0.2 0.1 --new-contacts --after-fall --out heap.h5
     python3 benchmarks/overlaps.py heap.h5 [MORE.h5 ...]
 
 Two rectangles overlap by the least of what they share along the normals of their sides.

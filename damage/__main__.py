@@ -112,8 +112,8 @@ def _failed(error):
 def _parser(whole=False):
     """The parser of all commands; whole: with the options of `reference`, which has a parser of its own."""
     parser = OneLineParser(prog="python3 -m damage", allow_abbrev=False, description=(
-        f"Damage of masonry walls under induced seismicity: masonry-damage {VERSION}. Installed by pip, it has the "
-        "command masonry-damage, too."))
+        f"Damage of masonry walls under induced seismicity: masonry-damage {VERSION}. Installed by pip, it is "
+        "also the command damage, or masonry-damage."))
     parser.add_argument("--version", action="store_true", help="print the version and the commit, and end")
     parser.add_argument("--quiet", action="store_true", help="before a command: print warnings and errors only")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
@@ -210,6 +210,13 @@ def _new_wall(asked):
     print(f"{path}: change its numbers, then: python3 -m damage reference {path} --harmonic 0.2 0.05")
 
 
+@_command("masonry and brick formats by name, with values and sources, for damage.masonry(MATERIAL, FORMAT)", _JSON)
+def _materials(asked):
+    from damage.wall.materials import as_dict, describe
+
+    print(json_text(as_dict(), indent=2) if asked.json else describe())
+
+
 # --- a history, a wall, a record --------------------------------------------------------------------
 
 @_command("the damage index and key numbers of a history", _HISTORY, _JSON, _threshold("opening and slip"),
@@ -226,8 +233,8 @@ def _index(asked):
     _print_found(asked, summary, describe)
 
 
-@_command("what histories are worth: whole, ended early, open, damaged; exit status 2 where one is damaged, 1 where "
-          "one has no end", _HISTORIES, _JSON)
+@_command("whether histories are complete, ended early, still open or damaged; exit status 2 where one is damaged, 1 "
+          "where one has no end", _HISTORIES, _JSON)
 def _check(asked):
     from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check
 
@@ -265,15 +272,11 @@ def _laboratory(asked):
           _out("folder for a picture of the shapes", required=False))
 def _modes(asked):
     from damage.wall.caps import describe_top
-    from damage.wall.file import load_wall
+    from damage.wall.floors import describe_floors
     from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
-    from damage.wall.plausible import check_plausible
 
-    wall = load_wall(asked.wall)
-    if not asked.accept_implausible:
-        check_plausible(wall)
-    layout = lay_out(wall, model_of(asked))
+    layout = lay_out(_plausible_wall(asked), model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
         from damage.draw.modes import modes_picture
@@ -284,10 +287,40 @@ def _modes(asked):
         print(json_text({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s,
                           "pier_stress_pa": layout.pier_stress}))
         return
-    print(*describe_top(layout), sep="\n")
+    print(*describe_top(layout), *describe_floors(layout.wall), sep="\n")
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
+
+
+@_command("a picture of a wall before it is run: bricks, supports, masses, elastic joints, names of piers and "
+          "spandrels",
+          _path("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"),
+          lambda command: add_model_options(command, ("lintel", "top", "load", "supports")), add_accept,
+          _out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
+               required=False))
+def _draw(asked):
+    from damage.draw.preview import wall_preview
+    from damage.draw.style import save_picture
+    from damage.wall.geometry import body_table, joint_table
+    from damage.wall.layout import lay_out
+
+    wall = _plausible_wall(asked)
+    layout = lay_out(wall, model_of(asked))
+    supports = tuple(zip(layout.supports.left, layout.supports.right))
+    figure = wall_preview(wall, body_table(layout), joint_table(layout), supports)
+    print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), f"wall {shown_path(asked.wall)}"))
+
+
+def _plausible_wall(asked):
+    """The wall of a command's options, its values checked unless the user accepts all."""
+    from damage.wall.file import load_wall
+    from damage.wall.plausible import check_plausible
+
+    wall = load_wall(asked.wall)
+    if not asked.accept_implausible:
+        check_plausible(wall)
+    return wall
 
 
 @_command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
@@ -380,8 +413,9 @@ def _compare(asked):
     _print_found(asked, result, describe)
 
 
-@_command("tables of histories as CSV: of one run over time, or a row a run", _arg("what", choices=("run", "summary")),
-          _HISTORIES, _out("STEM of STEM_index.csv and so on, or the summary's file", "STEM|FILE.csv"))
+@_command("tables of histories as CSV: of one run over time, or one row per run",
+          _arg("what", choices=("run", "summary")), _HISTORIES,
+          _out("STEM of STEM_index.csv and so on, or the summary's file", "STEM|FILE.csv"))
 def _tables(asked):
     from damage.measure.tables import summary_table, write_run_tables, write_table
 
@@ -404,6 +438,79 @@ def _report(asked):
     from damage.html.report import Words, write_report
 
     print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text)))
+
+
+_ADDRESS = (
+          _arg("--at", nargs=2, type=float, metavar=("LAT", "LON"), help="the address, degrees in WGS84"),
+          _arg("--rd", nargs=2, type=float, metavar=("X", "Y"), help="instead: metres in the Dutch grid (EPSG:28992)"),
+          _arg("--vs30", type=float, default=200.0, metavar="M_S", help="mean shear-wave velocity of the upper 30 m "
+               "(default 200)"),
+          _arg("--from", dest="first", type=int, metavar="YEAR", help="first year (default: the catalogue's)"),
+          _arg("--to", dest="last", type=int, metavar="YEAR", help="last year (default: the catalogue's)"),
+          _path("--catalogue", "FILE", "events: CSV, or the text of an FDSN event service (default: KNMI's list for "
+                "the field, 1991-12 to 2022-01, which ships)"),
+          _arg("--component", metavar="LRG|GEO|MAX", help="larger of both horizontal components (default), their "
+               "geometric mean, or the largest in any direction"),
+          _arg("--model", default="bommer-2022", metavar="NAME", help="ground-motion model (default bommer-2022)"))
+"""Options of the commands that are about an address; `_exposure_of` reads them."""
+
+
+def _exposure_of(asked):
+    from damage.exposure.catalogue import SHIPPED, read_catalogue
+    from damage.exposure.exposure import Exposure
+    from damage.exposure.ground_motion import model_named
+    from damage.exposure.places import at, at_rd
+
+    if (asked.at is None) == (asked.rd is None):
+        raise InputError("exposure of which address? expected --at LAT LON or --rd X Y; give one of them")
+    return Exposure(at(*asked.at) if asked.at else at_rd(*asked.rd),
+                    read_catalogue(asked.catalogue or SHIPPED).between(asked.first, asked.last),
+                    model_named(asked.model, asked.component), asked.vs30)
+
+
+@_command("the ground motion at an address in the Groningen field: PGV of every earthquake of a catalogue", *_ADDRESS,
+          _JSON, _out("folder for the table of all events and the picture", required=False))
+def _exposure(asked):
+    from damage.exposure.exposure import describe
+
+    exposure = _exposure_of(asked)
+    if asked.out:
+        from damage.draw.exposure import exposure_picture
+        from damage.measure.tables import write_table
+
+        print(f"table: {write_table(exposure.table(), asked.out / 'exposure.csv')}", file=sys.stderr)
+        _save([("exposure", exposure_picture(exposure))], asked.out, "exposure")
+    _print_found(asked, exposure.as_dict(), describe)
+
+
+@_command("lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one after the other, "
+          "damage carried over, their motions and the joints' strengths drawn",
+          _path("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
+          _arg("--draws", type=number_from(1, 100000, int), default=10, metavar="N", help="lives (default 10)"),
+          _arg("--seed", type=number_from(0, 2**31, int), default=0, help="of the draws (default 0)"),
+          _arg("--above", type=number_from(0.01, 1000), default=2.0, metavar="MM_S", help="PGV from which an event is "
+               "part of a life (default 2)"),
+          _arg("--within", type=number_from(0.1, 1000), default=10.0, metavar="KM", help="stations whose records are "
+               "used (default 10 km from the epicentre)"),
+          _arg("--rest", type=number_from(0, 100), default=0.5, metavar="S", help="free vibration after each event "
+               "(default 0.5)"),
+          _arg("--strength-cov", type=number_from(0, 2), default=0.3, metavar="COV", help="scatter of the joints' "
+               "strengths (default 0.3)"),
+          _out("folder for tables and picture; lives that are there are not run again"))
+def _life(asked):
+    from damage.draw.life import life_picture
+    from damage.life.draw import Draws
+    from damage.life.runs import describe, over_time, run_lives, write_lives
+
+    exposure = _exposure_of(asked)
+    years, count = exposure.catalogue.years, asked.draws
+    table = run_lives(asked.wall, Draws(exposure, asked.above, asked.within, asked.seed), count, asked.out,
+                      rest=asked.rest, strength_cov=asked.strength_cov)
+    print(*write_lives(table, years, count, asked.out), sep="\n")
+    place = f"{exposure.place.latitude:.4f}, {exposure.place.longitude:.4f}"
+    title = f"{count} lives of wall {Path(asked.wall).stem} at {place}"
+    _save([("life", life_picture(table, over_time(table, count, years), title))], asked.out, title)
+    print(describe(table, count, years))
 
 
 # --- studies ----------------------------------------------------------------------------------------
@@ -453,6 +560,24 @@ def _readings(asked):
     if asked.markdown:
         write_text(asked.markdown, as_markdown(found))
     print("\n".join([*table(found), "", *conclusions(found)]))
+
+
+@_command("combined modelling choices by the paper's claims that they meet, by the tables of the study combinations",
+          _path("results", "RESULTS", "folder with the study below it"),
+          _path("--markdown", "FILE", "write the document, too"))
+def _combinations(asked):
+    from damage.paper.combinations import (
+        as_markdown,
+        conclusions,
+        judge_combinations,
+        table_of_best,
+        table_of_effects,
+    )
+
+    found = judge_combinations(asked.results)
+    if asked.markdown:
+        write_text(asked.markdown, as_markdown(found))
+    print("\n".join([*conclusions(found), "", *table_of_best(found), "", *table_of_effects(found)]))
 
 
 @_command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
@@ -562,7 +687,7 @@ def _fragility_curves(asked, runs, intensity, states):
     return fragility_pictures(runs, fits, intensity)
 
 
-@_command("the tables of a study, of whichever runs are there", _path("study", "STUDY.toml"),
+@_command("the tables of a study, from the runs that exist so far", _path("study", "STUDY.toml"),
           _path("folder", "DIR", "the study's folder; tables go to DIR/tables"),
           _arg("--solver", choices=("yade", "reference", "both"), default="both",
            help="whose runs the study names (default both)"),
@@ -581,6 +706,14 @@ def _study_schema(asked):
     from damage.studies.schema import study_schema
 
     print(json_text(study_schema(), indent=1))
+
+
+@_command("the JSON Schema of walls as TOML, by which editors complete and check them: put it beside yours, and "
+          "'#:schema ./wall.schema.json' on its first line")
+def _wall_schema(asked):
+    from damage.wall.data import wall_schema
+
+    print(json_text(wall_schema(), indent=1))
 
 
 @_command("the data dictionary: every column of every table, as dictionary.csv and dictionary.md",

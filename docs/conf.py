@@ -1,8 +1,8 @@
 """How Sphinx makes a site of these documents: `bash scripts/site.sh`.
 
 The documents are written to be read as they are, too: their links to files of the repository, which a site does not
-have, become the files' names; docstrings are plain text, and shown so.  The site works from a file, too: what browsers
-refuse there, the request for another file, is needed nowhere.
+have, become the files' names; docstrings are plain text, and shown so.  The site also works when it is opened from a
+file: browsers refuse requests for other files there, so that no page makes one.
 """
 
 import json

@@ -9,11 +9,13 @@ import re
 import sys
 import tempfile
 from difflib import unified_diff
+from functools import cache
 from pathlib import Path
 
 import pandas as pd
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
 
 from damage.errors import InputError
 from damage.files import write_text
@@ -21,8 +23,10 @@ from damage.history.schema import TABLES, markdown
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, read_table
 from damage.paper import report
 from damage.paper.verdict import judge
+from damage.studies.definition import load_study
+from damage.studies.members import most_members
 from damage.wall import plausible
-from scripts.document_tables import with_tables
+from scripts.document_tables import as_markdown, with_tables
 
 VERDICT = "docs/paper/verdict.md"
 RENEW = "renew it: python3 scripts/documents.py --renew"
@@ -67,7 +71,7 @@ def _renewed(text, root):
 
 
 def with_tables_of_code(text):
-    """A document's text with its tables of columns, datasets and plausible values as the code defines them.
+    """A document's text with its tables of columns, datasets, studies and plausible values as the code defines them.
 
     Raises InputError where a block names what is none of them.
     """
@@ -86,7 +90,20 @@ def tables_of_code():
     summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
     return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
             **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
-            "plausible values": plausible.markdown()}
+            "plausible values": plausible.markdown(), "studies that ship": table_of_studies(ROOT / "studies")}
+
+
+@cache
+def table_of_studies(folder):
+    """Table in Markdown of the studies in a folder: title, points and largest number of runs of each solver."""
+    rows = []
+    for path in sorted(folder.glob("*.toml")):
+        study = load_study(path, "both", root=ROOT)
+        runs = {solver: sum(most_members(run) for run in study.runs if run.solver == solver)
+                for solver in ("reference", "yade")}
+        rows.append([f"`{path.stem}`", study.title, str(len({run.point for run in study.runs})),
+                     *map(str, runs.values())])
+    return as_markdown(["study", "content", "points", "runs at most, reference solver", "YADE"], rows)
 
 
 def documents_below(root):
@@ -153,7 +170,7 @@ def renew(root):
 def main(arguments):
     """Run all checks on ROOT; returns 1 if a part is not current, 2 where there are no tables."""
     wanted, *root = arguments if "--renew" in arguments[:1] else ["", *arguments]
-    root = Path(root[0]) if root else Path(__file__).resolve().parents[1]
+    root = Path(root[0]) if root else ROOT
     try:
         if wanted:
             renew(root)

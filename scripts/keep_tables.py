@@ -19,7 +19,7 @@ sys.path.insert(0, str(REPOSITORY))
 from damage.errors import InputError
 from damage.files import write_text
 from damage.measure.columns import CRITERIA, read_table
-from damage.paper.evidence import Fell, NotThere, Point, comparable, load_runs
+from damage.paper.evidence import MODELS, Fell, NotThere, Point, comparable, load_runs
 
 KEY = ["point", "solver"]
 CYCLES = [f"max_{slip}DI" for slip in CRITERIA.values()]
@@ -64,7 +64,8 @@ def replaced(old, new):
 
 def cycles_of(results):
     """Columns point, solver, kind and CYCLES, a row a cycle."""
-    runs, found = comparable(load_runs(results)), []
+    runs, found = load_runs(results), []
+    runs = pd.concat([comparable(runs, changes) for changes in MODELS.values()])
     for (point, solver), rows in runs[runs["motion_period_s"].notna()].groupby(KEY, sort=False):
         try:
             columns = {name: Point(rows, point).cycles(name).round(9) for name in CYCLES}

@@ -15,14 +15,16 @@ from damage.wall.file import load_wall
 from yade_scripts import COMMAND
 
 REPOSITORY = Path(__file__).resolve().parents[1]
+BRIEFLY = REPOSITORY / "tests/yade_checks/briefly.py"  # runs a wall in YADE with shorter stages
+SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")  # of small walls, which vibrate at 0.05 s or faster
 
-
-FIRST = ("test_yade_free.py", "test_yade_run.py")
+FIRST = ("test_plain.py", "test_together.py", "test_yade_free.py", "test_yade_run.py")
 
 
 def pytest_collection_modifyitems(items):
-    """Files that take longest come first: at the end they would keep one core busy and leave the others idle."""
-    items.sort(key=lambda item: item.path.name not in FIRST)
+    """First come files that compile what all others then find compiled, each in a process of its own, so that no two
+    compile the same; then those that take longest, which at the end would leave the other cores idle."""
+    items.sort(key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST))
 
 
 @pytest.fixture(scope="session", params=["solid", "symmetric", "asymmetric"])

@@ -3,8 +3,9 @@
 #
 #     bash tests/run.sh
 #     bash tests/run.sh -m "not slow and not long"
-#     bash tests/run.sh -m long                       # what takes minutes each
+#     bash tests/run.sh -m long                       # the longer checks that CONTRIBUTING.md lists
 #     bash tests/run.sh tests/test_study.py -k quick
+#     bash tests/run.sh -p tests.processor_time       # also prints processor time by test, file and subject
 #
 # Files run side by side, one for each of at most four cores, the longest first; -n 0 runs them one after the other.
 # Lint, import order, the examples in docstrings and the like are not among them: bash scripts/gates.sh.

@@ -70,6 +70,8 @@ def as_version_2(path):
     with h5py.File(path, "r+", libver="v110") as file:
         file.attrs["schema_version"] = 2
         file["joints/kind"].attrs["codes"] = "bed, head"
+        file["series/stage"].attrs["codes"] = "motion, rest, settling"
+        del file["series/base_translation_m"], file["series/base_rotation_rad"], file["state"]
         del file["frames/offset_m"], file["ground"], file["supports"]
     write_head(path, replace(read_head(path), version=2))
     seal(path)

@@ -65,7 +65,7 @@ IN_YADE = {
     "parsed": (["--harmonix", "0.2", "0.05"], "--harmonix"),
     "beyond-its-law": (["--beta", "1e-6"], "--beta"),
     "its-time-step": (["--dt", "4.6e-5"], "stable"),
-    "its-bricks": (["--bricks", "deformable", "--contacts", "gauss"], "rigid bricks in YADE"),
+    "its-bricks": (["--bricks", "deformable", "--new-contacts"], "loose bricks collide as rigid ones"),
     "its-view": (["--view"], "screen"),
     "fibres-of-brittle-joints": (["--fibres", "8"], "are brittle"),
 }

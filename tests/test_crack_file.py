@@ -12,8 +12,8 @@ from small_history import make_history, small_layout
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.index import combine
-from damage.laboratory.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
-from damage.laboratory.crack_mapping import (
+from damage.measure.crack_file import complete_sizes, patterns_of, read_cracks, write_cracks
+from damage.measure.crack_mapping import (
     describe_level,
     index_bounds,
     joint_table,

@@ -74,11 +74,11 @@ def test_a_stepped_crack_is_one_and_an_intact_joint_parts_it(tmp_path):
         | ((np.abs(contacts.x - x - 0.028125) < 1e-6) & (np.abs(contacts.z - z - half) < 1e-6)))]
     assert len(beside) == 2
     step = make_history(tmp_path / "step.h5", layout, opening=dict.fromkeys([head, *beside], 1e-3))
-    parted = make_history(tmp_path / "parted.h5", layout, opening=dict.fromkeys(beside, 1e-3))
+    interrupted = make_history(tmp_path / "interrupted.h5", layout, opening=dict.fromkeys(beside, 1e-3))
     assert cracks_at(step, -1).groupby("crack")["length_m"].sum().tolist() == pytest.approx([0.075 + 2 * 0.05625])
     assert sorted(cracks_at(step, 3)["joint"]) == sorted([head, *beside])
-    assert cracks_at(parted, -1)["crack"].tolist() == [1, 2]
-    assert psi(cracks_at(parted, -1)) == pytest.approx(2 * 2**0.15)
+    assert cracks_at(interrupted, -1)["crack"].tolist() == [1, 2]
+    assert psi(cracks_at(interrupted, -1)) == pytest.approx(2 * 2**0.15)
 
 
 def test_psi_over_time_is_that_of_each_sample(tmp_path):

@@ -9,8 +9,6 @@ from benchmarks.dic_field import sampled_field
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.laboratory.crack_file import read_cracks
-from damage.laboratory.crack_mapping import describe_level, map_cracks
 from damage.laboratory.dic import (
     Field,
     brick_motions,
@@ -21,6 +19,8 @@ from damage.laboratory.dic import (
     rigid_motion,
     turned,
 )
+from damage.measure.crack_file import read_cracks
+from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.cracks import cracks_at
 from damage.reference.session import run_reference
 from damage.wall.file import load_wall

@@ -12,7 +12,7 @@ from damage.__main__ import main
 from damage.export.curves import coefficients
 from damage.export.dictionary import DICTIONARY, dictionary_table, write_dictionary
 from damage.history.schema import OPTIONAL
-from damage.laboratory.crack_file import COLUMNS
+from damage.measure.crack_file import COLUMNS
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
 from damage.studies.after_damage import table_after_damage
 from damage.studies.fragility import at_intensities, efficiency_table, fit_all, fragility_table

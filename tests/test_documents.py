@@ -20,7 +20,7 @@ COMMAND = re.compile(r"python3 -m damage (\w[\w-]*)")
 # What a reader is to have, or a run leaves: no part of the repository.
 NOT_OURS = ("records/*", "walls/NAME.py", "walls/{wall}.py", "walls/mine.py", "benchmarks/NAME.csv", *(
     name for guide in (REPOSITORY / "docs" / "guides").glob("*.md")
-    for name in re.findall(r"^```python\n# (\S+)$", guide.read_text(), re.MULTILINE)))
+    for name in re.findall(r"^```(?:python|toml)\n# (\S+)$", guide.read_text(), re.MULTILINE)))
 
 
 def listed_files():

@@ -131,6 +131,8 @@ class TestCsv:
             ("time_s,acc\n0,1\n0.01,2\n", "line 1: 'time_s,acc' is an unknown header; expected time_s and one"),
             ("time_s,acc_mm_s2\n0,1\n0.01,2\n", "is an unknown header"),
             ("time_s;acc_g\n0,1\n0.01,2\n", "line 1: 'time_s;acc_g' is an unknown header"),
+            ("Time (s);Acc X (cm/s2);Acc Y (cm/s2)\n0,00;1;2\n0,01;1;2\n", "has 3 columns; expected two, time and one "
+             "component of the acceleration"),
             ("0;1;2\n0,01;1;2\n", "line 1: '0;1;2' has 3 column(s)"),
             ("0,00;1,5\n0,01;1.200,5\n", "line 2: '0,01;1.200,5' has a decimal point in a file with decimal commas"),
             ("0,00,1,5\n0,01,1,5\n", "line 1: '0,00,1,5' has 4 column(s)"),

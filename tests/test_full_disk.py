@@ -10,7 +10,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from conftest import run_command, without_progress
+from conftest import SHORT, run_command, without_progress
 
 import damage
 from damage.errors import InputError
@@ -44,7 +44,7 @@ def test_reference_solver_ends_and_keeps_what_was_flushed(share, whole, tmp_path
     history = damage.read_history(out)
     assert history.status == "unfinished" and not history.complete
     n = len(history.series)
-    assert 0 < n < len(whole.series)
+    assert 0 < n <= len(whole.series)  # the last part of a file is the state of the solver
     assert history.series.equals(whole.series.iloc[:n])
     assert (history.opening_m == whole.opening_m[:n]).all() and (history.slip_m == whole.slip_m[:n]).all()
 
@@ -58,11 +58,11 @@ def test_a_file_that_cannot_even_begin_is_no_history(tmp_path):
 
 
 @pytest.mark.yade
-@pytest.mark.parametrize("kilobytes", [200, 240, 400, *(pytest.param(size, marks=pytest.mark.long)
-                                                         for size in (220, 320))])
+@pytest.mark.parametrize("kilobytes", [200, 400, *(pytest.param(size, marks=pytest.mark.long)
+                                                    for size in (220, 240, 320))])
 def test_yade_ends_and_keeps_what_was_flushed(kilobytes, yade_command, tmp_path):
     out = tmp_path / "run.h5"
-    done = yade_command("-j1", SMALL, *SHAKEN, "--out", out,
+    done = yade_command("-j1", *SHORT, SMALL, *SHAKEN, "--out", out,
                         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1000,) * 2))
     assert done.returncode == 1, done.stdout + done.stderr
     assert f"error: cannot write {out}" in done.stderr and "Traceback" not in done.stderr

@@ -8,9 +8,9 @@ import random
 import pytest
 from conftest import REPOSITORY, one_line_error
 
+from damage.csv_table import CsvTable
 from damage.files import DATA, LONGEST_LINE
 from damage.laboratory import dic
-from damage.laboratory.csv_table import CsvTable
 from damage.measure import columns
 from damage.motion import columns as record_columns
 from damage.motion import formats

@@ -106,12 +106,23 @@ def test_an_unknown_gate_is_refused():
     ("docs/reference/glossary.md", "| replaced | by |\n| --- | --- |\n| told | x |",
      "its replaced terms are not those of"),
 ])
-def test_terms(tmp_path, path, text, fault):
+def test_terms(with_glossary, path, text, fault):
+    (with_glossary / path).parent.mkdir(parents=True, exist_ok=True)
+    (with_glossary / path).write_text(f"amended, untold, redoubt\n{text}\n")
+    assert_shut(pass_gate("terms", with_glossary), fault)
+
+
+def test_terms_are_those_of_the_glossary_and_whole_words(with_glossary):
+    (with_glossary / "README.md").write_text("amended, untold, redoubt\n")
+    done = pass_gate("terms", with_glossary)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.fixture
+def with_glossary(tmp_path):
+    """A folder with the glossary, and a log of changes, whose words are not searched."""
     glossary = tmp_path / "docs" / "reference" / "glossary.md"
     glossary.parent.mkdir(parents=True)
     shutil.copy(REPOSITORY / "docs" / "reference" / "glossary.md", glossary)
     (tmp_path / "CHANGELOG.md").write_text("What was told.\n")
-    assert pass_gate("terms", tmp_path).returncode == 0
-    (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
-    (tmp_path / path).write_text(f"amended, untold, redoubt\n{text}\n")
-    assert_shut(pass_gate("terms", tmp_path), fault)
+    return tmp_path

@@ -97,7 +97,7 @@ def test_info_lists_the_caps_with_the_stress_under_them(tmp_path):
     assert [(cap["left_m"], cap["right_m"]) for cap in found["caps"]] == [pytest.approx((0.0, 0.45)),
                                                                         pytest.approx((1.35, 1.8))]
     assert [cap["stress_pa"] for cap in found["caps"]] == pytest.approx([0.6e6, 0.6e6])
-    assert "cap from x = 1.35 to 1.8 m (0.45 m): 2.82 t, 0.6 MPa under it" in describe_info(found)
+    assert "rigid top mass from x = 1.35 to 1.8 m: 2.82 t, 0.6 MPa below it" in describe_info(found)
 
 
 def test_info_separates_results_from_parameters(tmp_path):
@@ -233,5 +233,5 @@ def test_a_newer_schema_is_refused(tmp_path):
 
 
 def test_units_of_the_series_stand_in_the_names():
-    endings = {"s": "_s", "m/s2": "_m_s2", "m": "_m", "1": "_ratio", "N": "_n", "J": "_j"}
+    endings = {"s": "_s", "m/s2": "_m_s2", "m": "_m", "1": "_ratio", "N": "_n", "J": "_j", "rad": "_rad"}
     assert all(name.endswith(endings[column.unit]) for name, column in SERIES.items() if name != "stage")

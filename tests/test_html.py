@@ -183,7 +183,7 @@ class TestOneRun:
         for value in (summary["max"]["DI"], summary["residual"]["DI_slip"], summary["max_drift_ratio"],
                       summary["max_psi"], summary["peak_base_shear_n"], summary["input_energy_j"]):
             assert value in parsed
-        for words in ("max_crack_width_mm", "Korswagen's damage parameter", "largest absolute drift ratio", "put in"):
+        for words in ("max_crack_width_mm", "Korswagen's damage parameter", "largest absolute drift ratio", "supplied"):
             assert words in page_of_one.text
 
     def test_results_have_three_digits_and_what_was_given_has_all(self, one, page_of_one, tmp_path):

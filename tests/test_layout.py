@@ -94,13 +94,13 @@ def test_the_load_on_piers_is_the_precompression_in_them(symmetric_wall, top):
 
 def test_caps_and_stresses_are_reported(symmetric_wall):
     top, left, right = describe_top(lay_out(symmetric_wall))
-    assert "0.3 MPa over its length" in top and "0.6 MPa in what carries it" in top
-    assert left == "cap from x = 0 to 1.0125 m (1.0125 m): 6.35 t, 0.6 MPa under it"
-    assert right.startswith("cap from x = 3.0375 to 4.05 m")
+    assert "0.3 MPa over the length of the wall" in top and "0.6 MPa in the piers below" in top
+    assert left == "rigid top mass from x = 0 to 1.0125 m: 6.35 t, 0.6 MPa below it"
+    assert right.startswith("rigid top mass from x = 3.0375 to 4.05 m")
     [spread] = describe_top(lay_out(symmetric_wall, ModelOptions(top="uniform", load="piers")))
-    assert "0.3 MPa over its piers alone" in spread and "0.3 MPa in what carries it" in spread
+    assert "0.3 MPa over the piers alone" in spread and "0.3 MPa in the piers below" in spread
     _, beam = describe_top(lay_out(symmetric_wall, ModelOptions(top="beam")))
-    assert "x = 0 to 4.05 m" in beam and "0.3 MPa under it" in beam  # and 0.6 MPa in the piers below
+    assert "x = 0 to 4.05 m" in beam and "0.3 MPa below it" in beam  # and 0.6 MPa in the piers below
     assert describe_top(lay_out(Wall("bare", 0.9, 0.45, precompression=0.0))) == ["no mass on top: no precompression"]
 
 

@@ -119,7 +119,8 @@ def test_energies_leave_the_damping_of_the_settling_out(harmonic):
 
 
 def test_classes_of_published_limits():
-    found = classes(0.0009, 1.2)
+    found = classes(0.0009, 1.2, 0.5)
+    assert found["crack_width_class"] == "very slight"
     assert found["drift_class_korswagen_clay"] == "light"
     assert found["drift_class_korswagen_calcium_silicate"] == "light"
     assert found["drift_class_graziotti"] == "minor"

@@ -11,9 +11,9 @@ from conftest import REPOSITORY, one_line_error
 from small_history import make_history, small_layout
 
 import damage.__main__ as commands
-from damage.laboratory import crack_mapping
-from damage.laboratory.crack_file import read_cracks
 from damage.laboratory.dic import read_field
+from damage.measure import crack_mapping
+from damage.measure.crack_file import read_cracks
 from damage.motion.formats import read_record, shipped_record_path, without_entities
 from damage.reference.session import run_reference
 from damage.studies.definition import load_study
@@ -50,7 +50,7 @@ WALLS = {
     "from damage import Wall\ndef wall():\n    return Wall('w/\\n', 2.0, 1.0)\n": "line 3: Wall.name = ",
     f"from damage import Wall\ndef wall():\n    return Wall('{'w' * 200}', 2.0, 1.0)\n": "expected up to 100 letters",
     "from damage import Wall\ndef wall():\n    return Wall('w', 1e9, 1e9)\n": "Wall.length = 1000000000.0",
-    "from damage import Wall\ndef wall():\n    return Wall('w', 2.0, 1.0, openings=3)\n": "line 3: failed with Type",
+    "from damage import Wall\ndef wall():\n    return Wall('w', 2.0, 1.0, openings=3)\n": "line 3: Wall.openings has 3",
     "from damage import Wall\ndef wall():\n    return Wall('w', 2.0, 1.0, brick=3)\n": "line 3: failed with Attribute",
 }
 

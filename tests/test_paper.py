@@ -13,6 +13,7 @@ from damage.index import COMPONENTS
 from damage.measure.columns import CRITERIA
 from damage.paper import report
 from damage.paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
+from damage.paper.evidence import MODELS
 from damage.paper.margins import EDGE, above, at_least, at_most, within
 from damage.paper.readings import conclusions, judge_readings, table
 from damage.paper.report import BEGIN, END, SOLVER_NAMES, STATEMENTS, lintel_in_words, merged
@@ -62,8 +63,7 @@ def recorded_row(record, scale):
                **index_columns("residual", 0.11 * (1 - (1 - share) ** 2), 0.001))
 
 
-@pytest.fixture
-def papers_world():
+def world_of_the_paper():
     """The table of a study in which every claim holds."""
     rows = [harmonic_row(wall, period, number) for wall in EIGEN_S for period in PERIODS_S for number in range(5)]
     rows += [harmonic_row("symmetric", 0.2, number, cycles=2) for number in range(5)]
@@ -73,14 +73,21 @@ def papers_world():
     return pd.DataFrame(rows)
 
 
+@pytest.fixture
+def papers_world():
+    return world_of_the_paper()
+
+
 CYCLES = {"symmetric-0.33-0.1-3": (0.13, 0.13, 0.13), "symmetric-0.2-0.025-3": (0.02, 0.04, 0.06),
           "symmetric-0.2-0.1-3": (0.10, 0.20, 0.36)}
 
 
 @pytest.fixture
-def judged(tmp_path):
-    """Write a table, and cycles, as a study does, and judge it: {(claim, lintel, slip): Finding}."""
-    def write_and_judge(table, cycles=CYCLES):
+def judged(tmp_path, monkeypatch):
+    """Write a table and cycles as a study does; judge all claims, or one alone: {(claim, lintel, slip): Finding}."""
+    def write_and_judge(table, cycles=CYCLES, alone=None):
+        if alone:
+            monkeypatch.setattr("damage.paper.verdict.CLAIMS", [claim for claim in CLAIMS if claim.id == alone])
         folder = tmp_path / "study" / "tables"
         folder.mkdir(parents=True, exist_ok=True)
         table.to_csv(folder / "summary.csv", index=False)
@@ -88,7 +95,7 @@ def judged(tmp_path):
             pd.DataFrame({"kind": "driven", "max_DI": values, "max_DI_shear_limit": values}).to_csv(
                 folder / f"{run}_cycles.csv", index=False)
         findings = judge(tmp_path)
-        return {(finding.claim.id, finding.lintel, finding.slip): finding for finding in findings}
+        return {(finding.claim.id, finding.lintel, finding.slip): finding for finding in findings if not finding.model}
     return write_and_judge
 
 
@@ -207,7 +214,7 @@ def test_one_contradiction_and_the_claim_differs(papers_world, judged, claim, ro
     mask = where(papers_world, **rows)
     assert mask.any()
     papers_world.loc[mask, column] = value
-    findings = judged(papers_world)
+    findings = judged(papers_world, alone=claim)
     assert usual(findings, claim) == DIFFERS, findings[claim, "elastic", "displacement"].value
 
 
@@ -249,7 +256,7 @@ def test_kept_tables_say_what_the_runs_said(papers_world, judged, tmp_path):
     ("P5", "symmetric-0.33-0.1-3", (0.08, 0.22, 0.34)), ("P6a", "symmetric-0.2-0.025-3", (0.02, 0.04, 0.04)),
     ("P6b", "symmetric-0.2-0.1-3", (0.10, 0.20, 0.19))])
 def test_cycles_contradict(papers_world, judged, claim, run, values):
-    assert usual(judged(papers_world, {**CYCLES, run: values}), claim) == DIFFERS
+    assert usual(judged(papers_world, {**CYCLES, run: values}, alone=claim), claim) == DIFFERS
 
 
 def test_records_are_measured_themselves(papers_world, judged):
@@ -276,7 +283,7 @@ def test_a_contradiction_decides_even_where_the_hardest_motion_is_missing(papers
 def test_a_wall_that_fell_differs(papers_world, judged):
     mask = where(papers_world, period=0.33, amplitude=0.025)
     papers_world.loc[mask, "collapsed_at_s"] = 0.23
-    findings = judged(papers_world)
+    findings = judged(papers_world, alone="P4")
     assert usual(findings, "P4") == DIFFERS
     assert findings["P4", "elastic", "displacement"].value == "fell at 0.23 s (0.33 s, 0.025 g)"
 
@@ -285,7 +292,7 @@ def test_the_median_of_perturbed_runs_counts(papers_world, judged):
     mask = where(papers_world, period=0.33, amplitude=0.025)
     members = pd.concat([papers_world, *(papers_world[mask].assign(run=f"member-{k}", max_DI=di)
                                          for k, di in enumerate((0.019, 0.5)))])
-    finding = judged(members)["P4", "elastic", "displacement"]
+    finding = judged(members, alone="P4")["P4", "elastic", "displacement"]
     assert finding.verdict == HOLDS
     assert finding.value == "0.020 (0.019 to 0.500)"
 
@@ -295,7 +302,29 @@ def test_runs_of_another_model_are_left_out(papers_world, judged):
     others = [papers_world[mask].assign(run=f"other-{name}", max_DI=0.5, **{name: value}) for name, value in (
         ("contacts", "corners"), ("top", "beam"), ("cells", 4), ("strength_cov", 0.3), ("beta_s", 1e-4),
         ("time_step_s", 1.5e-5), ("shocks", 3), ("status", "failed"), ("eigen_period_s", 0.17))]
-    assert judged(pd.concat([papers_world, *others]))["P4", "elastic", "displacement"].value == "0.020"
+    assert judged(pd.concat([papers_world, *others]), alone="P4")["P4", "elastic", "displacement"].value == "0.020"
+
+
+def test_the_model_of_the_papers_text_has_columns_of_its_own(papers_world, judged, tmp_path):
+    """Points at the joints' ends contradict P4, deformable bricks do not; damped ones are no model of the paper's."""
+    _, ends, deformable = MODELS
+    mask = where(papers_world, period=0.33, amplitude=0.025)
+    others = {"ends": {"contacts": "corners"},
+              "soft": {"contacts": "corners", "bricks": "deformable", "brick_damping": 0.0, "time_step_s": 2e-6},
+              "damped": {"contacts": "corners", "bricks": "deformable", "brick_damping": 0.05, "time_step_s": 2e-6}}
+    default = papers_world.assign(bricks="rigid", brick_damping=0.05)
+    tables = {name: default.assign(run=f"{name}-" + default["run"], **values) for name, values in others.items()}
+    tables["ends"].loc[mask, ["max_DI", "max_shear_limit_DI"]] = 0.03
+    tables["damped"].loc[mask, ["max_DI", "max_shear_limit_DI"]] = 0.03
+    cycles = CYCLES | {f"{name}-{run}": values for name in others for run, values in CYCLES.items()}
+    assert usual(judged(pd.concat([default, *tables.values()]), cycles), "P4") == HOLDS
+    found = judge(tmp_path)
+    assert {(one.model, one.lintel) for one in found} == {
+        ("", "elastic"), ("", "none"), (ends, "elastic"), (deformable, "elastic")}
+    verdicts = {one.model: one.verdict for one in found if one.claim.id == "P4" and one.lintel == "elastic"}
+    assert verdicts == {"": HOLDS, ends: DIFFERS, deformable: HOLDS}
+    heads, _ = report.overview_table(found)
+    assert heads[2:] == [f"reference solver, {model}, elastic lintel" for model in (ends, deformable)]
 
 
 def test_the_longest_rest_counts(papers_world, judged):
@@ -452,7 +481,7 @@ def test_a_claim_that_hardly_holds_or_differs_is_on_the_edge(papers_world, judge
     finding = findings["P4", "elastic", "displacement"]
     assert (finding.verdict, finding.on_edge) == (verdict, edge)
     assert finding.margin == pytest.approx((0.02 - value) / 0.02) and (abs(finding.margin) <= EDGE) == edge
-    [line] = [line for line in merged([finding]) if line[0] == "reference"]
+    [line] = [line for line in merged([finding]) if line[0] == "reference solver"]
     assert line[3] == verdict + ", borderline" * edge
     assert ("P4" in tally(findings)["borderline"].split(", ")) == edge
 

@@ -31,9 +31,11 @@ RUN = {
     "--pushover 0.1 --damping ?": "0 1e-300 0.5", "--cells ?": "", "--strength-cov ?": "0 1e-300 0.5",
     "--strength-seed ?": "0 1000000000", "--beta ?": "0 1e-300", "--rayleigh ? 5 20": "0 1e-300 0.5",
     "--rayleigh 0.02 ? 20": "0.5", "--rayleigh 0.02 0.1 ?": "0.5", "--perturb ?": "0 1e-300",
-    "--scatter ?": "0 1e-300", "--fibres ?": "0",
+    "--scatter ?": "0 1e-300", "--fibres ?": "0", "--soil ?": "1000000000", "--soil 1e8 --soil-shear ?": "0.5",
+    "--soil 1e8 --footing ?": "0.5", "--pushover 0.1 --top-rotation ?": "0 1e-300 1000000000 0.5",
+    "--settle hogging --distortion ?": "",
     "--bricks deformable --brick-mass ?": "", "--bricks deformable --brick-damping ?": "0 1e-300 0.5",
-    "--bricks deformable --brick-order ?": "", "--brick-damping ?": "",
+    "--bricks deformable --brick-order ?": "", "--bricks deformable --brick-cells ?": "0", "--brick-damping ?": "",
     "--seed ?": "0 1000000000", "--rest ?": "0 1e-300 0.5", "--dt ?": "", "--members ?": "",
 }
 """{words of a run, ? the value: which of ODD go}."""

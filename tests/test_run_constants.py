@@ -76,6 +76,8 @@ def test_a_wall_rests_when_no_brick_that_fell_moves():
 def test_following_bricks_without_contacts_is_refused():
     with pytest.raises(InputError, match="--after-fall without --new-contacts: .*give both"):
         parse_run(["--after-fall"], "test", "reference")
+    with pytest.raises(InputError, match="--after-fall with --past-collapse 2: expected one"):
+        parse_run(["--after-fall", "--new-contacts", "--past-collapse", "2"], "test", "yade")
     with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):
         parse_run(["--new-contacts", "--bricks", "deformable"], "test", "reference")
 

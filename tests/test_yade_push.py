@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, SHORT
 from numpy.testing import assert_allclose
 
 import damage
@@ -37,7 +37,7 @@ def runs(request, tmp_path_factory, yade_command, damage_command):
     wall = folder / "panel.py"
     wall.write_text(PANEL.format(repository=str(REPOSITORY)))
     histories = {}
-    solvers = {"yade": yade_command,
+    solvers = {"yade": lambda *words: yade_command(*SHORT, *words),
                "reference": lambda *words: damage_command("reference", *words, "--relaxation", "local")}
     for solver, run in solvers.items():
         out = folder / f"{solver}.h5"
@@ -108,7 +108,7 @@ def test_joints_that_soften_do_so_alike(tmp_path, yade_command, damage_command):
     wall = tmp_path / "panel.py"
     wall.write_text(SOFT.format(repository=str(REPOSITORY)))
     words = [wall, "--pushover", 0.05, "--speed", 5e-3, "--no-pictures"]
-    done = yade_command(*words, "--out", tmp_path / "yade.h5")
+    done = yade_command(*SHORT, *words, "--out", tmp_path / "yade.h5")
     assert done.returncode == 0 and "warning" not in done.stderr, done.stdout + done.stderr
     other = damage_command("reference", *words, "--relaxation", "local", "--fibres", 16, "--out", tmp_path / "ref.h5")
     assert other.returncode == 0, other.stderr

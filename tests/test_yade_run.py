@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, SHORT
 from numpy.testing import assert_allclose
 
 import damage
@@ -51,7 +51,7 @@ def small_wall(tmp_path_factory):
 def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp_path, words):
     """Bricks of unequal size."""
     out = tmp_path / "small.h5"
-    done = yade_command(small_wall, "--free-vibration", "--rest", 0.2, "--out", out, "--no-pictures", *words)
+    done = yade_command(*SHORT, small_wall, "--free-vibration", "--rest", 0.17, "--out", out, "--no-pictures", *words)
     assert done.returncode == 0, done.stdout + done.stderr
     history = damage.read_history(out)
     eigen = natural_modes(lay_out(load_wall(small_wall), history.model)).period_s[0]
@@ -63,7 +63,7 @@ def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp
 def shaken(yade_command, small_wall, tmp_path_factory):
     """The small wall shaken hard: 1 g at its own period."""
     out = tmp_path_factory.mktemp("shaken") / "small.h5"
-    done = yade_command(small_wall, "--harmonic", 0.03, 1.5, "--rest", 0.1, "--out", out)
+    done = yade_command(*SHORT, small_wall, "--harmonic", 0.03, 1.5, "--rest", 0.1, "--out", out)
     assert done.returncode == 0, done.stdout + done.stderr
     return damage.read_history(out), done.stdout
 
@@ -176,7 +176,7 @@ def test_nobody_can_reach_a_run_over_the_network(small_wall, tmp_path, yade_comm
 
 def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command):
     out = tmp_path / "small.h5"
-    child = subprocess.Popen([*COMMAND, small_wall, "--harmonic", "0.1", "0.1", "--rest", "60",
+    child = subprocess.Popen([*COMMAND, *SHORT, small_wall, "--harmonic", "0.1", "0.1", "--rest", "60",
                               "--out", out, "--no-pictures"], stdout=subprocess.PIPE,
                              stderr=subprocess.STDOUT, text=True)
     try:
@@ -196,7 +196,7 @@ def test_interrupt_leaves_a_readable_history(small_wall, tmp_path, yade_command)
 def test_perturbed_bricks_change_the_result_only_within_reason(shaken, small_wall, tmp_path, yade_command):
     """Compared with the same run unperturbed for half a cycle: after later failures the two diverge."""
     out = tmp_path / "small.h5"
-    done = yade_command(small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out,
+    done = yade_command(*SHORT, small_wall, "--harmonic", 0.03, 1.5, "--cycles", 1, "--rest", 0, "--out", out,
                         "--perturb", 1e-9, "--no-pictures")
     assert done.returncode == 0, done.stderr
     drifts = [run.series.drift_ratio.to_numpy()[:8] for run in (shaken[0], damage.read_history(out))]

@@ -120,8 +120,8 @@ class Push:
         return float(self.tension[reached[0]]) if len(reached) else math.nan
 
 
-def push(layout, *, speed=PUSH_M_S, farthest=FARTHEST_M):
-    """Push the top at `speed` [m/s] without letting it rotate.
+def push(layout, *, speed=PUSH_M_S, farthest=FARTHEST_M, top=None):
+    """Push the top at `speed` [m/s] without letting it rotate, or on a rotational spring, top [N m/rad].
 
     A value of the curve is the mean of samples, 1 ms apart, over `AVERAGED_M`: blocks that slide rattle.
     """
@@ -129,7 +129,9 @@ def push(layout, *, speed=PUSH_M_S, farthest=FARTHEST_M):
     caps, steps = layout.pushed_bodies, max(1, round(1e-3 / wall.time_step))
     averaged = max(1, round(AVERAGED_M / speed / (steps * wall.time_step)))
     wall.start(np.zeros((0, 2)))
-    wall.hold(caps, rotation=True)
+    if top is not None:
+        wall.fast = False  # the plain step alone has the spring
+    wall.hold(caps, top is None, top or 0.0)
     wall.push(speed)
     start, rows, samples = wall.displacement[caps, 0].mean(), [(0.0, 0.0, 0.0)], []
     while rows[-1][0] < farthest:
@@ -226,6 +228,18 @@ def vary(strengths, tension_alone):
     return 0
 
 
+def vary_top(stiffnesses):
+    """Print the peaks of both walls whose tops are on rotational springs of these stiffnesses [N m/rad]; the exit
+    status."""
+    print("| spring at the top [N m/rad] | wall | peak [kN] | over the measured |")
+    print("| --- " * 4 + "|")
+    for stiffness in stiffnesses:
+        for name in LOADS_N:
+            peak = push(lay(name), top=stiffness).peak
+            print(f"| {stiffness:g} | {name} | {peak / 1e3:.1f} | {_ratio(peak, name)} |", flush=True)
+    return 0
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m verification.lourenco", description=__doc__.split("\n")[0])
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table there")
@@ -233,7 +247,11 @@ def main(arguments=None):
     parser.add_argument("--strengths", nargs="+", type=float, metavar="MPA",
                         help="print the peaks of walls whose stones split at these tensile strengths instead")
     parser.add_argument("--tension-alone", action="store_true", help="... in bending alone, not in shear")
+    parser.add_argument("--top-rotations", nargs="+", type=float, metavar="N_M_RAD",
+                        help="print the peaks of walls with tops on rotational springs of these stiffnesses instead")
     parsed = parser.parse_args(arguments)
+    if parsed.top_rotations:
+        return vary_top(parsed.top_rotations)
     if parsed.strengths:
         return vary(parsed.strengths, parsed.tension_alone)
     pushes = {}

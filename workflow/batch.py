@@ -15,7 +15,6 @@ import fcntl
 import json
 import os
 import re
-import shlex
 import shutil
 import signal
 import subprocess
@@ -25,6 +24,7 @@ from pathlib import Path
 
 import again
 import pandas as pd
+import slurm
 import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
 from shards import RUNS_AN_HOUR, point_of, shard_of, write_shards
@@ -125,7 +125,10 @@ def _parse():
     parser.add_argument("--cores", type=number_from(1, 9_999_999, int), metavar="N", help="processors for each job")
     parser.add_argument("--shard", type=number_from(1, 9_999_999, int), metavar="RUNS", help="runs of a job")
     parser.add_argument("--remake", action="store_true", help="make runs again that another version made")
-    return parser.parse_args()
+    parsed = parser.parse_args()
+    if parsed.slurm and not parsed.dry_run:
+        slurm.check()
+    return parsed
 
 
 def claim(folder, study):
@@ -173,9 +176,9 @@ def load_name(path):
 class Batch:
     """A study on its way through Snakemake in one folder."""
 
-    def __init__(self, study, folder, jobs, solver, lock, slurm=False, cores=1):
+    def __init__(self, study, folder, jobs, solver, lock, on_slurm=False, cores=1):
         self.study, self.folder, self.jobs, self.solver, self.lock = study, folder, jobs, solver, lock
-        self.slurm, self.cores = slurm, cores
+        self.slurm, self.cores = on_slurm, cores
         self.interrupted = self.short = False  # ended by a signal; in want of room
         self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
         self._began, self._there_before = time.monotonic(), 0
@@ -213,21 +216,13 @@ class Batch:
     def _command(self, targets, config):
         config = {"study": json.dumps(str(self.study.path)), "solver": self.solver,
                   "jobs": 1 if self.slurm else self.jobs, "cores": self.cores, **config}
-        where = self._slurm() if self.slurm else ["--cores", str(self.jobs)]
+        where = (slurm.words(self.study.name, self.folder, self.jobs) if self.slurm
+                 else ["--cores", str(self.jobs)])
         return [sys.executable, "-m", "snakemake", *targets, *where,
                 "--snakefile", str(ROOT / "workflow" / "Snakefile"), "--directory", str(self.folder),
                 "--scheduler", "greedy", "--nolock", "--nocolor", "--keep-going",
                 "--rerun-incomplete", "--rerun-triggers", "mtime",
                 "--config", *(f"{key}={value}" for key, value in config.items())]
-
-    def _slurm(self):
-        """Snakemake's words for jobs on a SLURM cluster, whose folder and repository all nodes share."""
-        logs = self.folder / "logs" / "slurm"
-        logs.mkdir(parents=True, exist_ok=True)
-        submit = ["sbatch", "--parsable", "--ntasks=1", f"--job-name={self.study.name}", f"--output={logs}/%j.log"]
-        return ["--jobs", str(self.jobs), "--latency-wait", "60", "--max-status-checks-per-second", "2",
-                "--cluster", shlex.join(submit) + " --cpus-per-task={threads}", "--cluster-cancel", "scancel",
-                "--cluster-status", str(ROOT / "workflow" / "slurm_status.sh")]
 
     def _environment(self):
         """This process's, with what Snakemake, matplotlib and YADE's IPython keep inside the folder."""
@@ -302,7 +297,8 @@ def report(batch, status):
         if batch.study.pictures == "all":
             print(f"pictures: {folder / 'pictures'}")
     for what, log in failed:
-        print(f"failed: {what}; see {log}{last_words(log, what)}", file=sys.stderr)
+        found = log if log.is_file() else folder / "logs" / "snakemake.log"  # Snakemake failed before it began
+        print(f"failed: {what}; see {found}{last_words(found, what)}", file=sys.stderr)
     if status != 0 and not failed:
         print(f"failed: Snakemake, status {status}; see {folder / 'logs' / 'snakemake.log'}", file=sys.stderr)
     return 1 if failed or status != 0 else 0
@@ -312,7 +308,7 @@ def _shown_table(tables, unit):
     """The summary, or of ensembles their points, named by point and solver."""
     if unit == "runs":
         return pd.read_csv(tables / "summary.csv")
-    points = pd.read_csv(tables / "points.csv")
+    points = pd.read_csv(tables / "points.csv").copy()  # in one block: a column added to many warns
     return points.assign(run=points["point"] + "_" + points["solver"])
 
 
@@ -347,6 +343,9 @@ def run_program():
         return main()
     except KeyboardInterrupt:  # before Snakemake runs
         return EXIT_INTERRUPTED
+    except slurm.NoPlugin as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 3
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
     except OSError as error:

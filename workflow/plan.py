@@ -33,7 +33,7 @@ from damage.reference.ensembles import LEAST_LANES
 from damage.reference.fast.compiled import is_cached
 from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step, sample_steps
-from damage.run.settings import HOLD_S, RAMP_S, SETTLE_S, Softening
+from damage.run.settings import HOLD_S, RAMP_S, Softening
 from damage.studies.definition import PATH_OPTIONS, load_study
 from damage.studies.members import most_members
 from damage.studies.tables import runs_there
@@ -168,9 +168,7 @@ def estimate(run, way, machine):
     softens, n_joints, critical_s, height = _wall(str(ROOT / run.wall), settings.model)
     settings = settings.for_joint(load_wall(ROOT / run.wall).joint, Softening())
     loading, step_s = settings.loading, choose_time_step(settings, critical_s, softens)
-    shocks = len(settings.sequence)
-    shaken_s = loading.length_s(height) if loading.drive.quasi_static else \
-        shocks * (loading.duration_s + settings.rest_s + SETTLE_S)
+    shaken_s = loading.length_s(height) if loading.drive.quasi_static else settings.duration_s
     steps = (RAMP_S + HOLD_S + shaken_s) / step_s
     samples = shaken_s / step_s / sample_steps(step_s)
     besides_s, factor = RUN[way]

@@ -3,14 +3,15 @@ friction work and fracture energy.
 
 Offset is the shear displacement of a failed joint less its elastic part, open or closed.  Slip is the part of it that
 accumulates while the contact is closed; it is constant while the contact is open, and over a sample in which it opens
-or closes.  A joint ends where its faces cease to overlap, and then keeps its state.
+or closes.  A joint ends where its faces cease to overlap or, with new contacts, gape by twice the radius of a brick's
+corners at all of its contact points; it then keeps its state.
 """
 
 import numpy as np
 
 from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.wall.joint_law import friction_left, material_of
-from damage.wall.kinematics import slide_limits
+from damage.wall.kinematics import CORNER_RADIUS, slide_limits
 
 _SLIDES = 1e-7  # [m], plastic slip between two samples from which the joint counts as sliding
 
@@ -24,7 +25,7 @@ class JointTracker:
     parallel elements [J].
     """
 
-    def __init__(self, layout, threshold):
+    def __init__(self, layout, threshold, new_contacts=False):
         n, contacts = layout.n_joints, layout.contacts
         self.friction = friction_left(True, material_of(layout.wall.joint))
         self.area = contacts.area[:n]
@@ -36,6 +37,10 @@ class JointTracker:
         self.dry, self._crushing = np.zeros(n), contacts.compressive_strength[:n] * self.area
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
         self._slide = np.array(slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies))[:, :n]
+        self._gape = 2 * CORNER_RADIUS * layout.wall.brick.length if new_contacts else np.inf
+        sides = np.column_stack([contacts.first, contacts.second])[:n]
+        _, joint, self._points = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+        self._joint = joint.reshape(-1)  # number of the joint that a contact point is of
         self._open, self._stress, self._plastic = np.zeros(n, bool), np.zeros(n), np.zeros(n)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
@@ -122,6 +127,9 @@ class JointTracker:
         self._stress[joints] = np.where(is_open, 0.0, tau)
         least, most = self._slide[:, joints]
         self.ended[joints] = self.broken[joints] & ((shear <= least) | (shear >= most))
+        if np.isfinite(self._gape):
+            gapes = self.ended | (self.broken & (self.opening > self._gape))
+            self.ended |= (np.bincount(self._joint, gapes) == self._points)[self._joint]
         return self._first_passings()
 
     def _first_passings(self):

@@ -21,6 +21,7 @@ import numpy as np
 import yade
 from yade import O, Vector3, utils
 
+from damage.units import GRAVITY
 from damage.wall.joint_law import friction_left, material_of
 from damage.wall.kinds import GROUND
 from damage.wall.supports import rows
@@ -32,6 +33,7 @@ TIP = 5e-4  # [m], radius: beyond this depth, at 33 MPa, a tip would be assigned
 _DEEP = 1.5  # [-], least radius of a tip over the depth at which its joint crushes, below which it is replaced
 _POINT = 1e-3  # [m], radius of bond members, without effect
 _CORNER = 1e-3  # [m], radius of the spheres in the corners, the contacts of loose bricks
+_ON_SOIL = 4.0  # [-], largest depth of a tip on soil over the mean static one
 _INSET = 5e-4  # [m], their distance from the faces, so that they do not touch while joints hold
 _CRUSHED_INSET = 5e-3  # [m], the same where joints can crush, which brings bricks closer
 _NEAR = 5e-5  # [m], opening from which a tip is not checked until the next choice (up to 0.3 m/s)
@@ -39,6 +41,7 @@ _MARGIN = 1e-2  # [m], a contact point closer to the end of a face than this has
 _REACH = 3e-2  # [m], extension of a face where the contact point lies at the ends of both faces
 _COLLISION = 2e8  # [N/m], normal stiffness of loose bricks' contacts
 _COLLISION_SHEAR = 0.4  # [-], shear stiffness over the normal
+_IMPACT_DAMPING = 0.2  # [-], of loose bricks' contacts over the critical, once a brick has fallen
 _GROUND = 10.0  # [m], extension of the ground beyond the wall
 _SEEN, _FACE = 1, 2  # bits of masks: seen by the collider; faces do not collide with faces
 
@@ -54,7 +57,7 @@ class YadeWall:
     those that may fail; faces: {(body, kind): id} of the boxes.
     """
 
-    def __init__(self, layout, parts, bonds, newton, law, work):
+    def __init__(self, layout, parts, bonds, newton, law, work, corner_depth):
         self.layout, self.bonds, self.newton, self.law = layout, bonds, newton, law
         self.clumps, self.members, self.ground = parts.clumps, parts.members, parts.ground
         self.signs = np.array([1.0 if bond.id2 == second else -1.0
@@ -65,10 +68,16 @@ class YadeWall:
         self.friction = friction_left(True, material_of(layout.wall.joint))
         self._material, self._work = parts.tip, work
         contacts, n = layout.contacts, layout.n_joints
-        # Depth at which contact points crush, none where they do not [m]; {joint: its tip's id}.
+        # Depth at which contact points crush, or to which soil gives way, else none [m]; {joint: its tip's id}.
         self._depth = np.where(np.isinf(contacts.compressive_strength), 0.0,
                                contacts.compressive_strength / contacts.normal_stiffness)[:n]
+        if layout.options.soil != "rigid":
+            base = contacts.first[:n] < 0
+            stiffness = np.sum((contacts.normal_stiffness * contacts.area)[:n][base])
+            self._depth[base] += _ON_SOIL * layout.total_mass * GRAVITY / stiffness
         self.closure, self._tip_of = np.zeros(n), {}
+        inset = _CRUSHED_INSET if self._depth.any() else _INSET
+        self._corner_depth = max(corner_depth, inset)  # of the faces' overlap [m], from which corners touch
         self.corners = set()  # ids of the spheres in the bricks' corners
 
     def loosen(self, joint):
@@ -169,7 +178,7 @@ class YadeWall:
         """
         if self.corners:
             return
-        bodies, inset = self.layout.bodies, _CORNER + (_CRUSHED_INSET if self._depth.any() else _INSET)
+        bodies, inset = self.layout.bodies, _CORNER + self._corner_depth
         for body in range(len(bodies)):
             half = bodies.length[body] / 2 - inset, bodies.height[body] / 2 - inset
             balls = [_ball((bodies.x[body] + right * half[0], bodies.z[body] + up * half[1]), _CORNER, self._material)
@@ -177,6 +186,20 @@ class YadeWall:
             for ball in balls:
                 ball.bounded, ball.mask = True, _SEEN
             self.corners.update(self._attach(body, balls))
+
+    def damp_impacts(self):
+        """Give all collisions dashpots from now on; the shear forces of those that exist begin from zero."""
+        self.arm()
+        soft = O.materials[O.materials.append(yade.FrictViscoMat(density=0.0, betan=_IMPACT_DAMPING, **_collision(
+            self.layout.wall.joint)))]
+        for contact in self.collisions():
+            O.interactions.erase(contact.id1, contact.id2)
+        for members, mass in zip(self.members, self.layout.bodies.mass):
+            for part in (O.bodies[member] for member in members):
+                if part.id in self.corners:
+                    part.mat = soft
+                if part.bounded:  # YADE takes the critical damping from the masses of the two members
+                    part.state.mass = mass
 
     def tidy(self):
         """Delete collisions that are over and contacts of joints that are out of reach."""
@@ -226,6 +249,14 @@ class _Tip:
     face: tuple
 
 
+def _collision(joint):
+    """{parameter: value} of the materials of loose bricks' contacts; joint: damage.wall.parameters.Joint.
+
+    YADE gives a contact of radius R and modulus E the stiffness E R.
+    """
+    return {"young": _COLLISION / _CORNER, "poisson": _COLLISION_SHEAR, "frictionAngle": joint.friction_angle}
+
+
 def _ball(place, radius, material):
     """A sphere at (x, z) [m] that the collider does not see."""
     ball = utils.sphere((place[0], 0, place[1]), radius, material=material, color=(0.3, 0.3, 0.3))
@@ -242,8 +273,12 @@ def _ease(contact, closure):
         O.forces.addT(body, (geom.contactPoint - O.bodies[body].state.pos).cross(on_it))
 
 
-def build(layout, dt):
-    """Build a wall in YADE's scene, which is cleared; dt: time step [s]; returns a YadeWall."""
+def build(layout, dt, corner_depth=0.0):
+    """Build a wall in YADE's scene, which is cleared; returns a YadeWall.
+
+    dt: time step [s]; corner_depth: overlap with a face from which a loose brick's corner touches it [m], at least that
+    of YadeWall.
+    """
     O.reset()
     O.dt = dt
     ig2 = yade.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False)
@@ -255,15 +290,19 @@ def build(layout, dt):
     newton = yade.NewtonIntegrator(damping=0.0, gravity=(0, 0, 0), label="newton")
     collider = yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), yade.Bo1_Box_Aabb()], verletDist=1e-4,
                                           avoidSelfInteractionMask=_FACE)
-    loop = yade.InteractionLoop([ig2, yade.Ig2_Box_Sphere_ScGeom()], [bonding, yade.Ip2_FrictMat_FrictMat_FrictPhys()],
-                                [law, friction])
+    damped = yade.Law2_ScGeom_FrictViscoPhys_CundallStrackVisco(sphericalBodies=False)
+    loop = yade.InteractionLoop([ig2, yade.Ig2_Box_Sphere_ScGeom()],
+                                [bonding, yade.Ip2_FrictMat_FrictMat_FrictPhys(),
+                                 yade.Ip2_FrictMat_FrictViscoMat_FrictViscoPhys(),
+                                 yade.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys()],
+                                [law, friction, damped])
     O.engines = [yade.ForceResetter(), collider, loop, newton]
     parts = _Parts(layout)
     bonds = list(starmap(utils.createInteraction, parts.ends))
     for index, bond in enumerate(bonds):
         _set_bond(bond.phys, layout, index)
     bonding.cohesiveTresholdIteration = 0
-    return YadeWall(layout, parts, bonds, newton, law, FrictionWork(friction))
+    return YadeWall(layout, parts, bonds, newton, law, FrictionWork(friction), corner_depth)
 
 
 def _set_bond(phys, layout, index):
@@ -318,8 +357,7 @@ class _Parts:
 
     def _add_materials(self):
         brick, joint = self.layout.wall.brick, self.layout.wall.joint
-        # YADE gives such a contact of radius R and modulus E the stiffness E R.
-        common = {"young": _COLLISION / _CORNER, "poisson": _COLLISION_SHEAR, "frictionAngle": joint.friction_angle}
+        common = _collision(joint)
         materials = (yade.FrictMat(density=brick.density, label="brick", **common),
                      yade.FrictMat(density=0.0, label="tip", **common),
                      yade.JCFpmMat(density=0.0, young=1e9, poisson=0.3, frictionAngle=joint.friction_angle,

@@ -13,6 +13,8 @@ from damage.start import EXIT_MISSING, missing_library
 
 FIBRES = 16
 """Default number of parallel elements of a softening joint (docs/model/model.md)."""
+BRICK_CELLS = 4
+"""Default number of cells of a deformable brick (docs/model/yade.md)."""
 
 
 def main(make_wall):
@@ -52,16 +54,22 @@ def _run(make_wall, path):
     if "--quiet" not in sys.argv:
         print(f"YADE {yade.config.version}, bricks are {BRICK_SHAPE}", flush=True)
     versions = {"yade": yade.config.version, "yade_bricks": BRICK_SHAPE}
-    backend = Backend("yade", versions, lambda layout, time_step, _settings: YadeSolver(layout, time_step),
-                      Path(__file__).parent, _check, open_view,
-                      Softening(fibres=FIBRES, beta_s=0.0))
+
+    def make(layout, time_step, settings):
+        return YadeSolver(layout, time_step, settings.new_contacts)
+
+    backend = Backend("yade", versions, make, Path(__file__).parent, _check, open_view,
+                      Softening(fibres=FIBRES, beta_s=0.0), BRICK_CELLS)
     return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {shown_path(path)}")
 
 
 def _check(settings):
-    if settings.model.deforms:
-        raise InputError("--bricks deformable: expected rigid bricks in YADE; leave it out, or use the reference "
-                         "solver: python3 -m damage reference")
+    if settings.loading.drive.top_stiffness:
+        raise InputError(f"--top-rotation {settings.loading.drive.top_stiffness:g}: expected a top without a spring in "
+                         "YADE; leave it out, or use the reference solver: python3 -m damage reference")
+    if settings.continued:
+        raise InputError("--continue: YADE keeps no state that a run could start from; expected both halves in one "
+                         "run, as --sequence 1,0.5, or the reference solver: python3 -m damage reference")
     if settings.beta_s > 0:
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")

@@ -12,7 +12,7 @@ from yade import O, PyRunner, Vector3
 from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
-from damage.wall.kinematics import ContactKinematics
+from damage.wall.kinematics import CORNER_RADIUS, ContactKinematics
 from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
@@ -33,12 +33,12 @@ ON_FACE = 1e-2
 class YadeSolver(Solver):
     """A wall in YADE as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
 
-    def __init__(self, layout, time_step):
+    def __init__(self, layout, time_step, new_contacts=False):
         self.layout, self.time_step = layout, time_step
-        self.model = build(layout, time_step)
+        self.model = build(layout, time_step, CORNER_RADIUS * layout.wall.brick.length if new_contacts else 0.0)
         self.scene = SceneReader(self.model)
         self.kinematics = ContactKinematics(layout)
-        self.tracker, self.crushing = JointTracker(layout, THRESHOLD), Crushing(self.scene)
+        self.tracker, self.crushing = JointTracker(layout, THRESHOLD, new_contacts), Crushing(self.scene)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
         # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
@@ -68,11 +68,17 @@ class YadeSolver(Solver):
         for state, (dx, dz) in zip(self.scene.states, offsets):
             state.pos += Vector3(dx, 0, dz)
 
+    def damp_impacts(self):
+        self._armed = True
+        self.model.damp_impacts()
+
     def set_velocities(self, velocities):
         for state, (vx, vz, rotating) in zip(self.scene.states, velocities):
             state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -rotating, 0)
 
-    def hold(self, bodies, rotation):
+    def hold(self, bodies, rotation, stiffness=0.0):
+        if stiffness:
+            raise NotImplementedError("a rotational spring at the top: of the reference solver alone")
         self._held = bodies
         for body in bodies:
             self.scene.states[body].blockedDOFs = "xyXYZ" if rotation else "xyXZ"

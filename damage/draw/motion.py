@@ -11,8 +11,8 @@ from damage.draw.words import preparation
 from damage.motion.intensity import SPECTRUM_PERIODS_S, response_spectrum
 from damage.units import GRAVITY
 
-PERIODS_S = np.geomspace(0.02, 2.0, 80)
-"""Periods at which the line of the spectrum is evaluated [s]."""
+PERIODS_S = np.union1d(np.geomspace(0.02, 2.0, 80), SPECTRUM_PERIODS_S)
+"""Periods at which the line of the spectrum is evaluated [s], those of the printed ordinates among them."""
 LABELLED_S = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2)
 DAMPING = 0.05
 

@@ -210,4 +210,4 @@ def in_order(names):
 def record_markers(names):
     """A marker for each record, the paper's for the two that it uses."""
     others = iter(OTHER_MARKERS * len(names))
-    return {name: EVENTS[station_of(name)][1] if station_of(name) else next(others) for name in names}
+    return {name: EVENTS.get(station_of(name), ("", ""))[1] or next(others) for name in names}

@@ -75,7 +75,7 @@ def _with_words(figure, ratio, history, lines, handles):
 
 
 def has_heap(history):
-    """Whether a History's bodies were followed beyond its collapse (`--after-fall`, in YADE `--past-collapse`)."""
+    """Whether a History's bodies were followed beyond its collapse (`--after-fall`)."""
     times = history.snapshot_time_s
     return history.collapsed_at_s is not None and len(times) > 0 and times[-1] > history.series["time_s"].iloc[-1]
 
@@ -88,7 +88,7 @@ def heap_picture(history):
     """
     if not has_heap(history):
         raise InputError(f"{history.path} follows no brick beyond a collapse; expected a run with --new-contacts "
-                         "--after-fall, or in YADE with --past-collapse S, whose wall fell, run it again with that")
+                         "--after-fall whose wall fell; run it again with both")
     motion = history.displacement[-1].astype(float)
     before, now = body_corners(history.bodies, np.zeros_like(motion)), body_corners(history.bodies, motion)
     is_cap = history.bodies["course"].to_numpy() < 0
@@ -356,8 +356,11 @@ def save_all(history, folder):
     """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns their paths.
 
     The picture of the heap is included where bricks were followed beyond the collapse, that of stresses where bricks
-    are deformable.
+    are deformable, that of the events where there are several.
     """
+    from damage.draw.sequence import has_sequence, sequence_picture
+
     chosen = PICTURES | ({"heap": heap_picture} if has_heap(history) else {}) | (
-        {} if history.stress_pa is None else {"stress_max": stress_picture})
+        {} if history.stress_pa is None else {"stress_max": stress_picture}) | (
+        {"sequence": sequence_picture} if has_sequence(history) else {})
     return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
 from damage.draw.words import run_title
+from damage.errors import InputError
 from damage.files import whole_or_nothing
 from damage.provenance import commit
 from damage.version import VERSION
@@ -29,12 +30,14 @@ STYLE = {
     "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
     "figure.dpi": DOTS_PER_INCH, "savefig.dpi": DOTS_PER_INCH,
     "pdf.fonttype": 42,  # complete fonts, as journals require
+    "svg.hashsalt": "masonry-damage",  # same picture, same bytes
 }
 # Okabe and Ito's palette, which is safe for colour-blind readers.  Orange, blue and black, for what
 # opened, slipped and both, also differ in grey.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 LIGHT, MEDIUM, DARK = "0.91", "0.6", "0.35"
+SAND = "#f3e6c8"
 BRICK_COLOUR, CAP_COLOUR, GROUND_COLOUR = "0.96", "0.75", "0.85"
 
 
@@ -91,7 +94,7 @@ def mark_times(history, axes):
         ax.margins(x=0)
         show_single_points(ax)
         for shade in shade_settling(ax, history.series):
-            handles["settling"] = shade
+            handles[shade.get_label()] = shade
         if history.collapsed_at_s is not None:
             handles["collapse"] = ax.axvline(history.collapsed_at_s, color=VERMILLION, lw=1, ls="--",
                                              clip_on=False, label=collapse_label(history))
@@ -100,10 +103,14 @@ def mark_times(history, axes):
 
 
 def shade_settling(ax, series):
-    """Shade the settling stages of a table with columns time_s and stage; returns the handles."""
-    settling = series["stage"] == "settling"
-    spans = series["time_s"].groupby((settling != settling.shift()).cumsum()[settling]).agg(["first", "last"])
-    return [ax.axvspan(first, last, color=LIGHT, lw=0, zorder=0, label="settling") for first, last in spans.to_numpy()]
+    """Shade the settlement and settling stages of a table with columns time_s and stage; returns the handles."""
+    found = []
+    for name, colour in (("settling", LIGHT), ("settlement", SAND)):
+        inside = series["stage"] == name
+        spans = series["time_s"].groupby((inside != inside.shift()).cumsum()[inside]).agg(["first", "last"])
+        found += [ax.axvspan(first, last, color=colour, lw=0, zorder=0, label=name)
+                  for first, last in spans.to_numpy()]
+    return found
 
 
 TINY_DRIFT = 1e-5
@@ -133,8 +140,10 @@ def collapse_label(history):
     return f"collapse at {history.collapsed_at_s:.3f} s"
 
 
-FORMATS = {"png": ("Software", "Description"), "pdf": ("Creator", "Subject")}
+METADATA = {"png": ("Software", "Description"), "pdf": ("Creator", "Subject"), "svg": ("Creator", "Description")}
 """{suffix: (metadata key of the software, key of the origin of the results)}."""
+FORMATS = ("png", "pdf")
+"""Suffixes of `save_figures`."""
 
 
 @styled
@@ -153,11 +162,22 @@ def save_png(figure, path, made=""):
     return _save(figure, Path(path), "png", made)
 
 
+@styled
+def save_picture(figure, path, made=""):
+    """Write one Figure as its path's ending says; returns the path.  made: as of `save_figures`.  Raises InputError for
+    an ending other than those of METADATA."""
+    ending = Path(path).suffix.lower().removeprefix(".")
+    if ending not in METADATA:
+        raise InputError(f"{path}: expected a name that ends in .{', .'.join(METADATA)}; give it one")
+    return _save(figure, Path(path), ending, made)
+
+
 def _save(figure, path, ending, made):
-    drawn_by, shows = FORMATS[ending]
+    drawn_by, shows = METADATA[ending]
     metadata = {drawn_by: f"masonry-damage {VERSION}, commit {commit()}", shows: made}
-    if ending == "pdf":
-        metadata["CreationDate"] = None  # same run, same bytes
+    undated = {"pdf": "CreationDate", "svg": "Date"}.get(ending)
+    if undated:
+        metadata[undated] = None  # same run, same bytes
     with whole_or_nothing(path) as unfinished:
         figure.savefig(unfinished, format=ending, metadata=metadata)
     return path

@@ -2,12 +2,13 @@
 
 import re
 
-from damage.motion.loading import FreeVibration, Harmonic, TopDisplacement
+from damage.motion.loading import AtRest, FreeVibration, Harmonic, TopDisplacement
 
 EVENTS = {"MID1": ("Huizinge", "+"), "BGAR": ("Zeerijp", "x"), "BWSE": ("Zeerijp", "1"), "BZN1": ("Zeerijp", "2"),
-          "BLOP": ("Zeerijp", "3")}
-"""Earthquake and marker of the stations whose records ship, or have a named place."""
-_DIRECTIONS = {"N": "north", "E": "east", "Z": "vertical"}
+          "BLOP": ("Zeerijp", "3"), **dict.fromkeys(("BOWW", "BWIR", "BAPP", "G010", "G040", "G080", "G100", "G130",
+                                                     "G170", "G190", "G220", "G620"), ("Zeerijp", ""))}
+"""Earthquake and marker ("" for none of its own) of the stations whose records ship, or have a named place."""
+_DIRECTIONS = {"N": "north", "E": "east", "Z": "vertical", "1": "horizontal 1", "2": "horizontal 2"}
 _COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 _TOPS = {"cantilever": "free to rotate", "fixed": "kept from rotating"}
 
@@ -17,11 +18,13 @@ def record_label(name):
 
     >>> record_label("BGAR_HGE")
     'Zeerijp, BGAR east'
+    >>> record_label("G100_HG2")
+    'Zeerijp, G100 horizontal 2'
     >>> record_label("MID1_N_synthetic")
     'Huizinge, MID1 north, synthetic'
     """
     station = station_of(name)
-    component = re.search(r"(?<![A-Za-z0-9])(?:HG)?([NEZ])(?![A-Za-z0-9])", name.replace("_", " "))
+    component = re.search(r"(?<![A-Za-z0-9])(?:HG)?([NEZ]|(?<=HG)[12])(?![A-Za-z0-9])", name.replace("_", " "))
     if station is None or component is None:
         return name
     synthetic = ", synthetic" if "synthetic" in name else ""
@@ -37,10 +40,29 @@ def run_title(history):
     """Text: the wall and the motion of a History, as "Symmetric wall, harmonic motion of 0.2 s and 0.05 g, three
     cycles"."""
     motion = motion_words(history.loading)
+    settlement = history.parameters.get("settlement")
+    settled = settlement_words(settlement) if settlement else ""
+    if settled:
+        motion = settled + ("" if motion == "no motion" else f", then {motion}")
+    if "motions" in history.parameters:
+        records = {loading.horizontal.get("record") for loading in history.event_loadings}
+        return (f"{wall_words(history.wall)}, {settled + ', then ' if settled else ''}sequence of "
+                f"{counted(len(history.sequence), 'event')}, {counted(len(records), 'record')}")
     if len(history.sequence) > 1:
         factors = ", ".join(f"{factor:g}" for factor in history.sequence)
         motion += f", {counted(len(history.sequence), 'event')} × {factors}"
     return f"{wall_words(history.wall)}, {motion}"
+
+
+def settlement_words(settlement):
+    """Text: a settlement as a history's parameters have it.
+
+    >>> settlement_words({"profile": "hogging", "distortion": 0.002})
+    'hogging settlement of 1/500'
+    """
+    distortion = settlement.get("distortion")
+    return f"settlement {settlement['profile']}" if distortion is None else (
+        f"{settlement['profile']} settlement of 1/{1 / distortion:.3g}")
 
 
 def wall_words(name):
@@ -66,6 +88,8 @@ def motion_words(loading):
     >>> motion_words(FreeVibration())
     'free vibration in its first mode from 1 mm/s at the top'
     """
+    if isinstance(loading, AtRest):
+        return "no motion"
     if isinstance(loading, Harmonic):
         return (f"harmonic motion of {loading.period_s:g} s and {loading.amplitude_g:g} g, "
                 f"{counted(loading.cycles, 'cycle')}")

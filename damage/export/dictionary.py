@@ -9,9 +9,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from damage.exposure.exposure import COLUMNS as EXPOSURE
 from damage.files import write_text
-from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, TABLES, Column
+from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, TABLES, Column
 from damage.index import COMPONENTS
+from damage.life.runs import COLUMNS as LIVES
+from damage.life.runs import YEARLY
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, each
 from damage.measure.cycles import BY_OTHERS
 from damage.measure.tables import write_table
@@ -65,14 +68,24 @@ CYCLES = {
     **{f"cumulative_max_{prefix}DI": Column("1", "largest index from the shock's start to the cycle's end" + words)
        for prefix, words in CRITERION_WORDS.items()}, **SLIP}
 SHOCKS = {
-    "shock": Column("1", "number of the shock, from 1"), "factor": Column("1", "on the motion"), **_SPAN,
+    "shock": Column("1", "number of the shock, from 1"), "motion": Column("", "name of the motion"),
+    "factor": Column("1", "on the motion"), **_SPAN,
     "max_drift_ratio": Column("1", "largest absolute drift ratio in the shock"),
     "residual_drift_ratio": Column("1", "drift ratio at its end, with its sign"),
     **_index("max_", "largest in the shock: "), **_index("residual_", "at its end: "),
     **{f"{kind}_{name}": Column(unit, f"{words}: {meaning}")
        for kind, words in (("max", "largest in the shock"), ("residual", "at its end"))
        for name, unit, meaning in (("psi", "1", "Korswagen's damage parameter of the cracks"),
-                                   ("crack_width_mm", "mm", "width of the widest crack"))}, **SLIP}
+                                   ("crack_width_mm", "mm", "width of the widest crack"))},
+    "offset_before_mm": Column("mm", "largest offset of a joint's faces when the event begins, absolute"),
+    "offset_after_mm": Column("mm", "the same at its end"),
+    "newly_failed": Column("1", "contact points whose bonds failed in the event"), **SLIP}
+STOREYS = {
+    "storey": Column("1", "from the base upwards"), "bottom_m": Column("m", "height of its lower end"),
+    "top_m": Column("m", "of its upper end: middle of a slab, the course below a timber floor, or the bricks of the "
+                    "wall's drift"),
+    "max_drift_ratio": Column("1", "largest absolute drift ratio of the storey at the snapshots, every tenth sample"),
+    "residual_drift_ratio": Column("1", "drift ratio at the last snapshot, with its sign")}
 
 RUNS = {name: column for table in (PARAMETERS, RUN, MADE_BY, *MEASURES.values())
         for name, column in each(table).items()}
@@ -159,12 +172,14 @@ CRACKS = {
 DICTIONARY = {
     "summary.csv, study.h5 runs": RUNS | MEMBERS, "points.csv, study.h5 points": POINTS,
     "RUN_index.csv": INDEX, "RUN_events.csv": EVENTS, "RUN_joints.csv": JOINTS_OF_A_RUN, "RUN_cycles.csv": CYCLES,
-    "RUN_shocks.csv": SHOCKS, "fragility_INTENSITY.csv": FRAGILITY,
+    "RUN_shocks.csv": SHOCKS, "RUN_storeys.csv": STOREYS, "fragility_INTENSITY.csv": FRAGILITY,
     "fragility_after_damage_INTENSITY.csv": AFTER_DAMAGE, "fragility_INTENSITY_at.csv": AT,
     "efficiency.csv": EFFICIENCY, "left_out.csv, unseen.csv": LEFT_OUT,
     "left_out_scores.csv, unseen_scores.csv": SCORES,
-    "fragility_coefficients.csv": COEFFICIENTS, "crack files": CRACKS,
-    **{f"RUN.h5 {group}": columns for group, columns in TABLES.items()}}
+    "fragility_coefficients.csv": COEFFICIENTS, "crack files": CRACKS, "exposure.csv": EXPOSURE,
+    "lives.csv": LIVES, "life.csv": YEARLY,
+    **{f"RUN.h5 {group}": columns for group, columns in TABLES.items()},
+    "RUN.h5 state": {"solver": STATE_COLUMN}}
 """{tables, as their files are called: {column: Column}}; `summary.csv` of `python3 -m damage tables` has no members."""
 
 

@@ -1,1 +1,1 @@
-"""The history file of a run: its schema, who writes it, who reads it."""
+"""The history file of a run: schema, writer and reader."""

@@ -1,4 +1,4 @@
-"""Reading in a process of its own: a file that nothing vouches for may hang HDF5, crash it or ask for any memory."""
+"""Reading of unsealed files in a separate process: a damaged one may make HDF5 hang, crash or allocate any memory."""
 
 import faulthandler
 import os
@@ -19,10 +19,10 @@ FREE_BYTES = 500e6
 
 
 def apart(path, read):
-    """`read(path, believe)` done in a child of this process; returns what it returns.
+    """Call `read(path, believe)` in a child process, with limits of time and memory; returns its result.
 
-    believe(n_bytes): the reader has looked, and needs so much memory.
-    Raises InputError where it does, dies, or takes too long.
+    believe(n_bytes): the reader calls it after its checks, with the memory that it needs.
+    Raises InputError where `read` does, or where the child dies or takes too long.
     """
     if not sys.platform.startswith("linux"):  # elsewhere a fork of a program with threads is no safe place
         return read(path, lambda n_bytes: None)
@@ -54,9 +54,9 @@ def apart(path, read):
 
 @contextmanager
 def bounded():
-    """Bound the memory that this process may ask for while a sealed file is read: gzip may unpack to any size.
+    """Limit the memory of this process while a sealed file is read: gzip may unpack to any size.
 
-    What it gives is the `believe` of `apart`; before that is called nothing is bounded.
+    Yields the `believe` of `apart`; the limit applies from its first call.
     """
     if not sys.platform.startswith("linux"):
         yield lambda n_bytes: None
@@ -92,7 +92,7 @@ def _be_the_child(path, read, send, limit_s):
 
 
 def _allow(n_bytes, most=None):
-    """Let this process have so much more memory than it has now, at most so much in all (default: its hard limit)."""
+    """Allow this process n_bytes more memory than it has now, up to a total (default: its hard limit)."""
     import resource
 
     now = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

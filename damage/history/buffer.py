@@ -1,4 +1,4 @@
-"""Samples, events and snapshots of a run on their way to where they are kept, many at once."""
+"""Buffer of samples, events and snapshots, which are stored many at once."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ CHUNK = 120
 
 
 class Buffer:
-    """Call `append` or `extend`, `event`, `snapshot` as a run goes; what comes of it has the `store` that takes it."""
+    """Buffer of a run's `append` or `extend`, `event` and `snapshot`; subclasses define `store`."""
 
     def __init__(self, layout):
         # Of series, frames and ground whole columns, of the other groups rows in the order of theirs.
@@ -63,6 +63,9 @@ class Buffer:
         self._rows["snapshots"].append((time_s, np.array(displacement, "f4"),
                                         *([] if stress_pa is None else [np.array(stress_pa, "f4")])))
 
+    def keep_state(self, state):
+        """Keep the state of the solver at the end of the run, bytes (n,), where the history has a file."""
+
     def flush(self):
         """Store what is buffered."""
         columns = {group: [np.asarray(values, column.dtype)
@@ -80,5 +83,5 @@ class Buffer:
         self._count = 0
 
     def store(self, columns):
-        """Keep more rows, {group: arrays in the order of its columns}; those of frames are the buffer's own."""
+        """Store rows, {group: arrays in the order of its columns}; the buffer reuses the arrays of frames."""
         raise NotImplementedError

@@ -5,9 +5,9 @@
     model reference 6b1f0c9a52e4
     sealed sha256 5891b5b522d5df08... of 412345 bytes
 
-Text, so that `head -c 512 FILE.h5` shows it and a study looks at it in no time.  The last line is written when all else
-is on the disk; until then it is `open`.  HDF5 never sees a file whose seal is broken: it waits for ever on one damaged
-byte in a file that grows, and crashes on another.  A file of schema version 1 has no such block.
+It is text, so that `head -c 512 FILE.h5` shows it and a study reads it quickly.  The last line is `open` until
+everything else is on the disk.  A file with a broken seal is never opened by HDF5, which may hang or crash on one
+damaged byte.  Files of schema version 1 have no such block.
 """
 
 import hashlib

@@ -1,6 +1,6 @@
-"""Histories in memory, for runs that are evaluated as soon as they end: no file is read again, or none is written.
+"""Histories in memory, for runs that are evaluated when they end without reading, or without writing, a file.
 
-Most contact points are intact most of the time: a chunk of samples keeps the active ones alone.
+Most contact points are intact most of the time, so a chunk of samples stores the active ones only.
 """
 
 from typing import NamedTuple
@@ -128,6 +128,9 @@ class HistoryKept(HistoryInMemory):
         super().static_stage(**values)
         self._writer.static_stage(**values)
 
+    def keep_state(self, state):
+        self._writer.keep_state(state)
+
     def flush(self):
         """Write what is buffered and make it safe."""
         super().flush()
@@ -149,7 +152,7 @@ class HistoryKept(HistoryInMemory):
 
 
 class _Part(NamedTuple):
-    """Of some rows of a frame: the joints at which any bit is set, and their values (rows, joints)."""
+    """Rows of a frame: the joints at which any bit is set, and their values (rows, joints)."""
 
     joints: np.ndarray
     values: np.ndarray

@@ -25,7 +25,7 @@ the time step, too, unless --dt gives it."""
 
 
 def check(path):
-    """What the file at `path` is worth: {"file", "worth": one of WORTH, "status", "samples", "until_s", "says"}."""
+    """State of the file at `path`: {"file", "worth": one of WORTH, "status", "samples", "until_s", "says"}."""
     try:
         history, head = read_history(path), read_head(path)
     except InputError as error:
@@ -41,7 +41,7 @@ def check(path):
 
 
 def describe_check(checked):
-    """One line a file."""
+    """Text of the results of `check`, a line for each file."""
     return "\n".join(
         f"{one['worth']}: {one['says']}" if one["worth"] == DAMAGED else
         f"{one['worth']}: {one['file']}: {one['status']}, {one['samples']} samples"
@@ -49,7 +49,7 @@ def describe_check(checked):
 
 
 def made_by(history):
-    """{"software", "commit", "model_digest"} of a History, "unknown" where an older one does not say it."""
+    """{"software", "commit", "model_digest"} of a History; "unknown" where an older file lacks it."""
     return {name: history.versions.get(key, UNKNOWN) for name, key in (
         ("software", "masonry-damage"), ("commit", "commit"), ("model_digest", "model"))}
 
@@ -62,8 +62,8 @@ def origin(history):
 
 
 def info(history):
-    """All that made a History, as a plain dictionary: "parameters" as the file holds them, and "results", those of
-    them that follow from the others."""
+    """Origin of a History, a plain dictionary: "parameters" as stored in the file, and "results", those that follow
+    from other parameters."""
     return {"file": shown_path(history.path), "wall": history.wall, "solver": history.solver, "status": history.status,
             "collapsed_at_s": history.collapsed_at_s, "created_utc": history.attributes["created_utc"],
             "machine": history.attributes["machine"], "command": history.command, **made_by(history),
@@ -73,7 +73,7 @@ def info(history):
 
 
 def results(history):
-    """{name: value} of what the file holds among a History's parameters, and which follows from the others."""
+    """{name: value} of a History's parameters that follow from others."""
     return {name: history.parameters[name] for name in RESULTS if name in history.parameters}
 
 

@@ -1,4 +1,4 @@
-"""Moments of a history: a sample by its name, the snapshot beside it, the state of every joint then."""
+"""Samples of a history by name, with the nearest snapshot and the state of every joint."""
 
 import numpy as np
 
@@ -15,12 +15,13 @@ NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the
 
 
 def is_moving(series):
-    """Which samples lie before the settling of their shock, whose damping is no part of the model: bool (n_times,)."""
-    return series["stage"] != "settling"
+    """Flags (n_times,) of the samples outside the settlement and settling stages, whose damping is not part of the
+    model."""
+    return ~series["stage"].isin(("settling", "settlement"))
 
 
 def moving(series):
-    """The samples of a series before settling."""
+    """Samples of a series outside the settlement and settling stages."""
     return series[is_moving(series)]
 
 

@@ -51,7 +51,7 @@ class ActiveContacts(NamedTuple):
     at_limit: np.ndarray
 
     def slip_by(self, slip):
-        """The slip that counts by a criterion, as `History.slip_by`, (n_times, n) [m]."""
+        """Slip by a criterion, as `History.slip_by`, (n_times, n) [m]."""
         return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
 
 
@@ -76,13 +76,12 @@ def _sparse(kind, joints, frames):
 
 
 def any_bit(rows):
-    """In which columns (n,) of rows (n_rows, n) any bit is set: minus zero is a number of its own."""
+    """Flags (n,) of the columns of rows (n_rows, n) in which any bit is set, that of minus zero included."""
     return np.bitwise_or.reduce(rows.view(f"u{rows.itemsize}"), axis=0) > 0
 
 
 class _Frames:
-    """A field of a History, (n_times, n_joints), that may come as a function which makes it: it is made when it is
-    asked for first, for of most runs of a study nobody does."""
+    """A field of a History, (n_times, n_joints), computed on first access: studies never use it for most runs."""
 
     def __set_name__(self, owner, name):
         self._name = name
@@ -105,7 +104,7 @@ class History:
 
     joints: DataFrame, a row a contact point (kind bed/head/brick, x_m, z_m, length_m, first_body, ...);
     bodies: DataFrame, a row a brick or cap (course -1); series: DataFrame over time, with the stage
-    (motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
+    (settlement, motion, rest, settling); events: DataFrame (time_s, joint, kind tension/shear/opened/slipped,
     normal_stress_pa, shear_stress_pa, opening_m, slip_m).
     opening_m, slip_m: (n_times, n_joints); broken, at_limit, crushed, ended: bool of that shape; offset_m: the same of
     the offsets, None in a file that has none (schema versions 1 and 2).
@@ -113,8 +112,8 @@ class History:
     n_bodies, 5, 3) along x, along z and shear at the centre and the corners of each brick, None where bricks are rigid.
     supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
     (n_times, n_supports, 3); all three None in a file that has none (before schema version 5).
-    static: what the static stage ended with; parameters: all that defined the run, as the file holds it; most of
-    it comes back as records, too: `loading`, `model`, `masonry_wall`; `wall` is the wall's name.
+    static: results of the static stage; parameters: everything that defined the run, as stored in the file; `loading`,
+    `model` and `masonry_wall` return most of it as records; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
     """
 
@@ -164,8 +163,8 @@ class History:
 
     @cached_property
     def model(self):
-        """The ModelOptions of the run; choices that are younger than the file have their defaults.  A choice that was
-        removed is `joint_normals`."""
+        """ModelOptions of the run; options that are newer than the file have their defaults.  The removed option is
+        `joint_normals`."""
         chosen = self.parameters.get("model", {})
         return record_from(ModelOptions, {name: value for name, value in chosen.items() if name != "joints"})
 
@@ -185,22 +184,35 @@ class History:
 
     @cached_property
     def joint_length_m(self):
-        """Length of joint that each contact point stands for, none on the cut of a brick: (n_joints,) [m]."""
+        """Tributary length of each contact point, zero on the cut of a brick: (n_joints,) [m]."""
         return np.where(self.joints["kind"] == "brick", 0.0, self.joints["length_m"])
 
     @property
     def sequence(self):
-        """Factors of the motion, a shock each."""
+        """Factors of the motion, one for each event."""
         return tuple(self.parameters.get("sequence", (1.0,)))
+
+    @cached_property
+    def event_loadings(self):
+        """The Loading of each event, in their order; a sequence of one motion has the same for all."""
+        motions = [loading_from_dict(table) for table in self.parameters.get("motions", [])]
+        return tuple(motions[event["motion"]] for event in self.parameters["events"]) if motions else \
+            (self.loading,) * len(self.sequence)
+
+    @property
+    def strongest_factor(self):
+        """Largest factor on `loading`, which is the strongest motion of a sequence: absolute value."""
+        return max(abs(factor) for factor, loading in zip(self.sequence, self.event_loadings)
+                   if loading.name == self.loading.name)
 
     @property
     def time_step_s(self):
-        """Of the solver [s], None where an old file does not say it."""
+        """Time step of the solver [s], None where an old file lacks it."""
         return self.parameters.get("time_step_s")
 
     @property
     def eigen_period_s(self):
-        """First period of the intact wall by its eigenvalues [s], None where an old file does not say it."""
+        """First period of the intact wall by its eigenvalues [s], None where an old file lacks it."""
         return self.parameters.get("eigen_period_s")
 
     @property
@@ -209,13 +221,12 @@ class History:
         return moving(self.series)
 
     def judged_by(self, slip):
-        """The criterion of slip that this run is judged by where one is asked for: `accumulated` in place of
-        `displacement` where the file has no offsets."""
+        """Slip criterion that is applied for a requested one: `accumulated` in place of `displacement` where the file
+        has no offsets."""
         return "accumulated" if slip == "displacement" and self.active.offset_m is None else slip
 
     def slip_by(self, slip):
-        """The slip that counts by a criterion, (n_times, n_joints) [m]; by `shear-limit` none does, and this is that
-        by `displacement`."""
+        """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that by `displacement`."""
         return self.slip_m if self.offset_m is None or slip == "accumulated" else self.offset_m
 
     def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
@@ -232,7 +243,8 @@ class History:
 
     @cached_property
     def active(self):
-        """The ActiveContacts: most contact points stay inactive, so numbers of a run are computed from these alone."""
+        """ActiveContacts of the run; most contact points stay inactive, so that measures are computed from these
+        only."""
         return self._of_all(ActiveContacts)
 
     @property
@@ -250,20 +262,20 @@ class History:
 
     @property
     def is_intact(self):
-        """Whether no joint ever broke or reached its shear limit."""
+        """Whether no joint ever failed or reached its shear limit."""
         return not bool(self.states.broken.any() or self.states.at_limit.any())
 
     @cached_property
     def _indices(self):
-        """The indices that were asked for, which several tables need: {(threshold, drift limit, slip): DataFrame}."""
+        """Damage indices computed so far, which several tables need: {(threshold, drift limit, slip): DataFrame}."""
         return {}
 
 
 def read_history(path):
-    """Read the history at `path`, also one that still grows or whose run was killed.
+    """Read the history at `path`, also while a run writes it, or after a run was killed.
 
-    Raises InputError when the file is missing, is no history, has a newer schema, was damaged or changed since its run
-    closed it, or says what cannot be.
+    Raises InputError where the file is missing, is not a history, has a newer schema, was changed after its run closed
+    it, or holds impossible values.
     """
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
@@ -275,7 +287,7 @@ def read_history(path):
 
 
 def _open(path, believe=lambda n_bytes: None):
-    """Read a file that is what it was sealed as, or this in a process of its own."""
+    """Read a file with an intact seal here, any other in a separate process."""
     try:
         with h5py.File(path, "r", libver="latest", swmr=_is_growing(path)) as file:
             _check_schema(file, path)
@@ -299,7 +311,7 @@ def checked(history):
 
 
 def _check_head(history):
-    """What the head says stands in the file, too, and there it is sealed."""
+    """Raise InputError unless the head agrees with the attributes of the file."""
     head = read_head(history.path)
     if head and head != replace(head, **head_of(history.solver, history.versions)):
         raise InputError("its head names another software or model than the rest of it")
@@ -311,8 +323,8 @@ def _unreadable(path, error):
 
 
 def _is_growing(path):
-    """Whether a run still writes the file, or was killed: HDF5's mark in its superblock.  In a finished file, read so,
-    HDF5 would wait for ever for a damaged part to become whole."""
+    """Whether a run still writes the file, or was killed: HDF5's mark in its superblock.  Read in this mode, a damaged
+    finished file would make HDF5 wait for ever."""
     with path.open("rb") as file:
         block = file.read(HEAD_BYTES + 12)
     start = 0 if block.startswith(HDF5) else HEAD_BYTES
@@ -340,7 +352,7 @@ def _read(file, path):
 
 
 def history_of(path, attributes, values, version=SCHEMA_VERSION, ended=True, joints=None):
-    """A History from what `run` says of itself and all columns by their paths, {"GROUP/NAME": array or dataset}.
+    """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or dataset}.
 
     joints: where the frames are of some joints alone, their indices (n,), increasing; all others are inactive, and
     dense frames are made on first use.
@@ -400,8 +412,11 @@ def _number_shocks(series):
 
 
 def _columns(values, group, n_rows=None):
-    """The columns of a group that the schema names, as a DataFrame; how many rows it has."""
-    frame = pd.DataFrame({name: values[f"{group}/{name}"][:n_rows] for name in sorted(TABLES[group])})
+    """Columns of a group that the schema names, as a DataFrame, and its number of rows."""
+    names = sorted(TABLES[group])
+    found = {name: values[f"{group}/{name}"][:n_rows] for name in names if f"{group}/{name}" in values}
+    rows = range(len(next(iter(found.values()))))
+    frame = pd.DataFrame({name: found.get(name, np.nan) for name in names}, index=rows)
     return frame, len(frame)
 
 

@@ -1,20 +1,20 @@
-"""Names, codes, units and meanings of the history file; the tables of `docs/reference/history-schema.md` are these."""
+"""Names, codes, units and meanings in the history file, shown in `docs/reference/history-schema.md`."""
 
 from typing import NamedTuple
 
 SCHEMA = "masonry-damage-history"
-SCHEMA_VERSION = 6
+SCHEMA_VERSION = 7
 """1 had no head (`damage.history.head`), 2 no `frames/offset_m`, 3 no bricks that split and no joints that crush, 4 no
-supports and no joints that end, 5 no stresses."""
+supports and no joints that end, 5 no stresses, 6 no settlement and no state of the solver."""
 STATUS = ("unfinished", "complete", "interrupted", "failed")
-STAGES = ("motion", "rest", "settling")
+STAGES = ("motion", "rest", "settling", "settlement")
 EVENTS = ("tension", "shear", "opened", "slipped")
 BROKEN, AT_LIMIT, CRUSHED, ENDED = 1, 2, 4, 8  # bits of frames/state
 
 
 class Column(NamedTuple):
-    """A column of a table or a dataset of a file; dtype: as the file stores it, in as many bytes as it likes;
-    since: the first schema version that has it."""
+    """A column of a table or a dataset of a file; dtype: kind of number in the file, of any size; since: the first
+    schema version that has it."""
 
     unit: str
     meaning: str
@@ -54,12 +54,18 @@ SUPPORTS = {
     "right_m": Column("m", "the same", since=5),
 }
 SERIES = {
-    "stage": Column("code", "motion, rest, settling (local damping 0.7)", "u1"),
-    "time_s": Column("s", "since the start of the (first) motion"),
+    "stage": Column("code", "motion, rest, settling (local damping 0.7), settlement of the ground before the first "
+                    "motion (the same damping)", "u1"),
+    "time_s": Column("s", "since the start of the (first) motion; negative while the ground settles"),
     "base_acceleration_x_m_s2": Column("m/s2", "of the ground, along the wall"),
     "base_acceleration_z_m_s2": Column("m/s2", "of the ground, upwards"),
     "top_displacement_m": Column("m", "mean of the top-course bricks over piers, since the static stage"),
-    "drift_ratio": Column("1", "top displacement over the height of these bricks' centres"),
+    "drift_ratio": Column("1", "top displacement over the height of these bricks' centres; where the ground moves, "
+                          "without the rigid motion of the base course"),
+    "base_translation_m": Column("m", "mean horizontal displacement of the base course; NaN where the ground does not "
+                                 "move", since=7),
+    "base_rotation_rad": Column("rad", "rotation of the base course from x towards z, least squares; NaN where the "
+                                "ground does not move", since=7),
     "base_shear_n": Column("N", "horizontal force of the wall on the ground, positive with positive drift"),
     "top_force_n": Column("N", "force that moves the top in a pushover; NaN in dynamics"),
     "kinetic_energy_j": Column("J", "stored, in all, with that of deformable bricks' strain modes"),
@@ -107,6 +113,10 @@ SNAPSHOTS = {
                         "positive, weight included; at the centre and at the corners, counter-clockwise from the lower "
                         "left; zero of caps", "f4", since=6),
 }
+STATE = "state/solver"
+STATE_COLUMN = Column("bytes", "NumPy archive of the solver's own tables at the end of a complete run, with which "
+                      "another run continues; empty where there is none; its content belongs to one version of the "
+                      "model's code", "u1", since=7)
 OPTIONAL = {"snapshots/stress_pa"}
 """Datasets that only some runs have."""
 GROWING = {"series": SERIES, "frames": FRAMES, "ground": GROUND, "events": EVENT_COLUMNS, "snapshots": SNAPSHOTS}
@@ -122,7 +132,8 @@ def tables_of(version):
 
 def codes_of(version):
     """CODES as a file of a schema version has them."""
-    return CODES if version >= 4 else CODES | {"joints/kind": ("bed", "head")}
+    return CODES | ({} if version >= 4 else {"joints/kind": ("bed", "head")}) | (
+        {} if version >= 7 else {"series/stage": ("motion", "rest", "settling")})
 
 
 SHAPES = {"static": (), "joints": ("joints",), "bodies": ("bodies",), "supports": ("supports",),
@@ -137,6 +148,6 @@ RUN = {"status": Column("code", "unfinished (running or killed), complete, inter
 
 
 def markdown(columns):
-    """A table of the documents: a row for each of {name: Column}; several names may share one, commas between."""
+    """Markdown table with a row for each of {name: Column}; names that share a row are separated by commas."""
     return "\n".join(["| name | unit | meaning |", "| --- | --- | --- |", *(
         f"| `{name.replace(', ', '`, `')}` | {column.unit} | {column.meaning} |" for name, column in columns.items())])

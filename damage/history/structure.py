@@ -16,9 +16,9 @@ _LENGTHS = ("total_joint_length_m", "drift_height_m", "height_m", "length_m")
 
 
 def check_structure(file):
-    """Look at an open file without reading its data; returns how many bytes they will take.
+    """Check an open file without reading its data; returns the size of the data in bytes.
 
-    Raises InputError where a dataset is missing, is none, or has another shape or type than the schema says.
+    Raises InputError where a dataset is missing, is not a dataset, or differs from the schema in shape or type.
     """
     _check_attributes(file)
     version = int(file.attrs["schema_version"])
@@ -63,12 +63,12 @@ def _check_attributes(file):
 
 
 def _plain(value):
-    """A number as Python's, which NumPy 2 would call np.float64(-1.0)."""
+    """A number as Python's: NumPy 2 prints its own as np.float64(-1.0)."""
     return value.item() if isinstance(value, np.generic) else value
 
 
 def _dataset(file, path):
-    """The dataset at `path`, in this very file: links lead to other files, or nowhere."""
+    """The dataset at `path` in this file; links to other files are refused."""
     dataset = file
     for name in path.split("/"):
         if not isinstance(dataset, h5py.Group) or not isinstance(dataset.get(name, getlink=True), h5py.HardLink):
@@ -95,7 +95,7 @@ def _check_type(path, dataset, column, codes):
 
 
 def _check_shape(path, dataset, expected, sizes, ended):
-    """Rows as many as its fellows have, but for those that a killed run flushed once more often."""
+    """Check that columns of a group have equally many rows; after a kill some may have one flush more."""
     shape = dataset.shape
     if shape is None or len(shape) != len(expected):
         raise InputError(f"{path} has shape {shape}, expected ({', '.join(map(str, expected))})")
@@ -108,7 +108,7 @@ def _check_shape(path, dataset, expected, sizes, ended):
 
 
 def _stored(path, dataset):
-    """Bytes of the data in memory, if the file can hold so much."""
+    """Size of the data in memory in bytes; raises InputError where the file cannot hold as much."""
     needed, there = dataset.dtype.itemsize * int(np.prod(dataset.shape, dtype=object)), dataset.id.get_storage_size()
     if needed > PACKED * there:
         raise InputError(f"{path} says it has {needed} bytes where {there} are stored")

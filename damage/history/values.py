@@ -12,8 +12,11 @@ _UNITS = ("_s", "_g", "_m", "_pa")
 
 
 def check_parameters(parameters):
-    """Raise InputError unless the parameters of a run are a table of tables, numbers and words, as a run writes it."""
-    kinds, numbers = {"loading": dict, "wall": dict, "model": dict, "wall_file": dict, "sequence": list}, (float, int)
+    """Raise InputError unless the parameters of a run consist of tables, numbers and text, as a run writes them."""
+    optional = dict.fromkeys(("settlement", "cracked"), (dict, type(None)))
+    kinds = optional | {"loading": dict, "wall": dict, "model": dict, "wall_file": dict, "sequence": list,
+                        "events": list, "motions": list}
+    numbers = (float, int)
     if not isinstance(parameters, dict):
         raise InputError("its parameters are no table")
     for name, value in parameters.items():
@@ -25,6 +28,17 @@ def check_parameters(parameters):
             raise InputError(f"parameter {name} is {value!r:.80}, expected a number that can be")
     for factor in parameters.get("sequence", [1.0]) or [None]:
         check_number("a factor of parameter sequence", factor, "a number that can be", lambda value: abs(value) < _HUGE)
+    _check_events(parameters)
+
+
+def _check_events(parameters):
+    """Raise InputError unless each event of a sequence of records has one of its motions."""
+    motions, events = parameters.get("motions", []), parameters.get("events", [])
+    known = all(isinstance(event, dict) and event.get("motion") in range(len(motions)) for event in events)
+    if not known or not all(isinstance(motion, dict) for motion in motions) or (
+            (motions or events) and len(events) != len(parameters.get("sequence", []))):
+        raise InputError(f"parameters motions and events are {len(motions)} and {len(events)}, expected a motion for "
+                         "each factor of parameter sequence")
 
 
 def check_values(history):
@@ -64,7 +78,7 @@ def check_values(history):
 
 
 def _check_columns(table, frame, infinite=()):
-    """All numbers are some that can be; those of the columns `infinite` may be infinite, too."""
+    """Raise InputError for numbers that are not finite; those of the columns `infinite` may be infinite."""
     for name, column in frame.items():
         if column.dtype.kind == "f":
             values = column.to_numpy()
@@ -75,7 +89,7 @@ def _check_columns(table, frame, infinite=()):
 
 
 def _refuse(wrong, name, expected, values):
-    """Raise InputError of the first row where `wrong`; both (n,)."""
+    """Raise InputError that names the first row where `wrong`; both (n,)."""
     if wrong.any():
         row = int(np.argmax(wrong))
         raise InputError(f"{name} is {values[row]:g} in row {row}, expected {expected}")

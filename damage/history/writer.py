@@ -1,8 +1,8 @@
-"""The history file: one HDF5 file a run, written step by step and readable while it grows.
+"""Writer of the history file: one HDF5 file for each run, readable while it grows.
 
-`docs/reference/history-schema.md` is the schema.  All datasets are made first; then the file is in HDF5's
-single-writer multiple-reader mode, so that what was flushed is whole even after SIGKILL.  When it is closed, its head
-is sealed with the checksum of all that follows.
+The schema is in `docs/reference/history-schema.md`.  All datasets exist before the file enters HDF5's single-writer
+multiple-reader mode, so that flushed data survive SIGKILL.  When the file is closed, its head is sealed with the
+checksum of everything behind it.
 """
 
 import fcntl
@@ -38,12 +38,12 @@ class HistoryWriter(Buffer):
     """Write one run.  Call `append`, `event` and `snapshot` as it goes, `finish` at the end.
 
     path: of the new file; an existing one raises InputError unless `overwrite`.
-    layout: damage.wall.layout.Layout; parameters: JSON-able dictionary of all that defines the run, and the `command`
-    that asked for it, where that is not this process's own.
+    layout: damage.wall.layout.Layout; parameters: dictionary fit for JSON of everything that defines the run, with its
+    `command` where it is not that of this process.
     solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model", the digest of the
     model's code, where they are known.
-    Where the disk is full or does not take what is written, WriteError: the file stays as the last flush left it,
-    unfinished, and HDF5 can no longer be left in order: end the process by os._exit.
+    Raises WriteError where the disk is full or refuses data: the file stays unfinished, as of the last flush.  HDF5
+    cannot close in order then: end the process by os._exit.
     """
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
@@ -57,6 +57,9 @@ class HistoryWriter(Buffer):
             _write_tables(self._file, layout)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
             self._growing = _create_growing(self._file, layout)
+            self._state = self._file.create_dataset(schema.STATE, shape=(0,), maxshape=(None,), chunks=(1 << 16,),
+                                                    dtype=schema.STATE_COLUMN.dtype)
+            self._state.attrs["unit"] = schema.STATE_COLUMN.unit
             self._file.swmr_mode = True  # HDF5 takes its own lock off the file
             self._lock = _lock(self.path, fcntl.LOCK_SH)
         self.flush()
@@ -68,7 +71,7 @@ class HistoryWriter(Buffer):
 
     @property
     def is_torn(self):
-        """Whether the file could not be written: nothing more is."""
+        """Whether writing has failed; nothing is written from then on."""
         return self in _LEFT_OPEN
 
     def static_stage(self, **values):
@@ -78,8 +81,13 @@ class HistoryWriter(Buffer):
                 self._file["static"][name][()] = value
         self.flush()
 
+    def keep_state(self, state):
+        with self._writing():
+            self._state.resize(len(state), axis=0)
+            self._state[:] = state
+
     def flush(self):
-        """Write what is buffered and make it safe."""
+        """Write the buffer to the disk."""
         super().flush()
         with self._writing():
             self._file.flush()
@@ -135,7 +143,7 @@ def check_output(path, overwrite=False):
 
 
 def _check_taken(path, overwrite):
-    """Raise InputError where something is at `path` that stays there."""
+    """Raise InputError where `path` exists and must not be replaced."""
     if path.is_dir():
         raise InputError(f"{path} is a folder: expected a file name; give --out FILE.h5")
     if path.suffix != ".h5":  # the pictures' folder has the name without it, so that no two runs share one
@@ -246,7 +254,7 @@ def _create_growing(file, layout):
 
 
 def _extend(dataset, rows):
-    """Append rows; whole chunks are packed here, as HDF5 would, and go past its cache."""
+    """Append rows; complete chunks are compressed here, as HDF5 would, and bypass its cache."""
     start = dataset.shape[0]
     dataset.resize(start + len(rows), axis=0)
     if start % dataset.chunks[0] == 0 and len(rows) == dataset.chunks[0]:
@@ -258,11 +266,11 @@ def _extend(dataset, rows):
 
 
 def _packed(rows):
-    """A chunk as the datasets' filters pack it: its values' first bytes, their second ones and so on, by gzip."""
+    """A chunk after the filters of the datasets: shuffle (all first bytes, then all second ones, ...), then gzip."""
     return zlib.compress(np.ascontiguousarray(rows.reshape(-1).view("u1").reshape(-1, rows.itemsize).T), _LEVEL)
 
 
 @cache
 def _packed_zeros(shape, dtype):
-    """A packed chunk of zeros, as most are of a wall that hardly cracks."""
+    """A compressed chunk of zeros, as most are where few joints fail."""
     return _packed(np.zeros(shape, dtype))

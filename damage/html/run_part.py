@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from damage.draw.preview import wall_preview
 from damage.draw.run import ENERGIES, has_heap, heap_picture, wall_picture
+from damage.draw.sequence import has_sequence, sequence_picture
 from damage.draw.style import drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
-from damage.history.moments import STATES, joint_states, nearest_snapshot
+from damage.history.moments import STATES, joint_states, nearest_snapshot, support_motion
 from damage.html.instants import instants, points
 from damage.html.packing import as_png, pack_arrays, quantised
 from damage.index import COMPONENTS
@@ -34,6 +36,8 @@ def run_part(history, letter):
             "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
             "row": summary_row(history), "info": info(history), "history": history,
             "key": _key_numbers(history, summary, index), "still": still(history),
+            "preview": preview(history),
+            "sequence": as_png(sequence_picture(history)) if has_sequence(history) else None,
             "heap": as_png(heap_picture(history)) if has_heap(history) else None,
             "drawn": drawn(history, index)}
     return part | {"words": in_words(part)}
@@ -42,6 +46,13 @@ def run_part(history, letter):
 def still(history):
     """The wall at its largest DI as a picture, for who has no scripts, and until the moving one is drawn."""
     return as_png(wall_picture(history))
+
+
+def preview(history):
+    """The wall as it was built, with its masses, elastic joints and names of piers and spandrels, as a picture."""
+    base = support_motion(history, None)
+    supports = tuple(zip(base.left, base.right)) if len(base.left) > 1 else ()
+    return as_png(wall_preview(history.masonry_wall, history.bodies, history.joints, supports))
 
 
 def said_first(history, warnings=()):
@@ -78,7 +89,7 @@ def _key_numbers(history, summary, index):
         ("Largest drift", factor * summary["max_drift_ratio"], 3, unit,
          f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f} s{of_members('max_drift_ratio')}"),
         ("Widest crack", summary["max_crack_width_mm"], 2, "mm",
-         f"opening and offset together{of_members('max_crack_width_mm')}"),
+         f"opening and offset together, {summary['crack_width_class']} (Burland){of_members('max_crack_width_mm')}"),
         ("Psi", summary["max_psi"], 2, "", f"{summary['psi_class']} (Korswagen){of_members('max_psi')}"),
         ("Largest base shear", summary["peak_base_shear_n"] / 1e3, 3, "kN",
          of_members("peak_base_shear_n").removeprefix("; "))]

@@ -13,9 +13,10 @@ SECTIONS = {**MEASURES, "What ran": RUN | PARAMETERS, "What made it": MADE_BY}
 DIGITS, GIVEN_DIGITS = 3, 5
 """Significant digits of results, as on the screen, and of what a run was given."""
 ENERGIES = {
-    "input_energy_j": "put in", "kinetic_energy_j": "kinetic, stored", "elastic_energy_j": "elastic, stored",
-    "gravity_energy_j": "lifted, stored", "friction_energy_j": "taken by friction",
-    "fracture_energy_j": "taken by fracture", "damping_energy_j": "taken by damping, that of settling included",
+    "input_energy_j": "supplied", "kinetic_energy_j": "kinetic, stored", "elastic_energy_j": "elastic, stored",
+    "gravity_energy_j": "potential, stored", "friction_energy_j": "dissipated by friction",
+    "fracture_energy_j": "dissipated by fracture",
+    "damping_energy_j": "dissipated by damping, that of settling included",
 }
 
 
@@ -100,9 +101,9 @@ def energy_balance(parts):
     ends = [part["history"].series.iloc[-1] for part in parts]
     rows = [(label, [cell(float(end[name])) for end in ends]) for name, label in ENERGIES.items()]
     known = [part["history"].series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0) for part in parts]
-    rows.append(("stored and taken, less put in", [cell(float(imbalance(series)[-1])) for series in known]))
+    rows.append(("stored and dissipated, less supplied", [cell(float(imbalance(series)[-1])) for series in known]))
     errors = [part["summary"]["energy_error_fraction"] for part in parts]
-    return [*rows, ("largest imbalance before settling, % of the input", [
+    return [*rows, ("largest imbalance before settling, % of the energy supplied", [
         cell(error if error is None else 100 * error) for error in errors])]
 
 

@@ -9,10 +9,10 @@ from damage.errors import InputError
 from damage.history.moments import choose_sample
 from damage.history.reader import read_history
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
-from damage.laboratory.crack_file import patterns_of, read_cracks, write_cracks
-from damage.laboratory.crack_mapping import describe_level, largest, map_cracks
 from damage.laboratory.dic import measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
+from damage.measure.crack_file import patterns_of, read_cracks, write_cracks
+from damage.measure.crack_mapping import describe_level, largest, map_cracks
 from damage.measure.cracks import PSI_FROM, cracks_at, psi, psi_summary
 from damage.measure.warnings import offset_warnings
 from damage.units import MILLIMETRE

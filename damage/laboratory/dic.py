@@ -15,10 +15,10 @@ from math import isnan
 import numpy as np
 
 from damage.checks import check_not_negative
+from damage.csv_table import CsvTable
 from damage.errors import InputError
 from damage.index import THRESHOLD
-from damage.laboratory.crack_file import pattern_of
-from damage.laboratory.csv_table import CsvTable
+from damage.measure.crack_file import pattern_of
 from damage.measure.cracks import crack_table
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends

@@ -125,7 +125,7 @@ def describe(found):
                      f"to {100 * line['ultimate_drift']:.3f} % drift")
     failure = found["failure"]
     hand = ", ".join(f"{name.replace('_', ' ')} {force / 1e3:.0f}" for name, force in found["by_hand_n"].items())
-    lines.append(f"by hand [kN]: {hand}")
+    lines += [f"by hand [kN]: {hand}"] if hand else []
     lines.append(f"failure: {failure['mode']}; bed joints opened over {failure['opened_m']:.2f} m, slipped over "
                  f"{failure['slipped_m']:.2f} m, {100 * failure['stair_share']:.0f} % of that on stairs")
     if found["beside_test"]:

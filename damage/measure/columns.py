@@ -59,6 +59,8 @@ PARAMETERS = {
     "sa_eigen_period_g": Column("g", "5 % spectral at `eigen_period_s`"),
     "arias_m_s": Column("m/s", "Arias intensity, pi / (2 g) times the integral of the squared acceleration"),
     "d5_75_s, d5_95_s": Column("s", "significant duration: between 5 and 75 %, 5 and 95 % of the Arias intensity"),
+    "settlement, distortion": Column(", 1", "of the ground before the motion: profile or its file, and the angular "
+                                     "distortion of a named profile"),
     "motion_period_s, amplitude_g": Column("s, g", "of a harmonic motion"),
     "cycles": Column("1", "of a harmonic motion, or at each drift of a pushed top"),
     "speed_m_s": Column("m/s", "of a pushed top"),
@@ -141,6 +143,18 @@ MEASURES = {
         "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
         "crushed_length_m": Column("m", "length of joints that has been crushed, at the run's end"),
         "split_length_m": Column("m", "length of the cuts through bricks that has split, at the run's end"),
+    },
+    "Ground": {
+        "angular_distortion, deflection_ratio": Column(
+            "1", "of the settled ground: largest distance from the chord between the wall's ends over the shorter part "
+            "beside it, and over the length, positive in sagging (Burland and Wroth 1974); empty without a "
+            "settlement"),
+        "relative_settlement_mm, ground_tilt": Column("mm, 1", "difference between the highest and the lowest place of "
+                                                      "the settled ground; slope of the chord"),
+        "settled_DI, settled_psi, settled_crack_width_mm": Column(
+            "1, 1, mm", "damage index, Psi and widest crack at the end of the settlement stage"),
+        "max_base_translation_mm, max_base_rotation_rad": Column(
+            "mm, rad", "largest rigid motion of the base course where the ground moves, which the drift leaves out"),
     },
     "Energy": {
         "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),

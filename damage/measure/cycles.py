@@ -91,7 +91,7 @@ def cycles_table(history):
 
 def _cycles(series, loading):
     """(kind, start, end) of the complete cycles [s]; kind: "driven" or "free"; series: of one event, not settling."""
-    if loading.drive.quasi_static:
+    if loading.drive.quasi_static or len(series) == 0:
         return []
     time_s = series["time_s"].to_numpy()
     edges = time_s[0] + loading.cycle_edges_s

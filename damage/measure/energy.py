@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damage.history.moments import is_moving, moving
+from damage.history.moments import is_moving
 from damage.units import GRAVITY
 
 STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
@@ -41,7 +41,7 @@ def energy_error(series, noise=0.0):
 
     series: of a History; noise: least scale [J].  None where the scale is not above it, or below two samples.
     """
-    before = moving(series)
+    before = series[series["stage"] != "settling"]
     if len(before) < 2:
         return None
     scale = energy_scale(before)

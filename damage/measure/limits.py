@@ -1,4 +1,4 @@
-"""Damage classes by published limits of the drift ratio and of Psi."""
+"""Damage classes by published limits of the drift ratio, of Psi and of crack width."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,8 @@ import numpy as np
 class Limits:
     """Published limits of a measure, in rising order, and the damage classes between them.
 
-    name: column of the table; measure: "drift" (maximum drift ratio) or "psi" (maximum Psi); bounds: (n,) limits [-];
+    name: column of the table; measure: "drift" (maximum drift ratio), "psi" (maximum Psi) or "width" (of the widest
+    crack); bounds: (n,) limits [-], of a width [mm];
     classes: (n + 1,) names, a value equal to a bound is in the upper class; source: publication.
     """
 
@@ -22,13 +23,13 @@ class Limits:
     @property
     def description(self):
         """Text: the classes with the bounds between them, then the source."""
-        unit, factor = (" %", 100) if self.measure == "drift" else ("", 1)
+        unit, factor = {"drift": (" %", 100), "psi": ("", 1), "width": (" mm", 1)}[self.measure]
         bounds = [f"{factor * bound:.4g}{unit}" for bound in self.bounds]
         words = [self.classes[0], *(word for pair in zip(bounds, self.classes[1:]) for word in pair)]
         return f"{', '.join(words)}; {self.source}"
 
     def classify(self, value):
-        """Name of the class of a value [-]; None for None.
+        """Name of the class of a value [-, mm]; None for None.
 
         >>> LIMITS[2].classify(0.0009)
         'minor'
@@ -57,6 +58,11 @@ LIMITS = (
            ("not visible", "visible", "light", "beyond light", "near collapse"),
            "P. A. Korswagen, dissertation on light damage of masonry, TU Delft: Psi = 1 just visible (0.1 mm), 2 "
            "about 1 mm, 3.5 about 5 mm and the end of light damage, 8 near collapse"),
+    Limits("crack_width_class", "width", (0.1, 1.0, 5.0, 15.0, 25.0),
+           ("negligible", "very slight", "slight", "moderate", "severe", "very severe"),
+           "Burland et al. (1977), with the angular distortion of Boscardin and Cording (1989, "
+           "doi:10.1061/(ASCE)0733-9410(1989)115:1(1)): visible damage by the widest crack, one of 3 mm or more "
+           "counted by its width alone"),
 )
 
 
@@ -65,7 +71,7 @@ def bound(name, number):
     return next(limits for limits in LIMITS if limits.name == name).bounds[number]
 
 
-def classes(max_drift_ratio, max_psi):
-    """{name: class} of a maximum drift ratio [-] and a maximum Psi [-] by all LIMITS."""
-    values = {"drift": max_drift_ratio, "psi": max_psi}
+def classes(max_drift_ratio, max_psi, max_width_mm):
+    """{name: class} of a maximum drift ratio [-], a maximum Psi [-] and a widest crack [mm] by all LIMITS."""
+    values = {"drift": max_drift_ratio, "psi": max_psi, "width": max_width_mm}
     return {limits.name: limits.classify(values[limits.measure]) for limits in LIMITS}

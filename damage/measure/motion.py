@@ -15,5 +15,5 @@ def motion_measures(history):
     found = {name: history.parameters.get(name) for name in APPLIED}
     if not any(name in history.parameters for name in APPLIED):
         found = applied_measures(history.loading.applied(), history.eigen_period_s)
-    factor = max(map(abs, history.sequence))
+    factor = history.strongest_factor
     return {name: value if value is None else value * factor ** _POWERS.get(name, 1) for name, value in found.items()}

@@ -155,9 +155,11 @@ def hand_capacities(history):
     about the base and about the joint below the top course.  sliding_top, sliding_base: friction without cohesion below
     the top course and at the base.  diagonal: stepped crack through bed joints in the middle of the wall (Mann and
     Müller 1982), (c + mu sigma) L t / b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a
-    parabolic shear stress.  Raises InputError for another loading.
+    parabolic shear stress.  Empty for a wall with an outline or floors.  Raises InputError for another loading.
     """
     wall, fixed = history.masonry_wall, pushed_loading(history).boundary == "fixed"
+    if wall.outline or wall.floors:
+        return {}
     brick, joint = wall.brick, wall.joint
     height, area = history.attributes["height_m"], wall.length * brick.thickness
     course = brick.density * GRAVITY * area * brick.height

@@ -7,6 +7,7 @@ from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure.cracks import PSI_FROM, psi_summary
 from damage.measure.cycles import cycle_measures
 from damage.measure.energy import energy_error_of, energy_measures
+from damage.measure.ground import ground_measures
 from damage.measure.limits import classes
 from damage.measure.motion import motion_measures
 from damage.measure.pushed import first_loading
@@ -61,8 +62,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "split_length_m": float((history.joints["length_m"] - history.joint_length_m).iloc[broken].sum()),
         "energy_error_fraction": energy_error, "warnings": warnings_of(history, energy_error, elastic),
         **motion_measures(history), "period_s": period_of(history), **first_loading(history),
-        **cracks, **cycle_measures(history), **energy_measures(history),
-        **classes(max_drift_ratio, cracks["max_psi"]),
+        **cracks, **cycle_measures(history), **energy_measures(history), **ground_measures(history, psi_from),
+        **classes(max_drift_ratio, cracks["max_psi"], cracks["max_crack_width_mm"]),
     }
 
 

@@ -1,8 +1,8 @@
 """Tables of histories as CSV for spreadsheets and scripts, with units in the column names.
 
 `python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, for a
-sequence _shocks.csv, and STEM_info.json, their origin.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv`
-writes a row for each history.
+sequence _shocks.csv, for a wall with floors _storeys.csv, and STEM_info.json, their origin.  `python3 -m damage tables
+summary FILE.h5 ... --out FILE.csv` writes a row for each history.
 """
 
 import re
@@ -21,6 +21,7 @@ from damage.measure.columns import slip_criteria
 from damage.measure.cracks import psi_history
 from damage.measure.cycles import cycles_table, index_by_all
 from damage.measure.motion import motion_measures
+from damage.measure.storeys import storeys_table
 from damage.measure.summary import summarise
 from damage.motion.intensity import APPLIED
 from damage.provenance import measures_digest
@@ -40,6 +41,8 @@ def summary_row(history, run="", point=""):
         del numbers[key]  # status and the columns say it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
+    settlement = history.parameters.get("settlement") or {}
+    row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}
     row |= _motion_columns(history) | asdict(history.model) | {"joints": history.joint_normals}
     row |= {name: history.parameters.get(name) for name in (
         "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "time_step_s", "eigen_period_s")}
@@ -57,7 +60,7 @@ def summary_row(history, run="", point=""):
 
 def _motion_columns(history):
     """Columns of the loading; intensities are of the motion as applied, with the largest factor of a sequence."""
-    loading, factor = history.loading, max(map(abs, history.sequence))
+    loading, factor = history.loading, history.strongest_factor
     given = loading.as_dict()
     start, end = given.get("window_s") or (None, None)
     pga_g = loading.pga_g and loading.pga_g * factor
@@ -93,21 +96,33 @@ def index_table(history):
 def shocks_table(history):
     """Table of the events of a History, a DataFrame, a row for each event of its sequence.
 
-    factor: on the motion; start_s, end_s; max_...: maxima during the event of drift ratio, index by each slip
-    criterion, crack width and Psi; residual_...: values at the last sample of its settling stage, None without one.
+    motion, factor: name of the motion, factor on it; start_s, end_s; max_...: maxima during the event of drift ratio,
+    index by each slip criterion, crack width and Psi; residual_...: values at the last sample of its settling stage,
+    None without one; offset_before_mm, offset_after_mm: largest offset at its start and end; newly_failed: contact
+    points whose bonds failed in it.
     """
     index, rows = index_by_all(history), []
     cracks = psi_history(history)
     cracks = pd.DataFrame({"psi": cracks["psi"], "crack_width_mm": cracks["max_width_m"] / MILLIMETRE})
+    offset, failed = np.abs(history.active.slip_by("displacement")).max(axis=1, initial=0.0) / MILLIMETRE, \
+        history.states.broken.sum(axis=1)
+    last = None  # sample before the event
     for event, members in history.series.groupby("shock"):
         settled = members["stage"].iloc[-1] == "settling"
-        row = {"shock": event, "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
+        end = members.index[-1]
+        row = {"shock": event, "motion": history.event_loadings[event - 1].name,
+               "factor": history.sequence[event - 1], "start_s": members["time_s"].iloc[0],
                "end_s": members["time_s"].iloc[-1], "max_drift_ratio": members["drift_ratio"].abs().max(),
                "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None}
         mine = index.join(cracks).loc[members.index]
         for name in mine:
             row |= {f"max_{name}": mine[name].max(), f"residual_{name}": mine[name].iloc[-1] if settled else None}
+        before = (0.0, np.nan_to_num(history.static.get("broken_joints", 0))) if last is None else \
+            (offset[last], failed[last])
+        row |= {"offset_before_mm": before[0], "offset_after_mm": offset[end],
+                "newly_failed": int(failed[end] - before[1])}
         rows.append(row)
+        last = end
     return pd.DataFrame(rows).assign(slip=history.judged_by("displacement"))
 
 
@@ -146,19 +161,22 @@ def _with_first(table, *columns):
 
 
 RUN_TABLES = {"index": index_table, "events": events_table, "joints": joints_table, "cycles": cycles_table,
-              "shocks": shocks_table}
+              "shocks": shocks_table, "storeys": storeys_table}
 
 
 def write_run_tables(history, stem, names=RUN_TABLES):
     """Write tables of a run to STEM_index.csv and so on, and their origin to STEM_info.json; returns the paths.
 
-    names: keys of RUN_TABLES; `shocks` is left out of a run with a single event.  Raises InputError where the history
+    names: keys of RUN_TABLES; `shocks` is left out of a run with a single event, `storeys` of a wall without floors.
+    Raises InputError where the history
     has no sample.
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
     if history.series["shock"].iloc[-1] == 1:
         names = [name for name in names if name != "shocks"]
+    if not history.masonry_wall.floors:
+        names = [name for name in names if name != "storeys"]
     return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
             *(write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names)]
 

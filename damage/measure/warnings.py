@@ -56,7 +56,7 @@ def warn_of_ends(history):
         collide = bool(history.parameters.get("new_contacts"))
         others = ("bricks that meet anew touch at corners and faces alone" if history.solver == "yade" else
                   "the bricks collide as rectangles with rounded corners" if collide else
-                  "bricks find no new contacts, and what the run says of those there from then on is not valid; give "
+                  "bricks find no new contacts, so that results of bricks there are not valid from then on; give "
                   "--new-contacts")
         first = f"{ended.count} joints ended, the first" if ended.count > 1 else "1 joint ended,"
         return [f"{first} {_at(history, ended.row, ended.sample)}: its faces no longer overlap"
@@ -65,7 +65,7 @@ def warn_of_ends(history):
         return []
     share, row, sample = slid
     return [f"a joint slid to {share:.2f} of the overlap of its faces, {_at(history, row, sample)}: beyond 1 it has "
-            "ended, but kept its forces in this run, and what that says from there on is not valid"]
+            "ended, but kept its forces in this run, whose results are not valid from then on; run the wall again"]
 
 
 def _at(history, row, sample):

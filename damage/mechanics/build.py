@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from damage.mechanics.loose import RADIUS, Touch, make_loose, stiffness_for
+from damage.mechanics.loose import Touch, make_loose, stiffness_for
 from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, STATE, Strain, System, table
 from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT
-from damage.wall.kinematics import slide_limits
+from damage.wall.kinematics import CORNER_RADIUS, slide_limits
 from damage.wall.supports import rows
 
 CAPACITY = 100_000
@@ -15,6 +15,7 @@ CAPACITY = 100_000
 IMPACT_DAMPING = 0.2
 """Share of critical damping of a corner that touches: alone it bounces back with half of its speed."""
 GROUND_M = 20.0
+"""Distance by which the ground reaches beyond the wall, and its depth, for bricks that fall on it [m]."""
 
 
 def build(layout, material):
@@ -45,7 +46,8 @@ def build(layout, material):
         inverse_mass=inverse_mass, trig=np.zeros((n_bodies, 2)), interfaces=interfaces, contacts=contacts,
         states=states, readings=np.zeros((4, len(contacts))), energy=np.zeros(4),
         events=np.zeros((CAPACITY, 3), np.int64), values=np.zeros((CAPACITY, 4)), n_events=np.zeros(1, np.int64),
-        relaxation=np.zeros(2), last=np.zeros((len(contacts if n_modes else interfaces), 6)))
+        relaxation=np.zeros(2), turning=np.zeros((n_bodies, 2)),
+        last=np.zeros((len(contacts if n_modes else interfaces), 6)))
 
 
 def no_strain(n_bodies, n_contacts):
@@ -66,13 +68,13 @@ def strain_tables(layout):
 
 
 def build_loose(layout, system, time_step, material):
-    """The Loose contacts of a layout that a System was built of; its joints on supports end from now on, too, where a
-    brick has slid by its length.
+    """The Loose contacts of a layout and of the System built from it.
 
-    The ground reaches GROUND_M beyond the wall and as far down, and from support to support.
+    The joints of this System on supports end, too, from now on: where a brick has slid by its length.  The ground
+    reaches GROUND_M beyond the wall and below it, without gaps between supports.
     """
     bodies, supports = layout.bodies, layout.supports
-    radius = RADIUS * layout.wall.brick.length
+    radius = CORNER_RADIUS * layout.wall.brick.length
     touch = Touch(radius, kn := stiffness_for(bodies.mass.min(), time_step), 0.4 * kn, material.friction,
                   material.friction, IMPACT_DAMPING)
     edges = np.concatenate([[supports.left[0] - GROUND_M], (supports.right[:-1] + supports.left[1:]) / 2,
@@ -101,7 +103,7 @@ def _contacts(layout, row, share, middle):
     contacts, joint, strengths = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
     area = contacts.area[row] * share
     mode_i, mode_ii = (0.0, 0.0) if layout.fibres or not joint.softens else (
-        np.where(contacts.kind == CUT, 0.0, energy)
+        np.where((contacts.kind == CUT) | (contacts.tensile_strength == 0), 0.0, energy)
         for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy))
     return table(
         CONTACT, len(row), area=area,

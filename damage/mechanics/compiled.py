@@ -17,7 +17,7 @@ from numba.core import event
 
 from damage.history import schema
 from damage.mechanics.cache import kept_in
-from damage.wall import joint_law
+from damage.wall import joint_law, kinds, kinematics, supports
 
 COMPILING = "compiling the solver (once for each version on each machine, about half a minute of processor time) ..."
 PACKAGES = []
@@ -88,5 +88,5 @@ event.register("numba:compile", _Announcement())
 PLAIN = Package(Path(__file__).parent, (
     "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "strain",
     "step"),
-    [Path(joint_law.__file__), Path(schema.__file__)])
+    [Path(module.__file__) for module in (joint_law, kinds, kinematics, supports, schema)])
 compiled, inlined = PLAIN.compiled, PLAIN.inlined

@@ -10,7 +10,7 @@ import numpy as np
 
 from damage.mechanics.by_name import reader, writer
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.interfaces import Resultant, parted
+from damage.mechanics.interfaces import Resultant, no_overlap
 from damage.mechanics.tables import (
     ENDING,
     FAILED,
@@ -190,7 +190,7 @@ def log_event(system, step, i, kind, values):
 def ends_now(system, p, motion):
     """Whether the faces of a failed interface cease to overlap at this RelativeMotion; it is then marked ENDING."""
     interface = system.interfaces[p]
-    ends = interface.failed == FAILED and parted(motion, interface.slide_least, interface.slide_most)
+    ends = interface.failed == FAILED and no_overlap(motion, interface.slide_least, interface.slide_most)
     if ends:
         interface.failed = ENDING
     return ends

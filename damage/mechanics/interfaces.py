@@ -123,7 +123,7 @@ def stays_intact(springs, largest_opening, largest_slide, motion):
 
 
 @inlined
-def parted(motion, least, most):
+def no_overlap(motion, least, most):
     """Whether the faces of an interface do not overlap; they do between the shear displacements least and most [m]."""
     return (motion.shear <= least) | (motion.shear >= most)
 

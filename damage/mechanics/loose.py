@@ -25,6 +25,7 @@ from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, FRICTION, ROTATION, X, Z
 from damage.wall.joint_law import TENSION
+from damage.wall.kinematics import CORNER_RADIUS
 
 CORNERS = 4
 CENTRE_X, CENTRE_Z, LEFT, RIGHT, LOW, HIGH = range(6)
@@ -40,11 +41,6 @@ MOST_NEIGHBOURS = 16
 """Pairs of neighbours for which there is room, over the number of bodies."""
 MARGIN = 4.0
 """By how many radii two bodies may be apart to be neighbours."""
-
-
-RADIUS = 0.01
-"""Radius of a brick's corners over the length of a whole brick [-]; and the rotation of two bricks [rad] below which no
-corner of one can lie by a radius in the other."""
 STEP_SHARE = 0.07
 """Time step over the root of mass over stiffness of a corner: a brick that bounces then keeps its energy to 0.5 %."""
 
@@ -396,8 +392,9 @@ def overlap_of(system, loose, row, k):
 
 @inlined
 def can_end(loose, motion):
-    """Whether an interface may end at this RelativeMotion although it is intact."""
-    return len(loose.cores) > 0 and abs(motion.rotation) > RADIUS
+    """Whether an interface may end at this RelativeMotion although it is intact: where a corner of one brick, at most
+    a brick's length away, can lie in the other by a radius."""
+    return len(loose.cores) > 0 and abs(motion.rotation) > CORNER_RADIUS
 
 
 @inlined
@@ -423,7 +420,7 @@ def ends_now(system, loose, p, step, motion):
 
 @compiled
 def break_bonds(system, interface, step, motion):
-    """Let all bonds of an interface fail, and log those that had not; False of one that is elastic."""
+    """Let all bonds of an interface fail, and log those that were intact; returns False where it is elastic."""
     for i in range(interface.start, interface.stop):
         if system.contacts[i].tensile_strength == np.inf and system.contacts[i].cohesion == np.inf:
             return False

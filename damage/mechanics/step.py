@@ -147,6 +147,9 @@ def find_forces(system, law, controls, step, singly, scratch, loose, since):
         push(system, interface, interfaces.forces_on_bodies(frame, resultant))
     for k in range(others):
         forces_by_contacts(system, law, controls, scratch.others[k], step, singly, damped, loose)
+    for b in range(len(system.turning)):
+        if system.turning[b, 0] > 0.0:
+            system.force[b, ROTATION] -= system.turning[b, 0] * (system.place[b, ROTATION] - system.turning[b, 1])
     find_loose_forces(system, loose, since)
     system.energy[DAMPING] += total(damped)
 
@@ -166,12 +169,12 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped, loose):
         if interface.failed == ENDING:
             let_go(system, law, p, motion, loose)
         return
-    total = Resultant(0.0, 0.0, 0.0)
+    resultant = Resultant(0.0, 0.0, 0.0)
     while start < interface.stop:
         here = motion_at(system, law.strain, interface, start, motion)
-        resultant = forces_of_points(system, law, controls, p, start, start + size, step, here, damped)
-        push_modes(system, law.strain, interface, start, resultant.normal, resultant.shear)
-        total = interfaces.add(total, resultant)
+        of_points = forces_of_points(system, law, controls, p, start, start + size, step, here, damped)
+        push_modes(system, law.strain, interface, start, of_points.normal, of_points.shear)
+        resultant = interfaces.add(resultant, of_points)
         start += size
     if ends_now(system, loose, p, step, motion) or singly:
         start = interface.start
@@ -179,7 +182,7 @@ def forces_by_contacts(system, law, controls, p, step, singly, damped, loose):
             contacts.read(system.contacts, system.states, system.readings, start, start + size,
                           motion_at(system, law.strain, interface, start, motion))
             start += size
-    push(system, interface, interfaces.forces_on_bodies(frame, total))
+    push(system, interface, interfaces.forces_on_bodies(frame, resultant))
 
 
 @inlined

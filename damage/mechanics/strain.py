@@ -1,7 +1,7 @@
-"""What the strain modes of deformable bricks add to a step: to the relative motion at a contact point, to the forces,
-and their own motion (`damage.wall.strain`).
+"""Strain modes of deformable bricks in a time step: relative motion at contact points, generalized forces, motion.
 
-Mode m of a body is its coordinate RIGID + m, of generalized force the gradient of the contacts' opening and shear.
+Mode m of a body is its coordinate RIGID + m.  Its generalized force is the work of the contact forces on the opening
+and shear displacement by a unit of the mode.  Theory: `damage.wall.strain`.
 """
 
 from damage.mechanics import bodies
@@ -15,13 +15,13 @@ ONE = INDEX(1)
 
 @inlined
 def points_at_once(strain, interface):
-    """How many contact points of an interface share a RelativeMotion: all between rigid bricks, else one."""
+    """Number of contact points that share a RelativeMotion: all of an interface between rigid bricks, else one."""
     return interface.stop - interface.start if strain.shapes.shape[2] == 0 else ONE
 
 
 @inlined
 def motion_at(system, strain, interface, i, motion):
-    """RelativeMotion at contact i: that of the interface, and what the strain modes of both bricks move there."""
+    """RelativeMotion at contact i: that of the interface plus the displacements by the strain modes of both bricks."""
     if strain.shapes.shape[2] == 0:
         return motion
     a, b, at_a, at_b = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1]
@@ -44,23 +44,35 @@ def push_modes(system, strain, interface, i, normal, shear):
 
 @inlined
 def move_mode(system, strain, dt, alpha, local, b, m):
-    """Velocity and amplitude of mode m of body b a step on, its own damping implicit; the power of all damping [W]."""
-    k = RIGID + m
-    old, free, mass = system.velocity[b, k], system.inverse_mass[b, k], system.mass[b, k]
-    rate = bodies.acceleration(system.force[b, k] - strain.stiffness[b, m] * system.place[b, k], free, 0.0)
-    resistance = bodies.damping(old, rate, free, alpha, local)
-    half = 0.5 * dt * strain.damping[b, m]
-    new = ((1.0 - half) * old + dt * (rate - resistance)) / (1.0 + half)
-    middle = 0.5 * (old + new)
-    system.velocity[b, k] = new
-    system.place[b, k] += dt * new
+    """Advance velocity and amplitude of mode m of body b by a step; returns the power of its damping [W]."""
+    k, resistance = RIGID + m, 0.0
+    old, inverse_mass = system.velocity[b, k], system.inverse_mass[b, k]
+    rate = bodies.acceleration(system.force[b, k] - strain.stiffness[b, m] * system.place[b, k], inverse_mass, 0.0)
+    if alpha > 0.0 or local > 0.0:
+        resistance = bodies.damping(old, rate, inverse_mass, alpha, local)
+    system.place[b, k], system.velocity[b, k], power = advance_mode(
+        system.place[b, k], old, rate, resistance, system.mass[b, k], strain.damping[b, m], dt)
     system.force[b, k] = 0.0
-    return mass * (resistance + strain.damping[b, m] * middle) * middle
+    return power
+
+
+@inlined
+def advance_mode(place, old, rate, resistance, mass, damping, dt):
+    """Amplitude and velocity of a mode after a step, and the power of its damping [W].
+
+    The damping of the mode itself is implicit, so that it does not shorten the stable time step.  place, old:
+    amplitude, and velocity half a step ago; rate, resistance: its acceleration, and what other damping takes off it;
+    damping: of Strain [1/s].  Takes numbers of one wall, or vectors of those of eight.
+    """
+    half = 0.5 * dt * damping
+    new = ((1.0 - half) * old + dt * (rate - resistance)) * (1.0 / (1.0 + half))
+    middle = 0.5 * (old + new)
+    return place + dt * new, new, mass * (resistance + damping * middle) * middle
 
 
 @inlined
 def kinetic_of_modes(mass, velocity):
-    """Of a body [J]; mass, velocity: of its coordinates."""
+    """Kinetic energy of the strain modes of a body [J]; mass, velocity: of all its coordinates."""
     energy = 0.0
     for k in range(RIGID, len(mass)):
         energy += 0.5 * mass[k] * velocity[k] * velocity[k]
@@ -69,8 +81,10 @@ def kinetic_of_modes(mass, velocity):
 
 @compiled
 def observe_modes(system, strain, dt, samples, w, k):
-    """Add to a sample the amplitudes of all strain modes, their kinetic energy, velocities carried to the instant of
-    the places, and their stored energy [J]."""
+    """Add the amplitudes of all strain modes to sample k of wall w, and their kinetic and elastic energy [J].
+
+    The velocities, known at half steps, are advanced to the time of the amplitudes.
+    """
     kinetic = stored = 0.0
     for b in range(len(system.place)):
         for m in range(strain.shapes.shape[2]):

@@ -91,7 +91,8 @@ class System(NamedTuple):
     (capacity, 4) normal and shear stress [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the
     mass-proportional damping that adapts itself [1/s], and the kinetic energy of the last step [J]; last: (interfaces,
     6) relative motion and resultant of the last step, with which stiffness-proportional damping compares; of contacts
-    where bricks deform.
+    where bricks deform; turning: (bodies, 2) rotational spring between a body and the machine that moves it
+    [N m/rad], and the rotation at which it has no moment [rad] (plain step).
 
     The fast step takes the tables of several walls, stacked along a first axis.
     """
@@ -112,6 +113,7 @@ class System(NamedTuple):
     n_events: np.ndarray
     relaxation: np.ndarray
     last: np.ndarray
+    turning: np.ndarray
 
 
 def table(dtype, n, **fields):

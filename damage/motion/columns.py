@@ -60,6 +60,9 @@ def _header_unit(path, number: int, line: str, separator: str | None) -> float:
     # where blanks separate them, the next column begins with a letter: "time [s]  acc [g]"
     cells = line.split(separator) if separator else re.split(r"\s+(?=[A-Za-z])", line.strip())
     cells = [cell.strip(' "\t').lower() for cell in cells]
+    if len(cells) > 2 and _TIME.fullmatch(cells[0]):
+        raise bad_line(path, number, line, f"has {len(cells)} columns", "two, time and one component of the "
+                       "acceleration; keep these two in a file of their own")
     found = len(cells) == 2 and _TIME.fullmatch(cells[0]) and _ACCELERATION.fullmatch(cells[1])
     unit = _plain_unit(found[1]) if found else None
     if unit not in UNITS_M_S2:

@@ -15,7 +15,8 @@ class Drive:
     supports: time_s (n,), x_m (k,) -> (n, k, 3), displacement in that frame of the supports whose reference points
         stand at x_m [m, m, rad];
     top: time_s (n,), height_m -> (n,), horizontal displacement of the bodies that carry the top, at that height [m];
-    top_rotates: whether these may rotate while they are moved;
+    top_rotates: whether these may rotate while they are moved; top_stiffness: of a rotational spring between each of
+        them and what moves it [N m/rad];
     first_mode_m_s: velocity of the top in the first mode at time zero [m/s];
     local_damping: Cundall's, of a quasi-static loading [-]; None of a dynamic one.
     """
@@ -24,6 +25,7 @@ class Drive:
     supports: Callable | None = None
     top: Callable | None = None
     top_rotates: bool = True
+    top_stiffness: float = 0.0
     first_mode_m_s: float = 0.0
     local_damping: float | None = None
 

@@ -9,6 +9,7 @@ import re
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -31,7 +32,8 @@ class Loading:
 
     drive: what it prescribes on a wall, a Drive; duration_s: of the base's motion [s]; cycle_edges_s: where the
     motion's own cycles begin and end, (k,) [s]; peak_g: largest acceleration of the base [g]; pga_g,
-    sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where unknown.
+    sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where unknown; moves:
+    whether there is a motion at all.
     Every one has a name, too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
@@ -39,6 +41,7 @@ class Loading:
     cycle_edges_s = np.zeros(0)
     peak_g = 0.0
     pga_g = sa_02_s_g = None
+    moves = True
 
     @property
     def drive(self) -> Drive:
@@ -293,6 +296,17 @@ class FreeVibration(Loading):
                 "duration_s": self.duration_s}
 
 
+@dataclass(frozen=True)
+class AtRest(Loading):
+    """No motion: the run ends after its settlement."""
+
+    name: ClassVar[str] = "at_rest"
+    moves: ClassVar[bool] = False
+
+    def as_dict(self) -> dict:
+        return {"kind": "at_rest", "name": self.name, "duration_s": self.duration_s}
+
+
 BOUNDARIES = ("cantilever", "fixed")
 EASE_S = 0.1
 """Time that a pushed top takes to start, to turn round and to stop [s]: longer than a wall's first period,
@@ -310,7 +324,8 @@ class TopDisplacement(Loading):
     cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
     boundary: "cantilever", the top may rotate; "fixed", it may not (double fixed).
     speed_m_s: of the top [m/s]; local_damping [-], where the solver damps locally: the result depends on
-        both when they are not slow and high.
+        both when they are not slow and high; top_rotation: stiffness of a rotational spring between the top and the
+        machine that moves it [N m/rad], of each body that carries the top; 0: free.
     """
 
     amplitudes_pct: tuple[float, ...]
@@ -318,8 +333,13 @@ class TopDisplacement(Loading):
     boundary: str = "cantilever"
     speed_m_s: float = 5e-3
     local_damping: float = 0.7
+    top_rotation: float = 0.0
 
     def __post_init__(self):
+        check_range("--top-rotation [N m/rad]", self.top_rotation, 0, 1e12)
+        if self.top_rotation and self.boundary == "fixed":
+            raise InputError(f"--top-rotation {self.top_rotation:g} with --boundary fixed: expected a top that may "
+                             "rotate; leave one of them out")
         if not self.amplitudes_pct:
             raise InputError("no drift to push the top to; expected one or more [%]; give some")
         for drift in self.amplitudes_pct:
@@ -335,11 +355,12 @@ class TopDisplacement(Loading):
     def name(self) -> str:
         drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
         kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
-        return f"{kind}_{self.boundary}"
+        return f"{kind}_{self.boundary}" + (f"_top-rotation-{self.top_rotation:g}" if self.top_rotation else "")
 
     @property
     def drive(self) -> Drive:
-        return Drive(top=self.top_displacement, top_rotates=self.boundary != "fixed", local_damping=self.local_damping)
+        return Drive(top=self.top_displacement, top_rotates=self.boundary != "fixed",
+                     top_stiffness=self.top_rotation, local_damping=self.local_damping)
 
     def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
@@ -381,11 +402,11 @@ class TopDisplacement(Loading):
         return {"kind": "cyclic" if self.cycles else "pushover", "name": self.name,
                 "amplitudes_pct": [float(a) for a in self.amplitudes_pct], "cycles": int(self.cycles),
                 "boundary": self.boundary, "speed_m_s": float(self.speed_m_s), "ease_s": EASE_S,
-                "local_damping": float(self.local_damping)}
+                "local_damping": float(self.local_damping), "top_rotation": float(self.top_rotation)}
 
 
 _KINDS = {"harmonic": Harmonic, "record": RecordedMotion, "free_vibration": FreeVibration,
-          "pushover": TopDisplacement, "cyclic": TopDisplacement}
+          "at_rest": AtRest, "pushover": TopDisplacement, "cyclic": TopDisplacement}
 
 
 def loading_from_dict(table: dict) -> Loading:

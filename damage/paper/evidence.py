@@ -66,6 +66,21 @@ USUAL = {name: unknown_or(value) for name, value in SHAPE.items()} | {
 """{column: function of it that says which runs are those of the paper's model, as it is read here by default}."""
 
 
+def exactly(**values):
+    """{column: function of it that says which runs have this value}."""
+    return {name: (lambda column, value=value: column == value) for name, value in values.items()}
+
+
+ANY_STEP = {"time_step_s": lambda step_s: step_s > 0}
+MODELS = {
+    "": {},
+    "contacts at the joints' ends": exactly(contacts="corners"),
+    "deformable bricks, contacts at the joints' ends":
+        exactly(contacts="corners", bricks="deformable", brick_damping=0.0) | ANY_STEP}
+"""{words: changes of USUAL} of the models that the verdict judges: the default, and the one that the paper's text
+describes (deformable bricks, contacts at their corners or edges, brittle and undamped) in rigid and in its own form."""
+
+
 def comparable(runs, changes=None):
     """The runs of the model of USUAL, or with `changes` of its functions, and the usual period of the wall."""
     kept = pd.Series(True, runs.index)

@@ -44,14 +44,24 @@ def _by(findings, name):
 
 
 def merged(findings):
-    """(solver, variants in words, value, verdict) of one claim, variants with the same outcome together."""
+    """(source, variants in words, value, verdict) of one claim, variants with the same outcome together; source:
+    solver and model in words."""
     lines = []
-    for solver, members in _by(findings, "solver"):
+    for source, members in _by(findings, "source"):
         outcomes, lintels = {}, _distinct(members, "lintel")
         for finding in members:
             outcomes.setdefault((finding.value, _outcome(finding)), set()).add((finding.lintel, finding.slip))
-        lines += [(solver, variants_in_words(pairs, lintels), *outcome) for outcome, pairs in outcomes.items()]
+        lines += [(source_in_words(*source), variants_in_words(pairs, lintels), *outcome)
+                  for outcome, pairs in outcomes.items()]
     return lines
+
+
+def source_in_words(solver, model):
+    """
+    >>> source_in_words("yade", ""), source_in_words("reference", "deformable bricks")
+    ('YADE', 'reference solver, deformable bricks')
+    """
+    return ", ".join(filter(None, (SOLVER_NAMES[solver], model)))
 
 
 def _outcome(finding):
@@ -92,8 +102,8 @@ def describe(findings):
     for claim, members in _by(findings, "claim"):
         lines.append(f"{claim.id:5s}{claim.text} ({claim.figure})")
         lines.append(f"     paper: {claim.paper}; holds if {claim.criterion}")
-        lines += [f"     {verdict:22s}{solver:11s}{variants}: {value}"
-                  for solver, variants, value, verdict in merged(members)]
+        lines += [f"     {verdict:22s}{source}, {variants}: {value}"
+                  for source, variants, value, verdict in merged(members)]
     return "\n".join([*lines, "", *tallies(findings)])
 
 
@@ -117,12 +127,12 @@ def tallies(findings):
     head = ["predictions that hold", *_SLIPS.values(), "by any of these", "differ by all", "cannot be judged",
             "built to meet", "borderline"]
     lines = ["| " + " | ".join(head) + " |", "| --- " * len(head) + "|"]
-    for solver, lintel in _distinct(findings, "solver", "lintel"):
-        mine = [finding for finding in findings if (finding.solver, finding.lintel) == (solver, lintel)]
+    for source, lintel in _distinct(findings, "source", "lintel"):
+        mine = [finding for finding in findings if (finding.source, finding.lintel) == (source, lintel)]
         predicted, built = ([one for one in mine if one.claim.predicted == which] for which in (True, False))
         best = _best(predicted)
         edge = _distinct([one for one in mine if one.on_edge], "claim.id")
-        cells = [f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}", *(
+        cells = [f"{source_in_words(*source)}, {lintel_in_words(lintel)}", *(
                      sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
                  f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
                  f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"]
@@ -150,15 +160,15 @@ def as_json(findings):
                [vars(finding) | {"claim": claim.id, "on_edge": finding.on_edge} for finding in members]}
               for claim, members in _by(findings, "claim")]
     statements = [{"statement": statement, "text": STATEMENTS[statement],
-                   "verdicts": [{"solver": solver, "lintel": lintel, "slip": slip,
-                                 "verdict": statement_verdict(_variant(members, solver, lintel, slip))}
-                                for solver, lintel, slip in _distinct(findings, "solver", "lintel", "slip")]}
+                   "verdicts": [{"solver": source[0], "model": source[1], "lintel": lintel, "slip": slip,
+                                 "verdict": statement_verdict(_variant(members, source, lintel, slip))}
+                                for source, lintel, slip in _distinct(findings, "source", "lintel", "slip")]}
                   for statement, members in _by(findings, "claim.statement")]
     return {"statements": statements, "claims": claims}
 
 
-def _variant(findings, solver, lintel, slip):
-    return [finding for finding in findings if (finding.solver, finding.lintel, finding.slip) == (solver, lintel, slip)]
+def _variant(findings, source, lintel, slip):
+    return [finding for finding in findings if (finding.source, finding.lintel, finding.slip) == (source, lintel, slip)]
 
 
 # --- Markdown -----------------------------------------------------------------------------------------
@@ -173,8 +183,8 @@ def as_markdown(findings):
             parts.append(f"**{claim.id}**, {claim.text} ({claim.figure}). Paper: {claim.paper}. Holds if "
                          f"{claim.criterion}.")
             parts.append("\n".join(["| solver | variant | value | verdict |", "| --- | --- | --- | --- |", *(
-                f"| {SOLVER_NAMES[solver]} | {variants} | {value} | {verdict} |"
-                for solver, variants, value, verdict in merged(own))]))
+                f"| {source} | {variants} | {value} | {verdict} |"
+                for source, variants, value, verdict in merged(own))]))
     return "\n\n".join(parts) + "\n"
 
 
@@ -206,12 +216,12 @@ def overview(findings):
 
 def overview_table(findings):
     """(heads of solvers and lintels, rows) of a table with a row a statement: its name, its words, outcomes."""
-    variants = _distinct(findings, "solver", "lintel")
+    variants = _distinct(findings, "source", "lintel")
     rows = [[statement, STATEMENTS[statement], *(
-                 _cell([_short(_variant(members, solver, lintel, slip)) for slip in _SLIPS])
-                 for solver, lintel in variants)]
+                 _cell([_short(_variant(members, source, lintel, slip)) for slip in _SLIPS])
+                 for source, lintel in variants)]
             for statement, members in _by(findings, "claim.statement")]
-    return [f"{SOLVER_NAMES[solver]}, {lintel_in_words(lintel)}" for solver, lintel in variants], rows
+    return [f"{source_in_words(*source)}, {lintel_in_words(lintel)}" for source, lintel in variants], rows
 
 
 def _cell(outcomes):

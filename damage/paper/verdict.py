@@ -16,7 +16,7 @@ from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.paper import criteria
 from damage.paper.criteria import AMPLITUDES_G, CLAIMS, SCALES, Claim
-from damage.paper.evidence import Evidence, Fell, NotThere, comparable, gather, load_runs
+from damage.paper.evidence import MODELS, Evidence, Fell, NotThere, comparable, gather, load_runs
 from damage.paper.margins import EDGE, above, at_least, at_most, within
 
 HOLDS, DIFFERS, UNJUDGED, IN_PART = "holds", "differs", "cannot be judged", "in part"
@@ -27,7 +27,7 @@ RECORD_NAMES = {"zeerijp": "BGAR_HGE", "huizinge": "MID1_N_synthetic"}
 
 @dataclass(frozen=True)
 class Finding:
-    """Finding of one solver on one claim with one lintel and one slip criterion."""
+    """Finding of one solver on one claim with one lintel and one slip criterion; model: one of MODELS."""
 
     claim: Claim
     solver: str
@@ -40,6 +40,12 @@ class Finding:
     before_offsets: bool = False
     """Whether the solver has runs from before histories had offsets: judged by `accumulated` where `displacement` is
     asked for."""
+    model: str = ""
+
+    @property
+    def source(self):
+        """Solver and model, a pair."""
+        return self.solver, self.model
 
     @property
     def on_edge(self):
@@ -52,14 +58,17 @@ def judge(folder):
 
     Raises InputError where there is no table of a study.
     """
-    runs, records = comparable(load_runs(folder)), shipped_records()
-    of = {solver: runs[runs["solver"] == solver] for solver in SOLVERS if (runs["solver"] == solver).any()}
+    runs, records = load_runs(folder), shipped_records()
+    of = {model: comparable(runs, changes) for model, changes in MODELS.items()}
+    of = {(solver, model): mine for solver in SOLVERS for model, those in of.items()
+          if len(mine := those[those["solver"] == solver])}
     if not of:
         raise InputError(f"{folder}: its tables hold no complete run with the default model; expected the results of "
                          "studies, as ./run_all.sh harmonic writes them")
-    points = {solver: gather(mine) for solver, mine in of.items()}
-    return [_finding(claim, solver, Evidence(of[solver], points[solver], lintel, slip, records))
-            for claim in CLAIMS for solver in of for lintel in _lintels(of[solver]) for slip in CRITERIA]
+    points = {source: gather(mine) for source, mine in of.items()}
+    return [_finding(claim, solver, Evidence(mine, points[solver, model], lintel, slip, records), model)
+            for claim in CLAIMS for (solver, model), mine in of.items()
+            for lintel in _lintels(mine, every=not model) for slip in CRITERIA]
 
 
 def judge_with(solver, evidence):
@@ -72,13 +81,15 @@ def shipped_records():
     return {name: read_record(shipped_record_path(shipped)) for name, shipped in RECORD_NAMES.items()}
 
 
-def _lintels(runs):
-    """The lintels to judge: of all courses, of every number that some runs have, of none."""
-    numbers = {int(lintel) for lintel in runs["lintel"].dropna().unique() if lintel.isdigit()}
-    return ["elastic", *map(str, sorted(numbers, reverse=True)), "none"]
+def _lintels(runs, every):
+    """The lintels to judge: of all courses, of every number that some runs have, of none; not every: those that some
+    runs of walls with openings have."""
+    some = set(runs.loc[runs["wall"] != "solid", "lintel"].dropna())
+    numbers = map(str, sorted((int(lintel) for lintel in some if lintel.isdigit()), reverse=True))
+    return [lintel for lintel in ("elastic", *numbers, "none") if every or lintel in some]
 
 
-def _finding(claim, solver, evidence):
+def _finding(claim, solver, evidence, model=""):
     margin = None
     try:
         value, margin = JUDGES[claim.id](evidence)
@@ -88,7 +99,7 @@ def _finding(claim, solver, evidence):
     except NotThere as missing:
         value, verdict = str(missing), UNJUDGED
     return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict, margin,
-                   bool((evidence.runs["slip"] == "accumulated").any()))
+                   bool((evidence.runs["slip"] == "accumulated").any()), model)
 
 
 def statement_verdict(findings):

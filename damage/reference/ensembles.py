@@ -11,8 +11,9 @@ from damage.reference.lanes import advance_together, kind_of
 from damage.run.turns import WAITED
 
 LEAST_LANES = 5
-"""Least number of walls in a batch.  A batch computes eight SIMD lanes, however many are in use: fewer walls are faster
-one by one, since a single wall takes a quarter of the time of a batch with AVX-512 and a fifth with AVX2."""
+"""Least number of walls with rigid bricks in a batch.  A batch computes eight SIMD lanes, however many are in use:
+fewer walls are faster one by one, since a single wall takes a quarter of the time of a batch with AVX-512 and a fifth
+with AVX2.  Of walls with deformable bricks two are enough."""
 
 
 class Ensemble:
@@ -43,13 +44,14 @@ def _chosen(walls):
 
     walls: {wall: numbers of steps that it asks for}, of walls that can be in one batch.
     """
-    if len(walls) < LEAST_LANES:
+    least = LEAST_LANES if next(iter(walls)).layout.strain is None else 2
+    if len(walls) < least:
         return [{wall: steps} for wall, steps in walls.items()]
     # The walls with the earliest last stop come first, together with those that stop there, too; the others wait.
     ends = {wall: list(accumulate(steps)) for wall, steps in walls.items()}
     stop = min(of_wall[-1] for of_wall in ends.values())
     group = {wall: walls[wall][:of_wall.index(stop) + 1] for wall, of_wall in ends.items() if stop in of_wall}
-    if len(group) >= LEAST_LANES:
+    if len(group) >= least:
         return [group]
     return [{wall: walls[wall][:1]} for wall in group]
 

@@ -14,8 +14,9 @@ import numpy as np
 
 from damage.index import THRESHOLD
 from damage.mechanics import tables
-from damage.reference.fast import alone, together
+from damage.reference.fast import alone, deforming, together
 from damage.reference.fast.blocks import make_blocks
+from damage.reference.fast.modes import make_modes
 from damage.reference.fast.step import Law
 from damage.reference.plain import Alone
 
@@ -50,9 +51,14 @@ def advance_together(asked):
 
 
 def bind(walls):
-    """Bind walls to what advances them: Lanes with the fast step, or Alone with the plain step for a single wall."""
-    if all(wall.fast for wall in walls):
+    """Bind walls to what advances them: Lanes with the fast step, or Alone with the plain step for a single wall.
+
+    A single wall with deformable bricks takes the plain step, which is as fast as a batch of eight lanes.
+    """
+    if all(wall.fast for wall in walls) and walls[0].layout.strain is None:
         return Lanes(walls)
+    if all(wall.fast for wall in walls) and len(walls) > 1:
+        return DeformingLanes(walls)
     (wall,) = walls
     wall.lanes = Alone(wall)
     return wall.lanes
@@ -98,14 +104,18 @@ class Lanes:
             raise ValueError(f"walls asked to go {sorted({int(one[-1]) for one in ends})} steps together: expected "
                              "equally many")
         how = self._law, self._controls(), self._field(last + 1)
+        self._advance(how, ends)
+        for wall in self.walls:
+            wall.step += last
+
+    def _advance(self, how, ends):
+        """Advance to the steps `ends`; how: Law, controls and field."""
         if self._width == 1:
             alone.run(self.tables, self._blocks, *how, self._clock()[0], ends[0], self.walls[0].stiffness,
                       self._samples)
         else:
             together.run(self.tables, self._columns, self._blocks, *how, self._clock(), *_in_turn(ends),
                          self.walls[0].stiffness, self._samples, np.zeros(len(self.walls), int))
-        for wall in self.walls:
-            wall.step += last
 
     def room(self, n_samples):
         """Samples of all walls, all zero."""
@@ -132,19 +142,39 @@ class Lanes:
         return np.array([wall.step - wall.first_step for wall in self.walls])
 
 
+class DeformingLanes(Lanes):
+    """Batch of walls with deformable bricks, eight SIMD lanes wide."""
+
+    def __init__(self, walls):
+        super().__init__(walls)
+        wall, n_contacts = self.walls[0], self.tables.contacts.shape[1]
+        self._blocks = make_blocks(self.tables.interfaces[0], self.tables.place.shape[1], n_contacts, MOST_LANES)
+        self._modes = make_modes(self.tables.place.shape[1], wall.strain.shapes.shape[2],
+                                 self.tables.interfaces.shape[1], n_contacts)
+
+    def _advance(self, how, ends):
+        wall, (law, controls, field) = self.walls[0], how
+        deforming.run(self.tables, self._columns, self._blocks, self._modes,
+                      tables.Law(law.material, law.threshold, wall.strain), law.plain, controls, field, self._clock(),
+                      *_in_turn(ends), wall.stiffness, self._samples, np.zeros(len(self.walls), int))
+
+
 def are_alike(wall, other):
     """Whether two walls have equal bricks, stiffnesses and friction, so that they can be members of one batch."""
-    one, two = wall.system, other.system
-    return wall.material == other.material and len(one.contacts) == len(two.contacts) and all(
-        np.array_equal(getattr(one, table)[name], getattr(two, table)[name], equal_nan=True)
-        for table, names in SHARED for name in names)
+    return wall.material == other.material and all(
+        np.array_equal(one, two, equal_nan=True) for one, two in zip(_shared(wall), _shared(other)))
 
 
 def kind_of(wall):
-    """Key that is equal for walls that are `are_alike`: step, material and a digest of the shared columns."""
-    parts = [np.ascontiguousarray(getattr(wall.system, table)[name]).tobytes()
-             for table, names in SHARED for name in names]
+    """Key that is equal for walls that are `are_alike`: step, material and a digest of what is shared."""
+    parts = [np.ascontiguousarray(values).tobytes() for values in _shared(wall)]
     return wall.fast, wall.material, hashlib.sha256(b"".join(parts)).digest()
+
+
+def _shared(wall):
+    """Arrays that are equal in all walls of a batch."""
+    of_modes = (wall.system.mass[:, tables.RIGID:], *wall.strain) if wall.layout.strain else ()
+    return [*(getattr(wall.system, table)[name] for table, names in SHARED for name in names), *of_modes]
 
 
 def _in_turn(ends):

@@ -17,7 +17,8 @@ class Alone:
 
     def are_of(self, walls):
         """Whether `walls` is this wall alone, still bound to this object and to the plain step."""
-        return len(walls) == 1 and walls[0] is self.wall and self.wall.lanes is self and not self.wall.fast
+        same = len(walls) == 1 and walls[0] is self.wall and self.wall.lanes is self
+        return same and not (self.wall.fast and self.wall.layout.strain is None)
 
     def run(self, steps):
         """Advance by numbers of steps, one after the other; `samples_of` returns the samples after each."""

@@ -12,6 +12,10 @@ from damage.wall.joint_law import SHEAR, TENSION
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
 
 
+STATE_TABLES = "place", "velocity", "force", "trig", "interfaces", "states", "readings", "energy", "relaxation", "last"
+"""Fields of System that a step changes; masses, contact parameters and the log of events are left out."""
+
+
 class ReferenceSolver(ReferenceWall, Solver):
     """A ReferenceWall as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
 
@@ -83,7 +87,13 @@ class ReferenceSolver(ReferenceWall, Solver):
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
                         np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC],
-                        *totals[:, KINETIC + 1:ELASTIC].T, strain)
+                        totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain)
+
+    def _in_springs(self, displacement):
+        """Energy in the rotational springs of the machine that moves the top (n,) [J]; what they hold, it did not put
+        into the wall."""
+        stiffness, rest = self.system.turning[:displacement.shape[1]].T
+        return 0.5 * ((displacement[..., RIGID - 1] - rest)**2 @ stiffness)
 
     def forces(self):
         return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]
@@ -94,6 +104,18 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def base_reaction(self):
         return self.base_force()[1]
+
+    def saved_state(self):
+        if len(self.loose.cores):
+            return None
+        return {name: getattr(self.system, name) for name in STATE_TABLES} | {
+            f"passed_{kind}": passed for kind, passed in self._passed.items()}
+
+    def resume(self, state):
+        for name in STATE_TABLES:
+            getattr(self.system, name)[:] = state[name]
+        for kind, passed in self._passed.items():
+            passed[:] = state[f"passed_{kind}"]
 
     def drain_events(self):
         if self.layout.fibres is None and self.system.n_events[0] == 0:

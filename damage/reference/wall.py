@@ -239,8 +239,11 @@ class ReferenceWall:
             values = np.vstack([values, now[new]])
         return events, values
 
-    def hold(self, bodies, rotation):
-        """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation: prevent it, too."""
+    def hold(self, bodies, rotation, stiffness=0.0):
+        """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation: prevent it, too;
+        stiffness: of a rotational spring on each, from the present rotation on [N m/rad], of the plain step."""
+        self.system.turning[bodies] = np.column_stack([np.full(len(bodies), stiffness),
+                                                       self.system.place[bodies, ROTATION]])
         self._held, self._is_driven = bodies, True
         for coordinate in (X, ROTATION) if rotation else (X,):
             self.system.inverse_mass[bodies, coordinate] = self.system.velocity[bodies, coordinate] = 0.0

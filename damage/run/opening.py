@@ -3,6 +3,7 @@
 import math
 
 from damage.wall.caps import describe_top
+from damage.wall.floors import describe_floors
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.lintel import describe_share, elastic_share
 
@@ -12,17 +13,28 @@ MEGA, TONNE = 1e6, 1e3
 def opening_lines(layout, loading, modes, time_step):
     """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step [s]."""
     wall, options = layout.wall, layout.options
+    bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
         f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses} courses, "
-        f"{layout.n_bricks} bricks ({(layout.total_mass - layout.top_mass) / TONNE:.3g} t together), {layout.n_joints} "
+        f"{layout.n_bricks} bricks ({bricks_kg / TONNE:.3g} t together), {layout.n_joints} "
         f"contact points on {layout.total_joint_length:.2f} m of joints",
         *describe_top(layout),
+        *describe_floors(wall),
         describe_joint(wall.joint, options.strength_cov),
         describe_brick(wall.brick, options),
         f"lintel {options.lintel}: {describe_share(elastic_share(wall, joint_table(layout), body_table(layout)))}",
         f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
         f"({time_step / modes.critical_time_step_s:.2f} of the critical)",
         f"motion: {loading.name}"]
+
+
+def sequence_lines(settings):
+    """Lines about the sequence of different records of RunSettings, none where there is none."""
+    if not settings.events:
+        return []
+    records = {event.loading.record.name for event in settings.events}
+    return [f"sequence: {len(settings.events)} events of {len(records)} records, peak {settings.peak_g:.3g} g; the "
+            "motion above is the strongest of them"]
 
 
 def describe_joint(joint, scatter=0.0):
@@ -50,8 +62,10 @@ def describe_brick(brick, options=None):
     """
     line = (f"bricks: {brick.length:.4g} x {brick.height:.4g} x {brick.thickness:.4g} m, {brick.density:.4g} kg/m3, "
             f"modulus {brick.young_modulus / MEGA:.4g} MPa")
-    if options and options.deforms:
+    if options and options.has_modes:
         return f"{line}, deformable (order {options.brick_order}, plane {options.plane})"
+    if options and options.brick_cells:
+        line += f", {options.brick_cells} rigid cells glued elastically"
     if not brick.splits:
         return f"{line}, never splitting"
     shear = "" if brick.cohesion is None else f" and {brick.cohesion / MEGA:.4g} MPa in shear"

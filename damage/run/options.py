@@ -10,9 +10,12 @@ from pathlib import Path
 from damage.checks import check_path
 from damage.errors import InputError
 from damage.motion.formats import read_record
-from damage.motion.loading import BOUNDARIES, FreeVibration, Harmonic, Recorded, TopDisplacement
+from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
+from damage.motion.sequence import read_sequence, strongest
+from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
+from damage.run.before import Surveyed
 from damage.run.settings import (
     AFTER_FALL_S,
     RELAXATIONS,
@@ -24,6 +27,8 @@ from damage.run.settings import (
 )
 from damage.wall.parameters import ModelOptions
 from damage.wall.plausible import ACCEPT
+
+USUAL_DISTORTION = 1 / 500
 
 WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someone else before you use it."
 """For the help of every command that takes one."""
@@ -66,7 +71,9 @@ def parse_run(arguments, prog, solver):
     parsed = make_parser(prog, solver).parse_args(arguments)
     alpha_1_s, beta_s = _damping(parsed)
     return RunSettings(
-        loading=_loading(parsed), sequence=_sequence(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
+        **_motion(parsed), settlement=settlement_of(parsed),
+        continued=getattr(parsed, "continue") and str(getattr(parsed, "continue")),
+        cracked=parsed.cracked and Surveyed.read(parsed.cracked), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), new_contacts=getattr(parsed, "new_contacts", False),
@@ -82,42 +89,91 @@ def make_parser(prog, solver):
         f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
     _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
+    _add_settlement(parser.add_argument_group("settlement of the ground, before the motion or without one"))
+    _add_before(parser.add_argument_group("the wall's past"))
     _add_model(parser.add_argument_group("model"), solver)
     _add_run(parser.add_argument_group("run"), solver)
     return parser
 
 
 def _add_motion(group):
-    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"), help="a sine from zero")
+    group.add_argument("--harmonic", nargs=2, type=float, metavar=("PERIOD_S", "AMPLITUDE_G"),
+                       help="sinusoidal base acceleration that starts at zero")
     group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each "
                        "drift of --cyclic (default 2)")
     group.add_argument("--record", type=file_path, metavar="FILE",
-                       help="a recorded motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
+                       help="recorded ground motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
     add_preparation(group)
     group.add_argument("--vertical", type=file_path, metavar="FILE", help="the record's vertical component")
     group.add_argument("--free-vibration", action="store_true", default=None,
-                       help="no base motion: start in the first mode with 1 mm/s at the top")
-    group.add_argument("--sequence", metavar="F,F,...", help="shake the same wall again and again: the harmonic "
-                       "or recorded motion times each factor, with rest and settling after each (default 1)")
+                       help="free vibration in the first mode, which starts with 1 mm/s at the top")
+    group.add_argument("--sequence", metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried "
+                       "over: the harmonic or recorded motion times each factor, then rest and settling (default 1); "
+                       "or different records, a row of a CSV file each (docs/guides/own-record.md)")
 
 
 def add_preparation(group):
     """Add the options that prepare a record to a parser, or a group of one; `recorded` reads them."""
     group.add_argument("--scale", type=float, help="factor on the record (default 1)")
     group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
-    group.add_argument("--baseline", type=int, metavar="ORDER", help="take a polynomial of this order off the record")
+    group.add_argument("--baseline", type=int, metavar="ORDER",
+                       help="subtract a polynomial of this order from the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)")
 
 
 def _add_push(group):
     group.add_argument("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift")
-    group.add_argument("--cyclic", metavar="PCT,PCT,...", help="push the top to and fro to these drifts")
+    group.add_argument("--cyclic", metavar="PCT,PCT,...", help="push the top cyclically to these drifts")
     group.add_argument("--boundary", choices=BOUNDARIES,
                        help="the pushed top may rotate (cantilever, default), or not (fixed)")
-    group.add_argument("--speed", type=float, metavar="M_S", help="of the pushed top (default 0.005)")
+    group.add_argument("--top-rotation", type=float, metavar="N_M_RAD", help="rotational spring between the pushed top "
+                       "and what moves it (default 0: free; reference solver)")
+    group.add_argument("--speed", type=float, metavar="M_S", help="speed of the pushed top (default 0.005)")
     group.add_argument("--damping", type=float, metavar="C", help="local damping of the pushed wall, 0 to 0.7 "
                        "(default 0.7); the reference solver has it with --relaxation local only")
+
+
+def _add_settlement(group):
+    group.add_argument("--settle", type=file_path, metavar=f"{'|'.join(PROFILES)}|FILE.csv",
+                       help="move a support below each brick of the base by this profile, or by points x_m,uz_m of a "
+                       "file; without a motion the run ends then")
+    group.add_argument("--distortion", type=fraction, metavar="1/500", help="of a named profile: relative deflection "
+                       f"over half the wall's length, or the angle of tilt and knick (default "
+                       f"1/{1 / USUAL_DISTORTION:g})")
+
+
+def _add_before(group):
+    group.add_argument("--continue", type=file_path, metavar="FILE.h5", help="start from the end of this run of the "
+                       "same wall, as if it had continued (reference solver)")
+    group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
+                       "from the start (docs/reference/crack-format.md; the last load level)")
+
+
+def fraction(word):
+    """The type of an option that is a number, or two with a stroke between, like 1/500."""
+    over, _, under = word.partition("/")
+    try:
+        return float(over) / (float(under) if under else 1.0)
+    except (ValueError, ZeroDivisionError) as error:
+        raise argparse.ArgumentTypeError(f"{word}: expected a number, or a fraction like 1/500; correct it") from error
+
+
+def settlement_of(parsed):
+    """The Settlement of parsed options, None without one."""
+    if parsed.settle is None:
+        if parsed.distortion is not None:
+            raise InputError("--distortion belongs to --settle; give both")
+        return None
+    if str(parsed.settle) in PROFILES:
+        given = parsed.distortion
+        return Settlement(str(parsed.settle), USUAL_DISTORTION if given is None else given)
+    if parsed.settle.suffix.lower() != ".csv":
+        raise InputError(f"--settle {parsed.settle}: expected one of {', '.join(PROFILES)}, or a CSV file; correct it")
+    if parsed.distortion is not None:
+        raise InputError("--distortion beside a profile from a file: the file says how far the ground settles; leave "
+                         "it out")
+    return read_profile(parsed.settle)
 
 
 def add_model_options(group, names):
@@ -161,7 +217,7 @@ def _add_model(group, solver):
                        help="random offsets of the bricks, for ensembles (default 0)")
     group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "
                        "for ensembles: coefficient of variation (default 0)")
-    group.add_argument("--seed", type=int, default=0, help="of the random offsets and the scatter (default 0)")
+    group.add_argument("--seed", type=int, default=0, help="seed of the random offsets and of the scatter (default 0)")
     group.add_argument("--members", type=int, default=1, metavar="N", help="reference solver: N runs with strengths "
                        f"that scatter by --scatter (default {SCATTER:g}), seeds from --seed (default 1) on; prints the "
                        "median and range of what is measured, and keeps the history of the first")
@@ -175,7 +231,7 @@ def add_accept(group):
 
 
 def _add_run(group, solver):
-    group.add_argument("--out", type=file_path, metavar="FILE.h5", help="the history "
+    group.add_argument("--out", type=file_path, metavar="FILE.h5", help="history file "
                        "(default: a free name below results/)")
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
     group.add_argument("--rest", type=float, default=2.0, metavar="S",
@@ -183,11 +239,12 @@ def _add_run(group, solver):
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")
     group.add_argument("--no-pictures", dest="pictures", action="store_false", help="write the history only")
     group.add_argument("--quiet", action="store_true", help="print warnings and errors only")
+    free = "fall freely" if solver == "reference" else "collide with sharper corners; half a height's fall ends the run"
+    group.add_argument("--new-contacts", action="store_true", help="bricks whose joints have ended fall, collide and "
+                       f"come to rest; the run ends with the first fallen brick (default: they {free})")
+    group.add_argument("--after-fall", action="store_true", help="with --new-contacts: follow the bricks until the "
+                       f"wall rests, {AFTER_FALL_S:g} s at most (default: end with the first fallen brick)")
     if solver == "reference":
-        group.add_argument("--new-contacts", action="store_true", help="bricks whose joints have ended fall, collide "
-                           "and come to rest; the run ends with the first fallen brick (default: they fall freely)")
-        group.add_argument("--after-fall", action="store_true", help="with --new-contacts: follow the bricks until the "
-                           f"wall rests, {AFTER_FALL_S:g} s at most (default: end with the first fallen brick)")
         group.add_argument("--step", choices=STEPS, default=STEPS[0], help="implementation of the time step: fast "
                            "(default), or plain, the definition that it is tested against; both give the same bits")
     if solver == "yade":
@@ -197,24 +254,42 @@ def _add_run(group, solver):
 
 
 _LONGEST_STEM = 200  # bytes; a character has up to four
-_BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"), "speed": ("pushover", "cyclic"),
+_BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"),
+            "top_rotation": ("pushover", "cyclic"),
+            "speed": ("pushover", "cyclic"),
             "damping": ("pushover", "cyclic"),
             "sequence": ("harmonic", "record"),
             **dict.fromkeys(("scale", "window", "vertical", "baseline", "band"), ("record",))}
 
 
+def _motion(parsed):
+    """The fields of RunSettings that are about the motion."""
+    if not (parsed.sequence or "").lower().endswith(".csv"):
+        return {"loading": _loading(parsed), "sequence": _sequence(parsed)}
+    owned = (*_MOTIONS, "cycles", "scale", "window", "vertical")
+    if given := [name for name in owned if getattr(parsed, name) is not None]:
+        raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
+                         "the file has the records, their scales and windows; leave the other out")
+    events = read_sequence(check_path(parsed.sequence), parsed.rest, **_given(
+        baseline_order=parsed.baseline, band_hz=parsed.band and tuple(parsed.band)))
+    return {"loading": strongest(events).loading, "sequence": tuple(event.factor for event in events), "events": events}
+
+
+_MOTIONS = ("harmonic", "record", "free_vibration", "pushover", "cyclic")
+
+
 def _loading(parsed):
     """The loading that the motion options ask for, or InputError where they contradict each other."""
-    chosen = [name for name in ("harmonic", "record", "free_vibration", "pushover", "cyclic")
-              if getattr(parsed, name) is not None]
+    chosen = [name for name in _MOTIONS if getattr(parsed, name) is not None]
     if len(chosen) > 1:
         raise InputError(f"--{' and --'.join(chosen)} given together: choose one motion".replace("_", "-"))
-    motion = chosen[0] if chosen else "harmonic"
+    motion = chosen[0] if chosen else "harmonic" if parsed.settle is None or parsed.cycles is not None else "at_rest"
     for option, owners in _BELONGS.items():
         if getattr(parsed, option) is not None and motion not in owners:
-            raise InputError(f"--{option} belongs to --{' or --'.join(owners)}, not to "
+            raise InputError(f"--{option.replace('_', '-')} belongs to --{' or --'.join(owners)}, not to "
                              f"--{motion.replace('_', '-')}; leave it out")
-    return {"harmonic": _harmonic, "record": recorded, "free_vibration": lambda parsed: FreeVibration(),
+    return {"harmonic": _harmonic, "at_rest": lambda parsed: AtRest(), "record": recorded,
+            "free_vibration": lambda parsed: FreeVibration(),
             "pushover": _pushed, "cyclic": _pushed}[motion](parsed)
 
 
@@ -248,7 +323,8 @@ def _numbers(option, words, what, example):
 
 
 def _pushed(parsed):
-    more = _given(boundary=parsed.boundary, speed_m_s=parsed.speed, local_damping=parsed.damping)
+    more = _given(boundary=parsed.boundary, speed_m_s=parsed.speed, local_damping=parsed.damping,
+                  top_rotation=parsed.top_rotation)
     if parsed.pushover is not None:
         return TopDisplacement((parsed.pushover,), cycles=0, **more)
     if parsed.cycles is not None and parsed.cycles < 1:
@@ -268,9 +344,12 @@ def recorded(parsed):
 
 def free_name(wall, settings, solver, folder="results"):
     """A path for the history that does not exist yet: WALL_MOTION_SOLVER.h5, then _2, _3, ..."""
-    parts = [wall.name, settings.loading.name, solver, *settings.model.tags()]
-    parts += ["sequence-" + "-".join(f"{factor:g}" for factor in settings.sequence)] \
-        if settings.sequence != (1.0,) else []
+    settled = [f"settle-{settings.settlement.name}"] if settings.settlement else []
+    parts = [wall.name, *settled, settings.loading.name, solver, *settings.model.tags()]
+    if settings.events:
+        parts[1 + len(settled):2 + len(settled)] = [f"sequence-of-{len(settings.events)}", settings.loading.name]
+    elif settings.sequence != (1.0,):
+        parts.append("sequence-" + "-".join(f"{factor:g}" for factor in settings.sequence))
     stem, count = "_".join(parts), 1
     if len(os.fsencode(stem)) > _LONGEST_STEM:
         stem = f"{stem[:_LONGEST_STEM // 4 - 9]}_{hashlib.sha256(stem.encode()).hexdigest()[:8]}"

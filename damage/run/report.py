@@ -3,6 +3,7 @@
 from damage.errors import InputError, one_line, warn
 from damage.measure.members import describe_spread, members_of, spread
 from damage.measure.summary import summarise
+from damage.measure.tables import shocks_table
 from damage.measure.warnings import static_warnings
 from damage.run.options import pictures_folder
 from damage.units import rounded
@@ -22,6 +23,8 @@ def report(history, pictures=True):
     summary = with_members(summarise(history), history)
     warn(*summary["warnings"])
     print(describe(summary))
+    if history.series["shock"].iloc[-1] > 1:
+        print(*describe_events(shocks_table(history)), sep="\n")
     if pictures:
         try:
             from damage.draw.run import save_all
@@ -64,8 +67,10 @@ def describe(summary):
                  + f"accumulated slip up to {rounded(summary['max_slip_mm'], 2)} mm")
     lines.append(f"{summary['tension_breaks']} tension and {summary['shear_breaks']} shear breaks, Psi up to "
                  f"{rounded(summary['max_psi'], 2)} ({summary['psi_class']}; cracks from "
-                 f"{summary['psi_from_mm']:g} mm), friction and fracture took "
+                 f"{summary['psi_from_mm']:g} mm), widest crack {rounded(summary['max_crack_width_mm'], 2)} mm "
+                 f"({summary['crack_width_class']}), friction and fracture dissipated "
                  f"{rounded(summary['dissipated_energy_j'], 2)} J")
+    lines += _ground_lines(summary)
     if summary["ended_joints"]:
         lines.append(f"joints that ended, as their faces no longer overlapped: {summary['ended_joints']}")
     if summary["pgv_m_s"] is not None and summary["avg_sa_g"] is not None:
@@ -84,6 +89,34 @@ def describe(summary):
     if summary["period_s"] is not None:
         lines.append(f"period of the free vibration {summary['period_s']:.4f} s")
     return "\n".join([*lines, *(describe_spread(summary["members"]) if summary.get("members") else [])])
+
+
+def _ground_lines(summary):
+    """Lines on the settlement of the ground and the rigid motion of the base; none where it does not move."""
+    lines = []
+    if summary["settled_psi"] is not None:
+        lines.append(f"settlement: angular distortion {summary['angular_distortion']:.3g}, deflection ratio "
+                     f"{summary['deflection_ratio']:.3g}, relative settlement "
+                     f"{rounded(summary['relative_settlement_mm'], 2)} mm; then widest crack "
+                     f"{rounded(summary['settled_crack_width_mm'], 2)} mm, Psi {rounded(summary['settled_psi'], 2)}, "
+                     f"DI {summary['settled_DI']:.3f}")
+    if summary["max_base_rotation_rad"] is not None:
+        lines.append(f"rigid motion of the base, not in the drift: up to "
+                     f"{rounded(summary['max_base_translation_mm'], 2)} mm and "
+                     f"{rounded(1e3 * summary['max_base_rotation_rad'], 2)} mrad")
+    return lines
+
+
+def describe_events(table):
+    """The events of a `shocks_table` as lines for people."""
+    lines = [f"{'event':>5} {'factor':>7} {'max Psi':>8} {'Psi':>6} {'max DI':>7} {'DI':>6} {'offset [mm]':>13} "
+             f"{'failed':>7}  motion"]
+    for row in table.itertuples():
+        rest = [f"{value:>{width}.{digits}f}" if value is not None and value == value else f"{'-':>{width}}"
+                for value, width, digits in ((row.residual_psi, 6, 2), (row.residual_DI, 6, 3))]
+        lines.append(f"{row.shock:>5} {row.factor:>7.3g} {row.max_psi:>8.2f} {rest[0]} {row.max_DI:>7.3f} {rest[1]} "
+                     f"{row.offset_before_mm:>5.2f} > {row.offset_after_mm:<5.2f} {row.newly_failed:>7}  {row.motion}")
+    return lines
 
 
 def with_members(summary, history):

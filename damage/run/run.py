@@ -9,6 +9,8 @@ from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
+from damage.run.base import BaseMotion
+from damage.run.before import as_bytes, with_zero, zero_of
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
     AFTER_FALL_S,
@@ -18,6 +20,7 @@ from damage.run.settings import (
     RAMP_S,
     RESTS_BELOW_M_S,
     RESTS_FOR_S,
+    SETTLED_BELOW,
 )
 from damage.run.solver import LOOK_STEPS, NO_MOTION
 from damage.run.watch import fastest_fallen, have_fallen, have_left, index_now, lowest_places, unbalanced_force
@@ -33,23 +36,29 @@ class Run:
 
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
     writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt); settled:
-    where the wall at rest is found, or kept, as damage.reference.settled.Settled.
+    where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the end of
+    another run (`damage.run.before.read_state`), which this one continues in place of the static stage.
     stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
     """
 
-    def __init__(self, layout, settings, solver, writer, keep_going, settled=None):
+    def __init__(self, layout, settings, solver, writer, keep_going, settled=None, state=None):
         self.layout, self.settings, self.solver = layout, settings, solver
         self.writer, self.keep_going, self._settled = writer, keep_going, settled
+        self._state = state
         self.stage, self.collapsed_at_s, self.rests_at_s, self._samples = "static", None, None, 0
         self.sample_steps = schedule.sample_steps(solver.time_step)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
-        self.base, self._top_velocities, self._support_velocities = NO_MOTION, None, None
-        self._zero = None  # instant of time zero
+        self._zero_step = schedule.zero_step(self.stages)
+        self.base, self._prescribed = NO_MOTION, []  # (velocities in each interval, what moves by them, first interval)
+        moves = settings.ground_moves or bool(state and state["base_moves"])
+        self._base_motion = BaseMotion(layout) if moves else None
+        self._zero = None  # instant at the end of the static stage
+        self._modal_velocity, self._set_in_motion_j = None, 0.0  # at time zero; energy that came in with it
         self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
-        self._stress = stress_by_modes(layout) if settings.model.deforms else None
+        self._stress = stress_by_modes(layout) if settings.model.has_modes else None
         self._lowest = lowest_places(layout)
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
-        self._ramp_s = 0.0 if settings.model.deforms else RAMP_S
+        self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
         self._balance_j = self._damped_j = 0.0
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
         if settings.perturb_m > 0:
@@ -58,14 +67,15 @@ class Run:
 
     @property
     def time(self):
-        """Since the start of the stage under way: of the static one, or of all that follow it [s]."""
-        return self.solver.clock * self.solver.time_step
+        """Since the start of the static stage in that stage, then since time zero, at which the first motion starts;
+        negative while the ground settles [s]."""
+        return (self.solver.clock - (0 if self.stage == "static" else self._zero_step)) * self.solver.time_step
 
     @property
     def index(self):
         """The damage index now."""
         now = self.solver.instants()
-        drift = self._top(self._motion(now))[-1] / self.layout.drift_height
+        drift = self._drift(self._motion(now))[-1]
         return index_now(self.layout, drift, now.joints, now.contacts["opening_m"][-1],
                          now.contacts["offset_m"][-1])
 
@@ -76,20 +86,23 @@ class Run:
 
     @property
     def duration_s(self):
-        """Of all stages after the static one [s]."""
-        return self.stages[-1].end_step * self.solver.time_step
+        """From time zero to the end of the last stage [s]."""
+        return (self.stages[-1].end_step - self._zero_step) * self.solver.time_step
 
     # --- the stages -----------------------------------------------------------------------------
 
     def settle_under_gravity(self):
-        """The static stage; returns True when the wall came to rest, False when interrupted."""
+        """The static stage, or what another run ended with; returns True when the wall came to rest, False when
+        interrupted."""
         solver, dt = self.solver, self.solver.time_step
         n = round(self._ramp_s / dt)
         solver.damp(**self._relaxation(LOCAL_DAMPING))
-        if n == 0:
+        if n == 0 and self._state is None:
             solver.add_static_displacement()
         solver.start(NO_MOTION, GRAVITY * (np.arange(n + 1) / n if n else np.ones(1)))
-        if self._settled is None or not self._settled.recall(solver):
+        if self._state is not None:
+            solver.resume(self._state)
+        elif self._settled is None or not self._settled.recall(solver):
             finished = yield from self._come_to_rest()
             if not finished:
                 return False
@@ -100,7 +113,7 @@ class Run:
             base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
             unbalanced_force=self._unbalanced_force(), broken_joints=int(np.sum(now.contacts["state"] > 0)),
             duration_s=self.time)
-        self._write_events(events, first_step=-solver.clock)
+        self._write_events(events, since=-solver.clock)
         return True
 
     def _come_to_rest(self):
@@ -113,42 +126,83 @@ class Run:
         return False
 
     def start(self, first_mode):
-        """Time zero: the base motion starts, the top is taken hold of, or the wall is kicked into its first mode.
+        """The end of the static stage.  The ground begins to settle or, at time zero, the base motion starts, the top
+        is taken hold of, or the wall is kicked into its first mode.
 
         first_mode: shape (n_bodies, 3), 1 at the top.
         """
-        solver, drive = self.solver, self.settings.loading.drive
+        solver, drive, settlement = self.solver, self.settings.loading.drive, self.settings.settlement
         self.base = schedule.base_acceleration(self.settings, self.stages, solver.time_step)
-        solver.set_velocities(drive.first_mode_m_s * first_mode)
+        self._modal_velocity = drive.first_mode_m_s * first_mode
+        if self._state is None:
+            solver.set_velocities(0 * first_mode if settlement else self._modal_velocity)
         solver.start(self.base, np.array([GRAVITY]))
-        if drive.top:
-            solver.hold(self.layout.pushed_bodies, rotation=not drive.top_rotates)
-        interval = self.sample_steps * solver.time_step, self.stages[-1].end_step // self.sample_steps
-        self._top_velocities = drive.top_velocities(*interval, self.layout.pushed_height)
-        self._support_velocities = drive.support_velocities(*interval, self.layout.supports.x)
-        self._zero = solver.instants()
-        self._last = self._snapshot(0.0, self._zero, self._motion(self._zero), -1)
+        if self._state is not None:
+            solver.resume(self._state)
+        if not settlement:
+            self._take_hold()
+        interval_s, zero = self.sample_steps * solver.time_step, self._zero_step // self.sample_steps
+        interval = interval_s, self.stages[-1].end_step // self.sample_steps - zero
+        self._prescribed = [
+            (velocities, move, first) for velocities, move, first in (
+                (drive.top_velocities(*interval, self.layout.pushed_height), solver.push, zero),
+                (drive.support_velocities(*interval, self.layout.supports.x), solver.move_supports, zero),
+                (settlement and settlement.velocities(interval_s, zero, self.layout.supports), solver.move_supports, 0))
+            if velocities is not None]
+        now = self._zero = solver.instants()
+        if self._state is not None:
+            self._zero, self._set_in_motion_j = zero_of(self._state, now), float(self._state["set_in_motion_j"])
+        self._last = self._snapshot(0.0, now, self._motion(now), -1)
         self.stage = self.stages[0].name
+
+    def _take_hold(self):
+        drive = self.settings.loading.drive
+        if drive.top:
+            self.solver.hold(self.layout.pushed_bodies, not drive.top_rotates, drive.top_stiffness)
+
+    def _set_in_motion(self):
+        """Time zero after a settlement: the wall is at rest, or has its initial velocity, and a pushed top is held."""
+        solver = self.solver
+        self._check_rest()
+        before = solver.instants().kinetic_j[0]
+        solver.set_velocities(self._modal_velocity)
+        self._take_hold()
+        self._set_in_motion_j += float(solver.instants().kinetic_j[0] - before)
+
+    def _check_rest(self):
+        """Raise RunError where the wall is not at rest after its settlement."""
+        unbalanced = self._unbalanced_force()
+        if unbalanced > SETTLED_BELOW:
+            raise RunError(f"{self.layout.wall.name}: not at rest on the settled ground, unbalanced force "
+                           f"{unbalanced:.2g} of the contact forces, expected up to {SETTLED_BELOW:g}: the "
+                           "wall topples or slides; give a smaller --distortion")
 
     def run_all(self):
         """All stages; returns True unless interrupted (a collapse is an end, too)."""
         finished = yield from self._run_stages()
+        if finished and not self.settings.loading.moves:
+            self._check_rest()
         self._write_events(self.solver.drain_events())
         self.writer.snapshot(*self._last)
+        if finished and self.collapsed_at_s is None and (state := self.solver.saved_state()) is not None:
+            self.writer.keep_state(as_bytes(with_zero(state | {
+                "set_in_motion_j": np.array(self._set_in_motion_j),
+                "base_moves": np.array(self._base_motion is not None)}, self._zero)))
         if self.collapsed_at_s is not None and (self.settings.past_collapse_s > 0 or self.settings.after_fall):
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
 
     def _follow_the_fall(self):
-        """What becomes of the bricks after the first one fell: snapshots alone, since joints no longer say what a wall
-        is; returns True unless interrupted."""
+        """Follow the bricks after the first one has fallen, by snapshots only: samples of joints no longer describe the
+        wall.  Returns True unless interrupted."""
         solver, settings = self.solver, self.settings
-        until_rest, moves_until = settings.after_fall, len(self.base) * solver.time_step
+        until_rest, moves_until = settings.after_fall, (len(self.base) - self._zero_step) * solver.time_step
         end = max(self.time, moves_until) + AFTER_FALL_S if until_rest else \
             self.collapsed_at_s + settings.past_collapse_s
         solver.damp(**self._damping("motion"))
+        solver.damp_impacts()
         if until_rest:
-            self._prescribe(self.stages[-1].end_step)  # top and supports stand still
+            self._prescribe(self.stages[-1].end_step // self.sample_steps)  # beyond the last interval they rest
         last = self._last
         while self.time < end:
             if not self.keep_going(self, self.time):
@@ -163,8 +217,10 @@ class Run:
         return True
 
     def _rest(self, last, now, moves_until):
-        """Whether no brick that fell has moved for RESTS_FOR_S since the base stands still; last, now: snapshots, which
-        begin with time [s] and motion."""
+        """Whether the base is at rest and all fallen bricks have been slower than RESTS_BELOW_M_S for RESTS_FOR_S.
+
+        last, now: snapshots (time [s], motion, ...).
+        """
         fastest = fastest_fallen(self.layout, now[1], last[1], now[0] - last[0])
         if fastest > RESTS_BELOW_M_S or now[0] < moves_until:
             self.rests_at_s = None
@@ -174,19 +230,22 @@ class Run:
 
     @property
     def fall(self):
-        """What became of the bricks that were followed until they rest, in a line; None where none were."""
+        """A line on the fallen bricks: when they rest, how far they overlapped; None where none were followed."""
         if self.collapsed_at_s is None or not self.settings.after_fall:
             return None
         overlap = self.solver.largest_overlap_m()
         rests = "not at rest" if self.rests_at_s is None else \
             f"at rest {self.rests_at_s - self.collapsed_at_s:.2f} s after the first one fell"
-        return (f"bricks followed to {self.time:.2f} s: {rests}; they overlapped by up to {1e3 * overlap[0]:.2g} of "
-                f"{1e3 * overlap[1]:.2g} mm")
+        overlapped = "" if overlap is None else \
+            f"; they overlapped by up to {1e3 * overlap[0]:.2g} of {1e3 * overlap[1]:.2g} mm"
+        return f"bricks followed to {self.time:.2f} s: {rests}{overlapped}"
 
     def _run_stages(self):
         solver = self.solver
         for stage in self.stages:
             self.stage = stage.name
+            if stage.start_step == self._zero_step > 0:
+                self._set_in_motion()
             solver.damp(**self._damping(stage.name))
             while solver.clock < stage.end_step:
                 if self.collapsed_at_s is not None or not self.keep_going(self, self.time):
@@ -196,7 +255,7 @@ class Run:
         return True
 
     def _stretch(self):
-        """Steps to ask for at once: to the next look, or to a sample of several more."""
+        """Number of steps to the next look or, where the solver prefers samples in groups, to the end of a group."""
         samples = self.solver.stretch_samples
         return samples * self.sample_steps - self.solver.clock % self.sample_steps if samples else LOOK_STEPS
 
@@ -223,6 +282,8 @@ class Run:
     def _damping(self, stage):
         """Local damping while settling, that of the settings otherwise: both at once are unstable at this step."""
         drive = self.settings.loading.drive
+        if stage == "settlement":
+            return {"local": LOCAL_DAMPING}
         if drive.quasi_static:
             return self._relaxation(drive.local_damping)
         if stage == "settling":
@@ -234,11 +295,11 @@ class Run:
     def take_samples(self, now):
         """Write one sample after the other of everything (Instants), and prescribe the next velocities; False where the
         run has to end, with the last one that is written."""
-        time_s, motion, base = now.clock * self.solver.time_step, self._motion(now), self._base_at(now.clock)
-        top = self._top(motion)
+        time_s, motion = (now.clock - self._zero_step) * self.solver.time_step, self._motion(now)
+        base, top = self._base_at(now.clock), self._top(motion)
         rows = {
             "time_s": time_s, "base_acceleration_x_m_s2": base[:, 0], "base_acceleration_z_m_s2": base[:, 1],
-            "top_displacement_m": top, "drift_ratio": top / self.layout.drift_height,
+            "top_displacement_m": top, "drift_ratio": self._drift(motion, top), **self._base_rows(motion),
             "base_shear_n": now.support_force[:, :, 0].sum(axis=1), **self._energies(now, motion)}
         problem, end = self._first_not_finite(rows, {
             "motion": motion, **now.contacts})
@@ -252,17 +313,19 @@ class Run:
         return self.collapsed_at_s is None
 
     def _have_fallen(self, motion, now):
-        """At which of the first Instants a brick has fallen (n,)."""
+        """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the first n Instants."""
         if not self.settings.new_contacts:
+            if self.settings.settlement:  # with the ground no brick has fallen
+                lowest = (now.support_displacement - self._zero.support_displacement)[:len(motion), :, 1].min(axis=1)
+                motion = motion - np.array([0.0, 1.0, 0.0]) * lowest[:, np.newaxis, np.newaxis]
             return have_fallen(motion, self._lowest)
         return have_left(self.layout, motion, now.joints, now.contacts["state"][:len(motion)])
 
     def _prescribe(self, interval):
         """Move the top and the supports by their velocities in this interval; they rest after the last."""
-        for velocities, move in ((self._top_velocities, self.solver.push),
-                                 (self._support_velocities, self.solver.move_supports)):
-            if velocities is not None:
-                move(velocities[interval] if interval < len(velocities) else 0 * velocities[0])
+        for velocities, move, first in self._prescribed:
+            if first <= interval <= first + len(velocities):
+                move(velocities[interval - first] if interval < first + len(velocities) else 0 * velocities[0])
 
     def _write(self, rows, motion, now, end):
         """Write the first samples, up to this one, with their snapshots and events."""
@@ -284,7 +347,7 @@ class Run:
         self._samples += end
 
     def _snapshot(self, time_s, now, motion, k):
-        """Time, motion and, of deformable bricks, stresses of sample k, as the writer takes them."""
+        """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of sample k."""
         stress = () if self._stress is None else (np.einsum("bpsm,bm->bps", self._stress, now.strain[k]),)
         return time_s, motion[k], *stress
 
@@ -312,25 +375,35 @@ class Run:
             "friction_energy_j": now.friction_j - zero.friction_j,
             "fracture_energy_j": now.fracture_j - zero.fracture_j,
         }
-        damped = now.damping_j
+        damped, input_j = now.damping_j, now.input_j + self._set_in_motion_j
         if damped is None:
-            balance = sum(energies.values()) - now.input_j
-            if self.stage == "settling" or self.settings.loading.drive.quasi_static:
+            balance = sum(energies.values()) - input_j
+            if self.stage in ("settlement", "settling") or self.settings.loading.drive.quasi_static:
                 damped = self._balance_j - balance
             else:
                 damped = np.full(len(balance), self._damped_j)
                 self._balance_j = balance[-1] + self._damped_j
             self._damped_j = damped[-1]
-        return {**energies, "input_energy_j": now.input_j, "damping_energy_j": damped}
+        return {**energies, "input_energy_j": input_j, "damping_energy_j": damped}
 
     def _motion(self, now):
-        """Displacement of the bodies since time zero, (n, n_bodies, 3) [m, m, rad]."""
+        """Displacement of the bodies since the end of the static stage, (n, n_bodies, 3) [m, m, rad]."""
         return now.displacement - self._zero.displacement
 
     def _top(self, motion):
-        """Mean displacement of the top course over the piers since time zero (n,) [m]; motion: `_motion`."""
+        """Mean displacement of the top course over the piers (n,) [m]; motion: `_motion`."""
         top = motion[:, :, 0].take(self.layout.drift_bodies, axis=1)
         return np.add.reduce(top, axis=1) / top.shape[1]
+
+    def _drift(self, motion, top=None):
+        """Drift ratio (n,) [-], without the rigid motion of a base on ground that moves; top: `_top`, where known."""
+        top = self._top(motion) if top is None else top
+        return (top if self._base_motion is None else top - self._base_motion.at_top(motion)) / self.layout.drift_height
+
+    def _base_rows(self, motion):
+        """Rigid motion of the base where the ground moves, {column of the series: (n,)}."""
+        return {} if self._base_motion is None else dict(
+            zip(("base_translation_m", "base_rotation_rad"), self._base_motion.of(motion)))
 
     def _base_at(self, clock):
         """Acceleration of the base in these steps, (n, 2) [m/s2]."""
@@ -339,7 +412,7 @@ class Run:
         found[moves] = self.base[clock[moves]]
         return found
 
-    def _write_events(self, events, first_step=0):
-        """Write what a solver drained; first_step: of its clock's zero, since time zero."""
+    def _write_events(self, events, since=0):
+        """Write what a solver drained; since: its clock's zero, in steps since the end of the static stage."""
         for step, *event in events:
-            self.writer.event((first_step + step) * self.solver.time_step, *event)
+            self.writer.event((since + step - self._zero_step) * self.solver.time_step, *event)

@@ -24,8 +24,8 @@ JOINT_STEPS = 10
 
 @dataclass(frozen=True)
 class Stage:
-    """shock: number of the shock, from 1; name: "motion", "rest" or "settling"; start_step, end_step:
-    steps since time zero."""
+    """shock: number of the shock, from 1; name: "settlement", "motion", "rest" or "settling"; start_step, end_step:
+    steps since the end of the static stage."""
 
     shock: int
     name: str
@@ -50,6 +50,16 @@ def choose_time_step(settings, critical_s, softens=False):
     return settings.time_step_s
 
 
+def check_top(settings, layout, time_step):
+    """Raise InputError where the rotational spring at the top is too stiff for the time step [s]: its own frequency on
+    the body that carries the top has to stay below half of the stable one with its joints."""
+    stiffness, inertia = settings.loading.drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
+    most = 0.25 * float(inertia) / time_step**2
+    if stiffness > most:
+        raise InputError(f"--top-rotation {stiffness:g} is too stiff for time steps of {time_step:.3g} s: expected up "
+                         f"to {most:.3g} N m/rad; give less, a smaller --dt, or --boundary fixed")
+
+
 def softening_warnings(settings, time_step, critical_s, softening):
     """What of a run's step and damping is outside of what softening joints were shown to need in a solver, by its
     Softening: a list of lines."""
@@ -66,10 +76,10 @@ def softening_warnings(settings, time_step, critical_s, softening):
 def deformable_warnings(model, softens):
     """Choices of a ModelOptions that do not suit deformable bricks: a list of lines; softens: whether joints do."""
     found = []
-    if model.deforms and model.contacts != "gauss":
+    if model.has_modes and model.contacts != "gauss":
         found.append(f"--bricks deformable with --contacts {model.contacts}: expected --contacts gauss, which alone "
                      "passes the patch test; corner points fail joints at rest")
-    if model.deforms and not softens:
+    if model.has_modes and not softens:
         found.append("--bricks deformable with brittle joints: how many contact points fail depends on their number; "
                      "give joints fracture energies (docs/model/model.md)")
     return found
@@ -89,12 +99,18 @@ def stages(settings, layout, time_step, sample_steps):
 
     time_step [s]; sample_steps: steps between two samples.
     """
+    found, start = [], 0
+    if settings.settlement:
+        length_s = settlement_s(settings, layout)
+        start = sample_steps * math.ceil(length_s / (sample_steps * time_step))
+        found = [Stage(1, "settlement", 0, start)]
     if settings.loading.drive.quasi_static:
         n = math.ceil(settings.loading.length_s(layout.pushed_height) / (sample_steps * time_step))
-        return [Stage(1, "motion", 0, n * sample_steps)]
-    lengths = {"motion": settings.loading.duration_s, "rest": settings.rest_s, "settling": SETTLE_S}
-    found, start = [], 0
-    for shock in range(1, len(settings.sequence) + 1):
+        return [*found, Stage(1, "motion", start, start + n * sample_steps)]
+    if not settings.loading.moves:
+        return found
+    for shock, event in enumerate(settings.all_events, 1):
+        lengths = {"motion": event.loading.duration_s, "rest": event.rest_s, "settling": SETTLE_S}
         first, elapsed_s = start, 0.0
         for name, length_s in lengths.items():
             elapsed_s += length_s
@@ -104,10 +120,21 @@ def stages(settings, layout, time_step, sample_steps):
     return found
 
 
+def settlement_s(settings, layout):
+    """Length of the settlement stage [s], zero without one: the ground moves, then the wall comes to rest."""
+    return settings.settlement.moving_s(layout.supports.right[-1]) + SETTLE_S if settings.settlement else 0.0
+
+
+def zero_step(stages):
+    """Step of time zero since the end of the static stage: the end of the settlement stage, if there is one."""
+    return stages[0].end_step if stages[0].name == "settlement" else 0
+
+
 def check_size(settings, layout, time_step):
     """Raise InputError of a run that is longer than can be, before anything is made for it; time_step [s]."""
     loading, interval = settings.loading, sample_steps(time_step)
     length_s = loading.length_s(layout.pushed_height) if loading.drive.quasi_static else settings.duration_s
+    length_s += settlement_s(settings, layout)
     if length_s > LONGEST_S:
         raise InputError(f"a push of {length_s:.6g} s: expected up to {LONGEST_S:g} s; give a smaller drift, fewer "
                          "--cycles or a larger --speed")
@@ -122,18 +149,17 @@ def check_size(settings, layout, time_step):
 
 
 def base_acceleration(settings, schedule, time_step):
-    """Base acceleration of every step along x and z, (n_steps, 2) [m/s2], up to the last motion's end; none where the
-    base is not accelerated.
+    """Base acceleration of every step since the end of the static stage along x and z, (n_steps, 2) [m/s2], up to the
+    last motion's end; none where the base is not accelerated.
 
-    Each shock is the settings' loading times its factor.
+    Each event is its motion times its factor.
     """
-    accelerate = settings.loading.drive.base
-    if accelerate is None:
+    if settings.loading.drive.base is None:
         return NO_MOTION
-    motions = [stage for stage in schedule if stage.name == "motion"]
-    n_steps = round(settings.loading.duration_s / time_step) + 1
-    once = accelerate(np.arange(n_steps) * time_step)
-    base = np.zeros((motions[-1].start_step + n_steps, 2))
-    for factor, stage in zip(settings.sequence, motions):
-        base[stage.start_step:stage.start_step + n_steps] = factor * once
+    starts = [stage.start_step for stage in schedule if stage.name == "motion"]
+    lengths = [round(event.loading.duration_s / time_step) + 1 for event in settings.all_events]
+    base = np.zeros((max(map(sum, zip(starts, lengths))), 2))
+    for event, start, n_steps in zip(settings.all_events, starts, lengths):
+        factor, once = event.factor, event.loading.drive.base(np.arange(n_steps) * time_step)
+        base[start:start + n_steps] = factor * once
     return base

@@ -18,12 +18,13 @@ from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures
 from damage.provenance import file_origin, versions
-from damage.run.opening import opening_lines
+from damage.run.before import read_state, with_cracks
+from damage.run.opening import opening_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
-from damage.run.schedule import check_size, choose_time_step, deformable_warnings, softening_warnings
+from damage.run.schedule import check_size, check_top, choose_time_step, deformable_warnings, softening_warnings
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import take_turns
 from damage.start import is_of_output
@@ -41,6 +42,7 @@ class Backend:
     make(layout, time_step, settings): a damage.run.solver.Solver; check(settings): raises InputError on what it cannot
     do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softening: what it gives joints with fracture energies; None where it does not know them;
+    brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
     run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
     it runs one wall only.
     """
@@ -52,6 +54,7 @@ class Backend:
     check: Callable = lambda settings: None
     open_view: Callable | None = None
     softening: Softening | None = None
+    brick_cells: int = 0
     run_members: Callable | None = None
 
 
@@ -136,7 +139,8 @@ def _run_to_its_pictures(prepared, show):
 
 @dataclass(frozen=True)
 class Prepared:
-    """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s]."""
+    """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
+    state: of the run that it continues, None without one."""
 
     backend: Backend
     settings: RunSettings
@@ -144,6 +148,7 @@ class Prepared:
     modes: Modes
     time_step: float
     writer: HistoryWriter
+    state: dict | None = None
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
@@ -156,29 +161,37 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     if wall.joint.softens and not backend.softening:
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
                          "not know; leave them out, or use the reference solver: python3 -m damage reference")
-    settings = settings.for_joint(wall.joint, backend.softening or Softening())
+    settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
     if settings.pictures:
         check_pictures(out, settings.overwrite)
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    if settings.cracked:
+        layout = with_cracks(layout, settings.cracked)
     settings.check_offsets(layout.contacts)
+    if settings.settlement:
+        settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
     check_size(settings, layout, time_step)
+    check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall.joint.softens))
     if wall.joint.softens:
         warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening))
-    print(*opening_lines(layout, settings.loading, modes, time_step), sep="\n", flush=True)
+    made_by = versions(backend.code) | backend.versions
+    state = read_state(settings.continued, layout, made_by["model"]) if settings.continued else None
+    print(*opening_lines(layout, settings.loading, modes, time_step), *sequence_lines(settings), sep="\n",
+          flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
     writer = write(out, layout, solver=backend.name, parameters=parameters,
-                   versions=versions(backend.code) | backend.versions, overwrite=settings.overwrite)
+                   versions=made_by, overwrite=settings.overwrite)
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state)
 
 
 @contextmanager
@@ -206,7 +219,7 @@ def simulate(prepared, keep_going, settled=None):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
-        run = Run(layout, prepared.settings, solver, writer, keep_going, settled)
+        run = Run(layout, prepared.settings, solver, writer, keep_going, settled, prepared.state)
         finished = yield from run.settle_under_gravity()
         if finished:
             run.start(prepared.modes.shape[0])
@@ -214,6 +227,9 @@ def simulate(prepared, keep_going, settled=None):
             if run.fall:
                 print(run.fall, flush=True)
         collapsed = run.collapsed_at_s
+        if collapsed is not None and collapsed <= 0 and prepared.settings.settlement:
+            raise RunError(f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s before "
+                           "time zero; expected a wall that stands; give a smaller --distortion")
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")

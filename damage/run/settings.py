@@ -12,6 +12,9 @@ from damage.index import THRESHOLD
 from damage.motion.loading import HIGHEST_G
 from damage.motion.plausible import implausible_peak
 from damage.motion.record import MOST_SCALE
+from damage.motion.sequence import Event, as_table
+from damage.motion.settlement import Settlement
+from damage.run.before import Surveyed
 from damage.wall.parameters import MOST_SEED, ModelOptions
 from damage.wall.plausible import ACCEPT, check_plausible
 
@@ -27,10 +30,13 @@ SETTLE_S = 0.5
 LOCAL_DAMPING = 0.7
 ADAPTIVE_DAMPING = 1.0
 """Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to rest fastest."""
+SETTLED_BELOW = 0.01
+"""Unbalanced force over contact forces up to which a wall is at rest on the settled ground [-]: walls that stand had
+up to 1e-3, one that topples slowly, held up by local damping, 0.09."""
 AFTER_FALL_S = 10.0
-"""For how long bricks are followed at most after the first one fell and the base stands still [s]."""
+"""Longest time for which bricks are followed after the first one has fallen and the base is at rest [s]."""
 RESTS_BELOW_M_S, RESTS_FOR_S = 0.05, 0.2
-"""A wall rests when no brick that fell moves faster than this [m/s], for so long [s]: the rest may still vibrate."""
+"""Speed below which fallen bricks rest [m/s], and for how long [s]; the standing part may still vibrate."""
 RELAXATIONS = ("adaptive", "local")
 STEPS = ("fast", "plain")
 """Implementations of the reference solver's time step; both give the same bits."""
@@ -60,21 +66,30 @@ class Softening:
 class RunSettings:
     """One run: what drives the wall, how it is modelled, where the history goes.
 
-    sequence: factors of the motion, a shock each; rest_s: free vibration after each shock [s], which ends
-    with a settling stage; time_step_s: None for the solver's own;
+    settlement: damage.motion.settlement.Settlement of the ground before the motion, or None; it needs a support below
+    each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
+    (damage.run.before) along which joints have no bond, or None; sequence: factors of the motion, an event each;
+    events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
+    rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
+    solver;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
     by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
-    bodies are followed after the first brick fell [s]; new_contacts: loose bricks collide (reference solver; in YADE
-    they do in any case); after_fall: follow them until they rest; accept_implausible: do not check whether the wall and
-    the motion are plausible; step: one of STEPS; out: history file, None for a name of its own below `results/`;
+    bodies are followed after the first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case,
+    but with sharper corners); after_fall: follow them until they rest; accept_implausible: do not check whether the
+    wall and the motion are plausible; step: one of STEPS; out: history file, None for a name of its own below
+    `results/`;
     quiet: print warnings and errors only; command: what asked for it.
     """
 
     loading: object
     model: ModelOptions
+    settlement: Settlement | None = None
+    continued: str | None = None
+    cracked: Surveyed | None = None
     sequence: tuple[float, ...] = (1.0,)
+    events: tuple[Event, ...] = ()
     rest_s: float = 2.0
     time_step_s: float | None = None
     alpha_1_s: float = 0.0
@@ -97,11 +112,15 @@ class RunSettings:
     command: str = ""
 
     def __post_init__(self):
+        if self.settlement and self.model.supports == "one":
+            object.__setattr__(self, "model", replace(self.model, supports="bricks"))
+        self._check_past()
         if not self.sequence:
             raise InputError("--sequence without a factor: expected factors of the motion, like 1,0.5,0.4")
         for factor in self.sequence:
             check_range("a factor of --sequence", factor, -MOST_SCALE, MOST_SCALE)
-        check_range("--rest [s]", self.rest_s, 0, LONGEST_S)
+        for rest_s in (self.rest_s, *(event.rest_s for event in self.events)):
+            check_range("--rest [s]", rest_s, 0, LONGEST_S)
         if self.beta_s is not None:
             check_range("--beta [s]", self.beta_s, 0, 1)
         check_range("--perturb [m]", self.perturb_m, 0, THRESHOLD)  # more is a visible crack by itself
@@ -109,14 +128,24 @@ class RunSettings:
         check_whole("--seed", self.seed, 0, MOST_SEED)
         check_whole("--members", self.members, 1, MOST_MEMBERS)
         check_range("--past-collapse [s]", self.past_collapse_s, 0, LONGEST_S)
-        if self.after_fall and not self.new_contacts:
-            raise InputError("--after-fall without --new-contacts: bricks would fall through each other; give both")
+        if self.after_fall and self.past_collapse_s > 0:
+            raise InputError(f"--after-fall with --past-collapse {self.past_collapse_s:g}: expected one of them, since "
+                             "both say how long bricks are followed; leave one out")
         if self.new_contacts and self.model.bricks == "deformable":
             raise InputError("--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give one of "
                              "the two")
         if self.time_step_s is not None:
             check_range("--dt [s]", self.time_step_s, 1e-9, 1)
         self._check_motion()
+
+    def _check_past(self):
+        if self.after_fall and not self.new_contacts:
+            raise InputError("--after-fall without --new-contacts: bricks would fall through each other; give both")
+        if not self.loading.moves and not self.settlement:
+            raise InputError("no motion and no settlement: expected one of them; give one")
+        if self.continued and (self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s):
+            raise InputError("--continue with --new-contacts, --members or --free-vibration: expected one wall that "
+                             "goes on from where it is; leave these out")
 
     def _check_motion(self):
         if self.duration_s > LONGEST_S:
@@ -129,7 +158,13 @@ class RunSettings:
     @property
     def peak_g(self):
         """Largest acceleration of the base, at the largest factor of the sequence [g]."""
-        return self.loading.peak_g * max(map(abs, self.sequence))
+        return max(event.loading.peak_g * abs(event.factor) for event in self.all_events)
+
+    @property
+    def all_events(self):
+        """The events in their order, a tuple of Event: those of a sequence of records, or the loading times each
+        factor."""
+        return self.events or tuple(Event(self.loading, factor, self.rest_s) for factor in self.sequence)
 
     def check_plausible(self, wall):
         """InputError where a damage.Wall or the motion has values that are beyond those of masonry and earthquakes,
@@ -148,12 +183,23 @@ class RunSettings:
                              f"{OFFSETS_BELOW}th of the {reach:.2g} m at which the first bond of this wall breaks; "
                              "give less, or --scatter")
 
+    @property
+    def ground_moves(self):
+        """Whether the ground moves below the base, so that the drift leaves the base's rigid motion out."""
+        return self.settlement is not None or self.model.soil != "rigid"
+
     def for_joint(self, joint, softening=Softening()):
         """These settings with what a damage.wall.parameters.Joint gets by a solver's Softening, where nothing else was
         asked for."""
         beta_s = self.beta_s if self.beta_s is not None else softening.beta_s if joint.softens else 0.0
         fibres = self.model.fibres or (softening.fibres if joint.softens else 0)
         return replace(self, beta_s=beta_s, model=replace(self.model, fibres=fibres))
+
+    def for_bricks(self, cells):
+        """These settings with so many cells of deformable bricks where nothing else was asked for; 0: strain modes."""
+        if not self.model.has_modes:
+            return self
+        return replace(self, model=replace(self.model, brick_cells=cells))
 
     def of_members(self):
         """Settings of each member: seeds 1, 2, ... or from `seed` on, scatter SCATTER where neither it nor `perturb_m`
@@ -164,11 +210,16 @@ class RunSettings:
     @property
     def duration_s(self):
         """From time zero to the end of the last settling stage [s]."""
-        return len(self.sequence) * (self.loading.duration_s + self.rest_s + SETTLE_S)
+        if not self.loading.moves:
+            return 0.0
+        return sum(event.loading.duration_s + event.rest_s + SETTLE_S for event in self.all_events)
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files."""
-        return {"loading": self.loading.as_dict(), "sequence": [float(factor) for factor in self.sequence],
+        return {"loading": self.loading.as_dict(), "settlement": self.settlement and self.settlement.as_dict(),
+                "continued": self.continued and Path(self.continued).name,
+                "cracked": self.cracked and asdict(self.cracked),
+                "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
                 "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m,
                 "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,

@@ -78,8 +78,9 @@ class Solver(Protocol):
     def set_velocities(self, velocities):
         """(n_bodies, 3) [m/s, m/s, rad/s], or with those of the strain modes of deformable bricks."""
 
-    def hold(self, bodies, rotation):
-        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`."""
+    def hold(self, bodies, rotation, stiffness=0.0):
+        """From now on prescribe the horizontal velocity of bodies, and no rotation if `rotation`, or a rotational
+        spring of this stiffness on each [N m/rad], whose work is input."""
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]."""
@@ -109,8 +110,18 @@ class Solver(Protocol):
         """(largest overlap of bricks that found new contacts so far, what they can overlap by) [m]; None where the
         solver does not say."""
 
+    def damp_impacts(self):
+        """From now on dissipate energy where loose bricks collide; of a solver whose collisions are elastic until
+        then."""
+
     def base_reaction(self):
         """Vertical force of the wall on the ground [N], downwards positive."""
+
+    def saved_state(self):
+        """Everything that the next steps depend on, {name: array}; None of a solver that cannot say it."""
+
+    def resume(self, state):
+        """Take over what `saved_state` returned of a solver of the same layout; steps count from the last `start`."""
 
     def drain_events(self):
         """Events since the last call, tuples (step since `start`, joint, kind, normal stress, shear stress, opening,

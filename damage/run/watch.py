@@ -26,10 +26,11 @@ def have_fallen(motion, lowest):
 
 
 def have_left(layout, motion, joints, state):
-    """At which instants a brick has moved by more than its height and all of its joints have ended (n,): how a brick
-    has fallen where loose bricks collide.
+    """Flags (n,) of the instants at which a brick has fallen, where loose bricks collide.
 
-    motion: (n, n_bodies, 3) since the static stage; joints: of which contact points; state: (n, n_joints) of these.
+    It has fallen once all of its joints have ended and it has moved by more than its height.
+    motion: (n, n_bodies, 3) since the static stage [m, m, rad]; joints: (n_active,) indices of contact points; state:
+    (n, n_active) their states.
     """
     ended, contacts, bodies = (state & ENDED) > 0, layout.contacts, len(layout.bodies)
     found = np.zeros(len(motion), bool)
@@ -47,9 +48,14 @@ def have_left(layout, motion, joints, state):
 
 
 def fastest_fallen(layout, motion, before, interval_s):
-    """Largest mean speed, of centre or end, of the bricks that have left their place by more than half of their height
-    [m/s], zero where none has; motion, before: (n_bodies, 3) since the static stage, so long [s] apart."""
-    moved = np.abs(motion - before)[:layout.n_bricks] / interval_s
+    """Largest mean speed of the bricks that have moved by more than half of their height [m/s]; zero where none has.
+
+    The speed is that of the centre plus that of an end by rotation.  motion, before: (n_bodies, 3) since the static
+    stage [m, m, rad], interval_s apart.
+    """
+    moved = (motion - before)[:layout.n_bricks]
+    moved[:, 2] = np.remainder(moved[:, 2] + np.pi, 2 * np.pi) - np.pi  # YADE's rotations are those within half a turn
+    moved = np.abs(moved) / interval_s
     speed = np.hypot(moved[:, 0], moved[:, 1]) + moved[:, 2] * layout.bodies.length[:layout.n_bricks] / 2
     away = np.hypot(motion[:, 0], motion[:, 1])[:layout.n_bricks] > layout.bodies.height[:layout.n_bricks] / 2
     return float(np.max(speed[away], initial=0.0))

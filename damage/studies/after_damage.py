@@ -1,8 +1,7 @@
 """Fragility by the damage before an event: each event of a sequence as a run of its own.
 
-A wall comes into its second shock with the cracks of the first one, and Psi counts them; so shocks are distinguished by
-Psi at rest before them.  P. A. Korswagen's curves for walls with damage before are of that kind
-(docs/paper/published-fragility.md).
+A wall enters its second event with the cracks of the first, which Psi counts, so events are classified by Psi at rest
+before them, as in P. A. Korswagen's curves for walls with damage (docs/paper/published-fragility.md).
 """
 
 import pandas as pd
@@ -22,13 +21,13 @@ _SQUARED = ("arias_m_s",)
 
 
 def load_shocks(runs, folder, states=STATES):
-    """Every shock of runs (rows of a study's summary.csv) as a row like theirs, with `shock`, `psi_before` [-] and its
-    class `before`, a word of BEFORE, else "more".
+    """Rows like those of summary.csv for each event of runs, with `shock`, `psi_before` [-] and its class `before`, one
+    of BEFORE, else "more".
 
-    Measures are those within the shock, intensities its own: the run's, of its strongest shock, by the factors.  What
-    several runs share, as the first shock of all that differ by the second one, counts once.
-    folder: the study's, with tables/shocks.csv; states: of whose measures there are columns in it.  InputError where
-    there is no sequence, or a run's shocks or a measure are missing.
+    Measures are those within the event.  Intensities are those of the run, which belong to its strongest event, scaled
+    by the factors.  Events that several runs share, such as equal first ones, count once.
+    folder: that of the study, with tables/shocks.csv; states: State of each measure, a column there.  Raises InputError
+    where there is no sequence, or events of a run or a measure are missing.
     """
     path, rows, known = folder / "tables" / "shocks.csv", [], set()
     if not path.is_file():
@@ -71,7 +70,7 @@ def _class(psi):
 def table_after_damage(shocks, intensity, replicates, states=STATES):
     """A DataFrame with a row for each wall, class of the damage before and State: fits of `fragility`.
 
-    intensity: a name of INTENSITIES.  InputError where no class has enough shocks."""
+    intensity: a name of INTENSITIES.  Raises InputError where no class has enough events."""
     if intensity not in INTENSITIES or shocks[intensity].isna().any():
         raise InputError(f"--after-damage --intensity {intensity}: expected one of {', '.join(INTENSITIES)} that every "
                          "run has, as how it follows a shock's factor must be known; choose one")

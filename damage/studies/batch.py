@@ -12,7 +12,7 @@ HELP = "-h", "--help"
 
 
 def run_study(arguments):
-    """Become the batch of a study; returns only where it cannot begin.
+    """Replace this process with the batch of a study; returns only on errors.
 
     arguments: the study (a file, or the name of one that ships), then options of the batch; the solver is the reference
     solver unless they name another.  Raises InputError, and ImportError where Snakemake is missing.
@@ -38,8 +38,8 @@ def run_study(arguments):
 
 
 def study_path(word):
-    """Path of a study file, given by its path or by the name of a study that ships, like quick; a file of that name
-    comes first.  Raises InputError where there is neither."""
+    """Path of a study file given by path or by the name of a shipped study; a file has precedence.  Raises InputError
+    where there is neither."""
     named = shipped_files("studies", ".toml")
     if is_there(word):
         return Path(word)

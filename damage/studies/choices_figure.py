@@ -1,4 +1,4 @@
-"""How much each modelling choice moves the damage index: the points of a study that vary them one at a time."""
+"""Figure of modelling choices: the damage index where a study varies them one at a time."""
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -21,10 +21,10 @@ _STYLES = {"max_DI": (BLACK, "D", "displacement"), "max_shear_limit_DI": (BLUE, 
 
 @styled
 def choices(points):
-    """Maximum DI of the reference solver's points, a panel a motion, a line a choice: medians and ranges.
+    """Maximum DI of the reference solver's points, medians and ranges: a panel for each motion, a line for each choice.
 
-    A panel needs its default point and another; grey lines carry the default's values through the panel.  A point of
-    which a run fell has no place on the scale of the index: it is marked right of the panel, beyond all that stand.
+    A panel needs the default point and another one; grey lines show the default values.  Points with a collapsed run
+    are marked at the right of the panel, outside the scale of the index.
     """
     points = points[points["solver"] == REFERENCE]
     points = points.assign(choice=points.apply(choice, axis=1))
@@ -53,7 +53,7 @@ def choices(points):
 
 
 def choice(point):
-    """The differences of a point from the default, in words.
+    """Text: the differences of a point from the default.
 
     >>> choice({"cycles": 5, "top": "piers"})
     '5 cycles'
@@ -64,7 +64,7 @@ def choice(point):
 
 
 def _draw(ax, rows):
-    """Points of one motion from top to bottom, the default first; returns whether a wall fell."""
+    """Points of one motion from top to bottom, the default first; returns whether a wall collapsed."""
     rows = rows.sort_values("choice", key=lambda names: names != "default", kind="stable")
     fell = (rows["collapsed"] > 0).to_numpy()
     place = np.arange(len(rows))

@@ -1,4 +1,4 @@
-"""Crack maps of a study: the wall at the largest index and at the end, a row a motion."""
+"""Crack maps of a study: the wall at maximum index and at the end, a row for each motion."""
 
 from damage.draw.panels import add_heading, finish, grid, letter, motion_label, slip_note
 from damage.draw.run import draw_wall, joint_handles
@@ -17,7 +17,7 @@ PANEL_PT = 205, 100
 def crack_maps(results, variant):
     """Walls of the strongest motions of each kind at maximum DI and at the end, in true scale.
 
-    Of points by both solvers the reference solver's are drawn.
+    Where both solvers have a point, that of the reference solver is drawn.
     """
     points = variant.reference if len(variant.reference) else variant.yade
     points = points.dropna(subset="max_DI").sort_values("max_DI", ascending=False).head(MOST_ROWS)

@@ -48,7 +48,7 @@ RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--qui
 
 SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
-CONCLUSIONS = ("readings",)
+CONCLUSIONS = ("readings", "combinations")
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
 MOST_DOTS = 100
@@ -89,7 +89,7 @@ class StudyRun:
     wall: the wall file; words: the rest of its command line.  Paths within the repository are
     relative to it, others absolute.
     varied: words that end each member's command line, before its number 1, 2, ...; empty for a single run.
-    members: how many; adaptive: only one where the first breaks no joint.
+    members: their number; adaptive: one only where no joint fails in the first.
     """
 
     point: str
@@ -116,7 +116,7 @@ class StudyRun:
 
     @property
     def first(self):
-        """Name of the first, or only, run."""
+        """Name of the first or only run."""
         return self.name(1)
 
     def name(self, number):
@@ -139,7 +139,7 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Study:
-    """A study: its name, one line about it, its file, its runs, those of both solvers, whether runs are drawn."""
+    """A study: name, title, file, runs, runs of both solvers, and whether pictures of runs are made."""
 
     name: str
     title: str
@@ -171,11 +171,11 @@ class Study:
 
 
 def load_study(path, solver="yade", root=None):
-    """Read and check the study file at `path`; every run's options are tried now, not after hours.
+    """Read and check the study file at `path`, with the options of every run.
 
     solver: "yade", "reference", or "both", which makes every run twice; root: the repository, where walls and records
     are that do not lie beside the study file, None for the working folder.
-    Raises InputError, which says what came, what was expected and how to correct it.
+    Raises InputError where a key, option or file is not valid.
     """
     path, root = Path(path).absolute(), Path(root or ".").resolve()
     check_file(path, "a study file (.toml)", 10)
@@ -199,15 +199,15 @@ def load_study(path, solver="yade", root=None):
 
 
 def _without_many_dots(text):
-    """A text in which no key has very many parts, a.a.a and so on: 20 000 of them take seconds to read, and more the
-    square of it.  Raises ValueError."""
+    """Return the text; raises ValueError for a key of very many parts (a.a.a...), whose reading takes quadratic
+    time."""
     if "." * MOST_DOTS in re.sub(r"[^.,=\[\]{}\n]+", "", text):
         raise ValueError(f"{MOST_DOTS} dots or more with nothing but names between them")
     return text
 
 
 def _check_depth(table, path):
-    """Raise InputError for tables and lists in each other beyond what any study has, and Python can follow."""
+    """Raise InputError for tables and lists nested more deeply than Python can follow."""
     parts = [table]
     for _ in range(DEEPEST):
         parts = [part for one in parts for part in (one.values() if isinstance(one, dict) else one)
@@ -225,7 +225,7 @@ def _check_keys(table, known, where):
 
 
 def _entries(table, path, root):
-    """(a table of one point, where it stands in the file), of the runs and then of the grids."""
+    """Yield (table of a point, its position in the file), first of runs, then of grids."""
     for kind, what in (("runs", "run"), ("grid", "grid")):
         tables = table.get(kind, [])
         if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
@@ -238,7 +238,7 @@ def _entries(table, path, root):
 
 
 def _points(grid, where, folder, root):
-    """The tables that a grid stands for."""
+    """Tables of the points of a grid."""
     if "rows" not in grid:
         return expand(grid, where)
     if not isinstance(grid["rows"], str):
@@ -247,7 +247,7 @@ def _points(grid, where, folder, root):
 
 
 def _load_entry(table, where, folder, root):
-    """(StudyRun, where it stands) of one point in every solver that it is for."""
+    """(StudyRun, position in the file) of one point for each of its solvers."""
     if not isinstance(table.get("wall"), str):
         raise InputError(f"{where}: wall = {table.get('wall')!r}; expected a path like "
                          '"walls/symmetric.py"; give one')
@@ -294,7 +294,7 @@ def _ensemble(table, where):
 
 
 def _existing_files(options, where, folder, root):
-    """The options with the first file that is there in place of a list of paths."""
+    """The options with each list of paths replaced by its first existing file."""
     if not isinstance(options, dict):
         return options
     chosen = dict(options)
@@ -339,7 +339,7 @@ def _word(value, name, where):
 
 
 def _candidates(path, folder, root):
-    """Where a file of a study may be: beside it, in the repository, among what ships by its path or by its name."""
+    """Possible paths of a file: beside the study, in the repository, among shipped files by path or by name."""
     yield from (folder / path, root / path)
     yield from filter(None, (shipped_path(path), shipped_files("walls", ".py").get(path), shipped_records().get(path)))
 
@@ -358,7 +358,7 @@ def _find(path, where, folder, root):
 
 
 def _try_options(run, where, root):
-    """Have the run's own parser look at the options, those of the first member included."""
+    """Check the options by the parser of a run, those of the first member included."""
     taken = [word for word in run.varied if word.startswith("--") and word in run.words]
     if taken:
         raise InputError(f"{where}: {taken[0]} is set by members or samples; take it out")

@@ -1,9 +1,8 @@
-"""Figures 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, crack maps, sequences and
-modelling choices, from the results of studies: which there are, what each needs, and the files that they go to.
+"""Figures from the results of studies: 6 to 12 of Sarhosis et al. (2021), doi:10.1016/j.engstruct.2021.112529, crack
+maps, sequences and modelling choices, with what each needs and its files.
 
-Harmonic motions come from the studies whose folder is called harmonic, records from those called ida, what YADE
-repeated of either from crosscheck, walls without a lintel from nolintel; where none is called so, from all that have
-such points.
+Harmonic motions are taken from folders named harmonic, records from ida, YADE's repetitions from crosscheck, walls
+without a lintel from nolintel; where no folder has the name, from all with such points.
 """
 
 from functools import partial
@@ -25,10 +24,10 @@ _SLIP_PARTS = {"displacement": "", "shear-limit": "_shear-limit"}
 
 
 def make_figures(results, folder):
-    """Write all figures that the Results allow; yields (name, paths) or (name, why there is none).
+    """Write all figures that the Results allow; yields (name, paths) or (name, reason why it is missing).
 
-    Every figure is a PNG and a PDF in `folder`, made where missing.  Points whose runs did not come to their
-    end are left out, and named as what was not made.
+    Every figure is a PNG and a PDF in `folder`, which is created where missing.  Points with incomplete runs are left
+    out and named.
     """
     ended = results.ended()
     for _, point in results.points.drop(ended.points.index).iterrows():
@@ -92,14 +91,14 @@ def _ida(results):
 
 
 def _none(reason, *names):
-    """Figures that cannot be drawn, and why."""
+    """Figures that cannot be drawn, with the reason."""
     def draw():
         raise Missing(reason)
     return [(name, draw) for name in names]
 
 
 def _having(results, study, *columns):
-    """The points of a study that have a value in all these columns and are one shock."""
+    """Points of a study that are single events and have a value in all these columns."""
     points = results.points
     if not set(columns) <= set(points):
         return points.iloc[:0]
@@ -108,5 +107,5 @@ def _having(results, study, *columns):
 
 
 def _repeated(points):
-    """Which points are sequences of events."""
+    """Flags of the points that are sequences of events."""
     return points["shocks"] > 1 if "shocks" in points else pd.Series(False, points.index)

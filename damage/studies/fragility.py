@@ -1,13 +1,13 @@
 """Fragility of a wall: the probability that a measure of damage exceeds a level, by the motion's intensity.
 
-The curve is the lognormal one, P(x) = Phi(ln(x / median) / dispersion), fitted by maximum likelihood to how many of
-the runs at each intensity exceed the level: J. W. Baker (2015), Efficient analytical fragility function fitting
+The curve is lognormal, P(x) = Phi(ln(x / median) / dispersion), fitted by maximum likelihood to the number of runs that
+exceed the level at each intensity: J. W. Baker (2015), Efficient analytical fragility function fitting
 using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation (11).  It is the mean
 over the records.  Its bounds are percentiles over bootstrap samples, drawn anew with replacement, of the walls, which
 are the seeds of their joints' strengths, of the records, or of both, each with all its runs.  Those over walls leave
 other earthquakes out; of few records those over records are themselves uncertain.  Samples drawn from few scatter less
-than new ones would: so they are stretched about the fit, the more the fewer there are (`stretch`).  Where the next
-record's own curve lies is another question, and its interval is wider: `damage.studies.new_record`.
+than new ones would, so they are stretched about the fit (`stretch`).  The interval for the curve of a new record is
+wider: `damage.studies.new_record`.
 """
 
 from dataclasses import dataclass, field
@@ -87,9 +87,9 @@ class Fragility:
         return curve(intensity, self.median, self.dispersion)
 
     def bounds(self, intensity, over="walls"):
-        """Lower and upper bound of the probability, (2, n), at intensities (n,); over: a name of OVER.
+        """Lower and upper bound of the probability at intensities (n,), (2, n); over: a name of OVER.
 
-        None where there is nothing to draw anew: a single wall or record, or no sample that could be fitted.
+        None where nothing can be resampled: a single wall or record, or no sample that could be fitted.
         """
         x, replicates = np.asarray(intensity, float), self._samples(over)
         step = [curve(x, end, 0.0) for end in self.step[::-1]] if self.step else None
@@ -142,9 +142,9 @@ class Fragility:
 
 
 def stretch(n):
-    """By how much bootstrap intervals of n samples are too narrow: resamples scatter less than n new ones, by
-    sqrt((n - 1) / n), and Student's quantile is further out than the normal one, as their scatter is itself
-    uncertain.  After T. C. Hesterberg (2015), What teachers should know about the bootstrap, The American Statistician
+    """Factor by which bootstrap intervals of n samples are too narrow: resamples scatter less than n new ones, by
+    sqrt((n - 1) / n), and Student's quantile exceeds the normal one, since the scatter is itself uncertain.  After T.
+    C. Hesterberg (2015), What teachers should know about the bootstrap, The American Statistician
     69(4), doi:10.1080/00031305.2015.1089789, whose narrowness bias this corrects.
 
     >>> [round(float(stretch(n)), 2) for n in (2, 5, 25, 1000)]
@@ -188,8 +188,8 @@ def fit(intensity, exceeding, runs):
 
 
 def step_of(intensity, exceeding, runs):
-    """The intensities up to which none and from which on all exceed, with one other at most between them where some do;
-    else None: a lognormal curve needs some at two."""
+    """Two intensities, up to which no run and from which all runs exceed the level, with at most one intensity between
+    them; else None.  A lognormal curve needs two intensities at which some exceed."""
     x, y, n = np.asarray(intensity, float), np.asarray(exceeding), np.asarray(runs)
     none, all_ = x[(n > 0) & (y == 0)], x[(n > 0) & (y == n)]
     some = x[(y > 0) & (y < n)]
@@ -199,7 +199,7 @@ def step_of(intensity, exceeding, runs):
 
 
 def exceeding(runs, measure, level):
-    """Which runs exceed a level, a Series of bool: a wall that collapsed exceeds every one."""
+    """Series of bool: whether runs exceed a level; a collapsed wall exceeds every level."""
     return (runs[measure] > level) | runs["collapsed_at_s"].notna()
 
 
@@ -233,7 +233,7 @@ def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=
 
 
 def _drawn(counts, sizes, drawn, random):
-    """Runs, and those that exceed, by intensity, of walls and records of which the drawn ones are drawn anew."""
+    """Numbers of runs and of those that exceed, by intensity, of a bootstrap sample of walls, records or both."""
     walls, records = (np.bincount(one.integers(size, size=size), minlength=size) if anew else np.ones(size)
                       for one, size, anew in zip(random, sizes, drawn))
     return np.einsum("kwri,w,r->ki", counts, walls, records)
@@ -273,8 +273,8 @@ def fragility_table(fits, intensity):
 
 
 def in_words(fits):
-    """Text about curves {wall: [Fragility]}: a line each, the intervals of the median in the mean of all records and in
-    a new one."""
+    """Text on curves {wall: [Fragility]}: a line each, with the intervals of the median for the mean curve and for a
+    new record."""
     lines = []
     for wall, ones in fits.items():
         one = ones[0]
@@ -316,7 +316,7 @@ def _ends(name, bounds):
 
 
 def efficiency_table(runs, states=STATES, intensity=None):
-    """Which intensity serves best: a DataFrame with a row for each wall, State and intensity, best first.
+    """Efficiency of intensities: a DataFrame with a row for each wall, State and intensity, best first.
 
     dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN where no run or
     every run exceeds.  scatter: standard deviation of ln(measure) about a straight line over ln(intensity), of the runs

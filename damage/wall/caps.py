@@ -19,11 +19,11 @@ def describe_cap(cap):
     """A cap in one line.
 
     >>> describe_cap({"left_m": 0.0, "right_m": 1.0125, "mass_kg": 6350.0, "stress_pa": 6e5})
-    'cap from x = 0 to 1.0125 m (1.0125 m): 6.35 t, 0.6 MPa under it'
+    'rigid top mass from x = 0 to 1.0125 m: 6.35 t, 0.6 MPa below it'
     """
     left, right = cap["left_m"], cap["right_m"]
-    return (f"cap from x = {left:.5g} to {right:.5g} m ({right - left:.5g} m): {cap['mass_kg'] / 1e3:.3g} t, "
-            f"{cap['stress_pa'] / 1e6:.3g} MPa under it")
+    return (f"rigid top mass from x = {left:.5g} to {right:.5g} m: {cap['mass_kg'] / 1e3:.3g} t, "
+            f"{cap['stress_pa'] / 1e6:.3g} MPa below it")
 
 
 def describe_top(layout):
@@ -31,10 +31,10 @@ def describe_top(layout):
     of, bodies, wall = layout.options, layout.bodies, layout.wall
     if layout.top_mass == 0:
         return ["no mass on top: no precompression"]
-    on_top = slice(layout.n_bricks, None)
-    over = "its length" if of.load == "length" else "its piers alone"
-    places = " and ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.piers)
-    return [f"top: {layout.top_mass / 1e3:.3g} t ({wall.precompression / 1e6:g} MPa over {over}), which is "
-            f"{layout.pier_stress / 1e6:.3g} MPa in what carries it, x = {places}",
+    on_top = slice(layout.n_below_caps, None)
+    over = "the length of the wall" if of.load == "length" else "the piers alone"
+    places = ", ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.piers)
+    return [f"top: {layout.top_mass / 1e3:.3g} t ({wall.precompression / 1e6:g} MPa over {over}), "
+            f"{layout.pier_stress / 1e6:.3g} MPa in the piers below, x = {places}",
             *map(describe_cap, caps(bodies.x[on_top], bodies.length[on_top], bodies.mass[on_top],
                                     wall.brick.thickness))]

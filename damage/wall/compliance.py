@@ -9,20 +9,23 @@ def contact_stiffness(wall, options, bodies, kind, first, second):
     """Normal and shear stiffness of contact points [Pa/m], two arrays (n_contacts,): of the joint alone between bricks
     that deform by themselves, else with the bricks' compliance; arguments as of `lumped_stiffness`, options:
     damage.wall.parameters.ModelOptions."""
-    if not options.deforms:
+    if not options.has_modes:
         return lumped_stiffness(wall, bodies, kind, first, second)
     return np.full(len(kind), wall.joint.normal_stiffness), np.full(len(kind), wall.joint.shear_stiffness)
 
 
-def lumped_stiffness(wall, bodies, kind, first, second):
+def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
     """Normal and shear stiffness of contact points between rigid bricks [Pa/m], two arrays (n_contacts,).
 
     A joint is in series with the bricks on both sides: 1/k = 1/k_joint + d/E, with G in shear; d is the distance of the
     brick centres across the joint, half a brick at the base.  Rigid top masses are glued with the stiffness of a bed
     joint between bricks.  A cut through a brick has the stiffness of the brick between the centres of its halves.
 
+    Under a uniform shear stress cells slide along their horizontal and their upright boundaries, bricks in a bond along
+    the horizontal ones above all: each kind of boundary gets its part of the compliance of the brick, 1/G in all.
+
     wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of the contact points, as
-    in damage.wall.layout.Contacts.
+    in damage.wall.layout.Contacts; sheared: kinds of boundaries that share the shear compliance, 2 for cells.
     """
     brick, joint = wall.brick, wall.joint
     upright = (kind == HEAD) | (kind == CUT)
@@ -31,4 +34,4 @@ def lumped_stiffness(wall, bodies, kind, first, second):
     distance[upright] = bodies.x[second[upright]] - bodies.x[first[upright]]
     return tuple(np.where(kind == CUT, modulus / distance, 1 / (1 / stiffness + distance / modulus))
                  for stiffness, modulus in ((joint.normal_stiffness, brick.young_modulus),
-                                            (joint.shear_stiffness, brick.shear_modulus)))
+                                            (joint.shear_stiffness, sheared * brick.shear_modulus)))

@@ -45,7 +45,7 @@ class Fibres:
 
 def split_into_fibres(joint, contacts, number):
     """The Fibres of a damage.wall.layout.Contacts of a Joint that softens; a contact that is elastic stays one, and so
-    do bricks' cuts.
+    do bricks' cuts and contacts without bond.
 
     number: of fibres in each contact of mortar.  Raises InputError for brittle joints, and for fracture energies so
     low that the envelope snaps back, which no fibre can follow.
@@ -53,7 +53,7 @@ def split_into_fibres(joint, contacts, number):
     if not joint.softens:
         raise InputError(f"--fibres {number}: the joints are brittle; give Joint(mode_i_fracture_energy=..., "
                          "mode_ii_fracture_energy=...), or leave it out")
-    soft = contacts.mortar
+    soft = contacts.mortar & (contacts.tensile_strength > 0)
     strengths = contacts.tensile_strength[soft], contacts.cohesion[soft]
     stiffnesses = contacts.normal_stiffness[soft], contacts.shear_stiffness[soft]
     energies = joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy

@@ -1,4 +1,5 @@
-"""Load a wall file: a Python file with a function `wall()` that returns a `damage.Wall`."""
+"""Load a wall file: a Python file with a function `wall()` that returns a `damage.Wall`, or TOML
+(`damage.wall.data`)."""
 
 import re
 import runpy
@@ -10,6 +11,8 @@ from pathlib import Path
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 from damage.files import shipped_files
+from damage.wall.data import read_wall
+from damage.wall.floors import Floor
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 
@@ -30,6 +33,8 @@ def load_wall(path):
     """The wall of a file, by its path or the name of a wall that ships; InputError where the file is missing or makes
     no wall."""
     path = wall_path(path)
+    if path.suffix.lower() == ".toml":
+        return wall_of(lambda: read_wall(path), path)
 
     def make():
         make_wall = runpy.run_path(str(path), run_name="wall_file").get("wall")
@@ -47,7 +52,8 @@ def wall_of(make_wall, path):
         message = str(error) if isinstance(error, InputError) else f"failed with {_message_of(error)}; correct the file"
         raise InputError(f"{path}{_line(error, path)}: {message}") from error
     if not isinstance(wall, Wall):
-        raise InputError(f"{path} has no function wall() that returns a damage.Wall; copy walls/symmetric.py")
+        raise InputError(f"{path} has no function wall() that returns a damage.Wall; start from the copy that the "
+                         "command new-wall writes")
     return wall
 
 
@@ -55,7 +61,7 @@ def _message_of(error):
     """Message of an error in a wall file; for an unknown keyword also the known ones."""
     message = f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
     found = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", message)
-    kind = found and next((one for one in (Wall, Opening, Brick, Joint) if one.__name__ == found[1]), None)
+    kind = found and next((one for one in (Wall, Opening, Floor, Brick, Joint) if one.__name__ == found[1]), None)
     if not kind:
         return message
     names = [one.name for one in fields(kind)]

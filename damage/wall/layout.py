@@ -1,7 +1,7 @@
 """From a wall's parameters to bodies, cells and contact points: the one layout of every solver.
 
-Bodies are the bricks, course by course from the base and left to right, then the caps that carry
-the top mass.  The supports below them are bodies -1, -2, ... (`damage.wall.supports`).  Contact points
+Bodies are the bricks, course by course from the base and left to right, then slabs (`damage.wall.floors`), then the
+caps that carry the top mass.  The supports below them are bodies -1, -2, ... (`damage.wall.supports`).  Contact points
 lie on the bed and head joints:
 
         |       |       |          head joint: normal +x, from the left to the right brick
@@ -21,11 +21,14 @@ import numpy as np
 from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.compliance import contact_stiffness
+from damage.wall.courses import built_runs, drift_course, lay_course
 from damage.wall.fibres import Fibres, split_into_fibres
+from damage.wall.floors import slab_bodies, slabs, with_timber_floors
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.lintel import in_lintel
 from damage.wall.parameters import ModelOptions, Wall
-from damage.wall.split import CUT_POINTS, split_bricks
+from damage.wall.soil import on_soil
+from damage.wall.split import CUT_POINTS, cut_bricks, cuts_of
 from damage.wall.strain import Strain, strain_of
 from damage.wall.supports import Supports, supports_below
 
@@ -40,10 +43,10 @@ what is of third order along the cell exactly, and with it the energy of any ope
 
 @dataclass(frozen=True)
 class Bodies:
-    """Bricks and caps; every array has shape (n_bodies,).
+    """Bricks, slabs and caps; every array has shape (n_bodies,).
 
     x, z [m] centres; length, height [m]; mass [kg]; inertia [kg m2] about y;
-    course: 0 at the base, -1 for a cap.
+    course: 0 at the base, -1 for a slab or a cap.
     """
 
     x: np.ndarray
@@ -114,9 +117,11 @@ class Layout:
 
     n_joints: the first n_joints contacts are joints, behind them the cuts where bricks can split; the rest is the
     caps' glue.
-    drift_bodies: top-course bricks whose centres stand over piers; drift_height [m] of them.
+    drift_bodies: bricks of the top course, or of the one that `damage.wall.courses.drift_course` names, whose centres
+        stand over piers; drift_height [m] of them.
     piers: (left, right) [m] of each pier, the parts of the length that carry the top; supports: below the base.
     fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where they deform, else None.
+    n_slabs: bodies behind the bricks that are floors.
     """
 
     wall: Wall
@@ -132,6 +137,12 @@ class Layout:
     supports: Supports
     fibres: Fibres | None = None
     strain: Strain | None = None
+    n_slabs: int = 0
+
+    @property
+    def n_below_caps(self):
+        """Number of bricks and slabs."""
+        return self.n_bricks + self.n_slabs
 
     @property
     def total_joint_length(self):
@@ -147,7 +158,7 @@ class Layout:
     @property
     def pushed_bodies(self):
         """Bodies that a quasi-static loading moves: the caps, or the top course where there are none."""
-        caps = np.arange(self.n_bricks, len(self.bodies))
+        caps = np.arange(self.n_below_caps, len(self.bodies))
         return caps if len(caps) else self.drift_bodies
 
     @property
@@ -182,8 +193,9 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     layout = deepcopy(_lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0, fibres=0)))
     layout = replace(layout, wall=wall, options=options, contacts=_scattered(
         wall, layout.contacts, (options.strength_cov, options.strength_seed), (scatter, (seed, 1))))
-    if wall.brick.splits:
-        layout = split_bricks(layout)
+    layout = on_soil(layout)
+    if wall.brick.splits or options.brick_cells:
+        layout = cut_bricks(layout)
     return replace(layout, fibres=split_into_fibres(wall.joint, layout.contacts, options.fibres)
                    if options.fibres else None)
 
@@ -191,13 +203,13 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
 @lru_cache(maxsize=4)
 def _lay_out_alike(wall, options):
     """The Layout of whole bricks whose joints are all as strong as the wall says: what members of an ensemble share."""
-    courses = [_lay_course(wall, course) for course in range(wall.courses)]
+    courses = [lay_course(wall, course) for course in range(wall.courses)]
     piers = _find_piers(wall)
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
     points = (len(cells.body) + n_bricks) * len(_PLACES[options.contacts])
-    points += CUT_POINTS * n_bricks * wall.brick.splits
+    points += CUT_POINTS * n_bricks * (wall.brick.splits + options.brick_cells)
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
                          f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
@@ -208,45 +220,11 @@ def _lay_out_alike(wall, options):
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
         drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
         supports=supports_below(bodies, wall, options.supports),
-        strain=strain_of(wall, options, bodies, contacts, n_bricks) if options.deforms else None)
+        strain=strain_of(wall, options, bodies, contacts, n_bricks) if options.has_modes else None,
+        n_slabs=len(slabs(wall)))
 
 
 # --- bricks -------------------------------------------------------------------------------------
-
-def _lay_course(wall, course):
-    """Edges (left, right) [m] of the bricks of one course, left to right."""
-    segments, start = [], 0.0
-    for opening in sorted(wall.openings, key=lambda o: o.left):
-        first, above = wall.opening_courses(opening)
-        if first <= course < above:
-            segments.append((start, opening.left))
-            start = opening.right
-    segments.append((start, wall.length))
-    return [brick for segment in segments for brick in _lay_segment(wall, course, *segment)]
-
-
-def _lay_segment(wall, course, left, right):
-    """Bricks between two free ends, cut where the bond of the whole wall meets the ends.
-
-    A piece shorter than a quarter brick is not laid: its head joint moves a quarter brick inwards,
-    which keeps a quarter brick of overlap with the courses above and below.
-    """
-    length = wall.brick.length
-    starts_half = (course % 2 == 1) != (wall.base_course == "half")
-    offset = length / 2 if starts_half else 0.0
-    first = int(np.floor((left - offset + _TINY) / length)) + 1
-    last = int(np.ceil((right - offset - _TINY) / length)) - 1
-    joints = [offset + k * length for k in range(first, last + 1)]
-    quarter = length / 4 - _TINY
-    if joints and joints[0] - left < quarter:
-        joints[0] += length / 4
-    if joints and right - joints[-1] < quarter:
-        joints[-1] -= length / 4
-        if joints[-1] - left < quarter:
-            joints.pop()
-    edges = [left, *joints, right]
-    return list(zip(edges[:-1], edges[1:]))
-
 
 def _find_piers(wall):
     """Piers that carry the top: parts of the length without an opening of the top storey, left to right."""
@@ -286,7 +264,7 @@ def _top_mass(wall, options, piers):
 
 
 def _make_bodies(wall, options, courses, piers):
-    """Bricks, with the top mass on the top course if it is spread, and caps if it is not."""
+    """Bricks, with the masses that are spread over them, slabs, and caps for a top mass that is not spread."""
     height, thickness = wall.brick.height, wall.brick.thickness
     edges = np.array([edge for course in courses for edge in course])
     course = np.repeat(np.arange(wall.courses), [len(c) for c in courses])
@@ -295,41 +273,45 @@ def _make_bodies(wall, options, courses, piers):
     inertia = mass * (length**2 + height**2) / 12
     bricks = Bodies(edges.mean(axis=1), (course + 0.5) * height, length,
                     np.full(len(length), height), mass, inertia, course)
+    bricks = with_timber_floors(wall, bricks)
     top_mass = _top_mass(wall, options, piers)
-    if top_mass == 0:
-        return bricks, len(bricks)
-    if options.top == "uniform":
-        return _with_spread_mass(bricks, wall, top_mass), len(bricks)
-    spans = piers if options.top == "piers" else ((0.0, wall.length),)
-    return _with_caps(bricks, wall, np.array(spans), top_mass), len(bricks)
+    if top_mass and options.top == "uniform":
+        bricks = _with_spread_mass(bricks, wall, top_mass)
+    bodies = _with_more(bricks, slab_bodies(wall))
+    if top_mass and options.top != "uniform":
+        spans = piers if options.top == "piers" else ((0.0, wall.length),)
+        bodies = _with_more(bodies, _cap_bodies(wall, np.array(spans), top_mass))
+    return bodies, len(bricks)
 
 
 def _with_spread_mass(bricks, wall, top_mass):
     """The top mass added to the top course in proportion to length, inertia growing with mass."""
     top = bricks.course == wall.courses - 1
-    factor = np.where(top, 1 + top_mass * bricks.length / wall.length / bricks.mass, 1.0)
-    return Bodies(bricks.x, bricks.z, bricks.length, bricks.height,
-                  bricks.mass * factor, bricks.inertia * factor, bricks.course)
+    carrying = _length(built_runs(wall, wall.courses - 1))
+    factor = np.where(top, 1 + top_mass * bricks.length / carrying / bricks.mass, 1.0)
+    return replace(bricks, mass=bricks.mass * factor, inertia=bricks.inertia * factor)
 
 
-def _with_caps(bricks, wall, spans, top_mass):
-    """One rigid cap a span, mass shared by length, I = m (w^2 + h^2) / 12."""
+def _cap_bodies(wall, spans, top_mass):
+    """{field: values} of one rigid cap a span, mass shared by length, I = m (w^2 + h^2) / 12."""
     width = spans[:, 1] - spans[:, 0]
-    mass = top_mass * width / width.sum()
-    n = len(width)
-    return Bodies(
-        x=np.append(bricks.x, spans.mean(axis=1)),
-        z=np.append(bricks.z, np.full(n, wall.built_height + CAP_HEIGHT / 2)),
-        length=np.append(bricks.length, width),
-        height=np.append(bricks.height, np.full(n, CAP_HEIGHT)),
-        mass=np.append(bricks.mass, mass),
-        inertia=np.append(bricks.inertia, mass * (width**2 + CAP_HEIGHT**2) / 12),
-        course=np.append(bricks.course, np.full(n, -1)))
+    mass, n = top_mass * width / width.sum(), len(width)
+    return {"x": spans.mean(axis=1), "z": np.full(n, wall.built_height + CAP_HEIGHT / 2), "length": width,
+            "height": np.full(n, CAP_HEIGHT), "mass": mass, "inertia": mass * (width**2 + CAP_HEIGHT**2) / 12,
+            "course": np.full(n, -1)}
+
+
+def _with_more(bodies, more):
+    """Bodies with {field: values} of others behind them."""
+    return replace(bodies, **{name: np.append(getattr(bodies, name), values) for name, values in more.items()})
 
 
 def _find_drift_bodies(wall, bodies, n_bricks, piers):
-    """Top-course bricks with their centre inside a pier; one on a pier's very edge is left out."""
-    top = np.flatnonzero(bodies.course[:n_bricks] == wall.courses - 1)
+    """Bricks of the drift course with their centre inside a pier, one on a pier's very edge left out; a slab where it
+    takes the course's place."""
+    top = np.flatnonzero(bodies.course[:n_bricks] == drift_course(wall))
+    if not len(top):
+        return np.flatnonzero(_courses_of(wall, bodies, n_bricks)[1] == drift_course(wall))
     over = [any(left + _TINY < x < right - _TINY for left, right in piers) for x in bodies.x[top]]
     return top[over] if any(over) else top
 
@@ -344,7 +326,8 @@ def _cell_breaks(wall, options, courses):
     """
     segments = {"interior": options.cells, "corners": max(1, options.cells - 1), "gauss": options.cells // 2}[
         options.contacts]
-    edges = np.unique(np.round([x for course in courses for brick in course for x in brick], 9))
+    edges = np.unique(np.round([x for course in courses for brick in course for x in (
+        *brick, *(cuts_of(wall, options.brick_cells, *brick) if options.brick_cells else ()))], 9))
     breaks = [edges[0]]
     for left, right in zip(edges[:-1], edges[1:]):
         width = right - left
@@ -406,18 +389,28 @@ def _bed_pairs(wall, bodies, n_bricks, cells, breaks):
     Facing cells lie between the same two breaks.
     """
     column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
-    level = np.where(bodies.course < 0, wall.courses, bodies.course)[cells.body]
+    first, last = (course[cells.body] for course in _courses_of(wall, bodies, n_bricks))
+    n_below_caps = n_bricks + len(slabs(wall))
     below = {}
     pairs = []
-    for index in np.lexsort((cells.left, level)):
-        under = below.get((level[index] - 1, column[index]))
-        below[level[index], column[index]] = index
-        kind = CAP if cells.body[index] >= n_bricks else BED
-        if level[index] == 0:
+    for index in np.lexsort((cells.left, first)):
+        under = below.get((first[index] - 1, column[index]))
+        below[last[index], column[index]] = index
+        kind = CAP if cells.body[index] >= n_below_caps else BED
+        if first[index] == 0:
             pairs.append((BED, GROUND, index))
         elif under is not None:
             pairs.append((kind, under, index))
     return pairs
+
+
+def _courses_of(wall, bodies, n_bricks):
+    """First and last course that each body takes, of caps the one above the wall: two arrays (n_bodies,)."""
+    first, last = bodies.course.copy(), bodies.course.copy()
+    first[n_bricks:] = last[n_bricks:] = wall.courses
+    for body, floor in enumerate(slabs(wall), start=n_bricks):
+        first[body], last[body] = floor.courses(wall)[0], floor.courses(wall)[1] - 1
+    return first, last
 
 
 def _head_pairs(bodies, n_bricks, cells):

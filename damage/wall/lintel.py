@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.wall.floors import slabs
+
 _TINY = 1e-6  # [m], two positions closer than this are the same
 
 LARGE_SHARE = 0.15
@@ -33,12 +35,17 @@ def in_lintel(wall, lintel, x, z):
 
 
 def lintel_courses(wall, lintel, opening):
-    """The first course of an opening's lintel and the first above it: up to the sill of the next opening above, or to
-    the wall's top, unless `lintel` (of ModelOptions) says fewer."""
+    """The first course of an opening's lintel and the first above it: up to the sill of the next opening above, to the
+    next slab, or to the wall's top, unless `lintel` (of ModelOptions) says fewer; a slab on the opening is its
+    lintel."""
     above = wall.opening_courses(opening)[1]
-    sills = [wall.opening_courses(other)[0] for other in wall.openings
-             if other.left < opening.right and other.right > opening.left]
-    top = min([sill for sill in sills if sill >= above] + [wall.courses])
+    ends = [wall.opening_courses(other)[0] for other in wall.openings
+            if other.left < opening.right and other.right > opening.left]
+    for floor in slabs(wall):
+        (left, right), (first, top) = floor.span(wall), floor.courses(wall)
+        if left < opening.right and right > opening.left and top >= above:
+            ends.append(max(first, above))
+    top = min([end for end in ends if end >= above] + [wall.courses])
     most = {"elastic": wall.courses, "none": 0}.get(lintel)
     return above, min(top, above + (int(lintel) if most is None else most))
 

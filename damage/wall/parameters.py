@@ -11,6 +11,8 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from damage.checks import check_choice, check_fields, check_not_negative, check_range, check_whole, record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
+from damage.wall.courses import check_bearing, check_outline
+from damage.wall.floors import Floor, check_floors
 
 LONGEST_M, LONGEST_NAME, MOST_BRICKS = 1000.0, 100, 20_000
 """What a wall may have: length and height [m], characters of its name, bricks; the shipped ones have up to 666."""
@@ -160,13 +162,16 @@ class Opening:
 
 @dataclass(frozen=True)
 class Wall:
-    """A rectangular wall in running bond, its openings, what it is built of and what it carries.
+    """A wall in running bond, its openings, what it is built of and what it carries.
 
     name: short, used in file names.
     length, height [m]: the height is built in whole courses (the nearest number of them).
     precompression [Pa]: vertical stress at the top, carried as mass and its weight; over the whole length, or in the
         piers alone, as `ModelOptions.load` says.
     base_course: the base course starts on the left with a "whole" or a "half" brick.
+    outline: points (x, z) [m] of its top edge from (0, z) to (length, z), its highest at the height; none for a
+        rectangular wall.  `damage.wall.courses` says how bricks follow it.
+    floors: of `damage.wall.floors.Floor`.
     """
 
     name: str
@@ -177,13 +182,17 @@ class Wall:
     base_course: str = "whole"
     brick: Brick = field(default_factory=Brick)
     joint: Joint = field(default_factory=Joint)
+    outline: tuple[tuple[float, float], ...] = ()
+    floors: tuple[Floor, ...] = ()
 
     def __post_init__(self):
         named = isinstance(self.name, str) and 0 < len(self.name) <= LONGEST_NAME
         if not named or not all(c.isalnum() or c in "-_" for c in self.name):
             raise InputError(f"Wall.name = {self.name!r}: expected up to {LONGEST_NAME} letters, digits, '-' or '_', "
                              "since it names files; rename the wall")
-        object.__setattr__(self, "openings", tuple(self.openings))
+        for name, kind in (("openings", Opening), ("floors", Floor)):
+            object.__setattr__(self, name, _records(f"Wall.{name}", getattr(self, name), kind))
+        object.__setattr__(self, "outline", _points("Wall.outline", self.outline))
         check_fields(self, **dict.fromkeys(("length", "height"), (1e-3, LONGEST_M)), precompression=(0.0, 1e9))
         check_choice("Wall.base_course", self.base_course, ("whole", "half"))
         if self.courses < 1 or self.length < self.brick.length / 2:
@@ -193,7 +202,11 @@ class Wall:
         if bricks > MOST_BRICKS:
             raise InputError(f"wall {self.name} has about {bricks} bricks: expected up to {MOST_BRICKS}; make it "
                              "smaller, or of larger bricks")
+        if self.outline:
+            check_outline(self)
         _check_openings(self)
+        check_floors(self)
+        check_bearing(self)
 
     @property
     def courses(self):
@@ -216,15 +229,36 @@ class Wall:
         return round(opening.sill / height), round((opening.sill + opening.height) / height)
 
     def as_dict(self):
-        """All parameters as a plain dictionary, for files and tables."""
-        return asdict(self)
+        """All parameters as a plain dictionary, for files and tables; without outline and floors where it has none."""
+        return {name: value for name, value in asdict(self).items() if value or name not in ("outline", "floors")}
 
     @classmethod
     def from_dict(cls, table):
         """The wall of which `as_dict` made the table."""
         parts = {name: record_from(kind, table.get(name, {})) for name, kind in (("brick", Brick), ("joint", Joint))}
         openings = tuple(record_from(Opening, one) for one in table.get("openings", ()))
-        return record_from(cls, table | parts | {"openings": openings})
+        floors = tuple(record_from(Floor, one) for one in table.get("floors", ()))
+        return record_from(cls, table | parts | {"openings": openings, "floors": floors})
+
+
+def _records(what, given, kind):
+    """A tuple of records; InputError for anything else."""
+    found = tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    for one in found:
+        if not isinstance(one, kind):
+            raise InputError(f"{what} has {one!r}: expected {kind.__name__}(...) records in a list; correct it")
+    return found
+
+
+def _points(what, given):
+    """Points (x, z) as a tuple of pairs of numbers; InputError for anything else."""
+    try:
+        found = tuple((x, z) for x, z in given)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} = {given!r}: expected points (x, z) in a list; correct it") from None
+    for value in (number for point in found for number in point):
+        check_range(what, value, -LONGEST_M, LONGEST_M)
+    return found
 
 
 def _check_openings(wall):
@@ -240,13 +274,13 @@ def _check_openings(wall):
 def _check_opening_inside(wall, opening, what):
     first, above = wall.opening_courses(opening)
     if opening.right > wall.length + 1e-9 or above > wall.courses:
-        raise InputError(f"{what} reaches outside the wall of {wall.length:g} x {wall.built_height:g} "
-                         "m; move it or make it smaller")
+        raise InputError(f"{what} reaches outside the wall: expected a place within {wall.length:g} x "
+                         f"{wall.built_height:g} m; move it or make it smaller")
     if above - first < 1:
         raise InputError(f"{what} is less than one course of {wall.brick.height:g} m high; make it higher")
-    if above == wall.courses:
-        raise InputError(f"{what} reaches the top of the wall and cuts it in two; leave at least one "
-                         f"course of {wall.brick.height:g} m above it")
+    if above == wall.courses and first == 0:
+        raise InputError(f"{what} reaches from the base to the top and cuts the wall in two: expected a course below "
+                         "or above it; give it a sill, or make two walls")
     narrowest = min(opening.left, wall.length - opening.right)
     if narrowest < wall.brick.length / 2 - 1e-9:
         raise InputError(f"{what} cuts off a pier: {max(narrowest, 0.0):.4g} m are left beside it, at least half "
@@ -263,6 +297,10 @@ def _check_opening_apart(wall, opening, other, what):
                          f"({wall.brick.length / 2:g} m) or one course must stay between; move one of them")
 
 
+SOILS = (1e5, 1e12)
+"""Least and largest modulus of subgrade reaction [N/m3]."""
+
+
 def _option(default, help_, **more):
     """A field of ModelOptions and all that the command line, file names and tables need of it.
 
@@ -273,7 +311,7 @@ def _option(default, help_, **more):
                                             "seed": False, **more})
 
 
-_OF_DEFORMABLE = ("brick_order", "plane", "brick_mass", "brick_damping")
+_OF_MODES = ("brick_order", "plane", "brick_mass", "brick_damping")
 
 
 @dataclass(frozen=True)
@@ -293,31 +331,43 @@ class ModelOptions:
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds them:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose forces the history has.
+    soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a word; soil_shear:
+        horizontal over vertical stiffness; footing: width over which they act [m].
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
         which YADE does not have: there 16.
-    bricks: "rigid", their compliance lumped into the joints, or "deformable" (`damage.wall.strain`; the reference
-        solver alone), with polynomials of brick_order 2 or 3 in plane "stress" or "strain", the mass of the strain
-        modes times brick_mass, which lengthens the time step by its root, and brick_damping of their critical damping.
+    bricks: "rigid", their compliance lumped into the joints, or "deformable" (`damage.wall.strain`), with polynomials
+        of brick_order 2 or 3 in plane "stress" or "strain", the mass of the strain modes times brick_mass, which
+        lengthens the time step by its root, and brick_damping of their critical damping.
+    brick_cells: a whole deformable brick is so many rigid cells, glued elastically (`damage.wall.split`); 0: strain
+        modes, which YADE does not have: there 4.
     """
 
-    lintel: str = _option("elastic", "joints over an opening are elastic, or break like any other (none), or are "
+    lintel: str = _option("elastic", "joints over an opening: all elastic, able to fail like any other (none), or "
                           "elastic in the N lowest courses", metavar="elastic|none|N", tag="lintel-{lintel}")
-    top: str = _option("piers", "where the precompression's mass sits", choices=("piers", "uniform", "beam"),
-                       tag="top-{top}")
-    load: str = _option("length", "the precompression is the stress over the whole length, or in the piers",
+    top: str = _option("piers", "distribution of the mass that gives the precompression",
+                       choices=("piers", "uniform", "beam"), tag="top-{top}")
+    load: str = _option("length", "where the precompression is the mean stress: over the whole length, or in the piers",
                         choices=("length", "piers"), tag="load-{load}")
     cells: int = _option(2, "contact points per half brick", metavar="N")
-    contacts: str = _option("interior", "where the contact points of a joint lie",
+    contacts: str = _option("interior", "position of the contact points in a joint",
                             choices=("interior", "corners", "gauss"), tag="{contacts}")
     strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
                                   metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
-    strength_seed: int = _option(0, "draws the joints' strengths", metavar="N", seed=True)
+    strength_seed: int = _option(0, "seed of the joints' strengths", metavar="N", seed=True)
     supports: str = _option("one", "one support below the wall, or one below each brick of the base, with reactions of "
                             "its own in the history", choices=("one", "bricks"), tag="supports-{supports}")
-    fibres: int = _option(0, "joints that soften are so many brittle fibres; 0: one smooth law, in YADE 16 fibres",
+    soil: str = _option("rigid", "soil below the base: rigid, or its vertical modulus of subgrade reaction, springs "
+                        "without tension", metavar="rigid|N_M3", tag="soil-{soil}")
+    soil_shear: float = _option(0.5, "soil: horizontal stiffness over the vertical one", metavar="SHARE",
+                                tag="soil-shear-{soil_shear:g}")
+    footing: float = _option(0.45, "soil: width of the footing [m]", metavar="M", tag="footing-{footing:g}")
+    fibres: int = _option(0, "number of parallel brittle elements of a softening joint; 0: one smooth law, in YADE 16 "
+                          "elements",
                           metavar="N", tag="fibres-{fibres}")
-    bricks: str = _option("rigid", "bricks are rigid and their compliance is lumped into the joints, or deform "
-                          "(reference solver)", choices=("rigid", "deformable"), tag="{bricks}")
+    bricks: str = _option("rigid", "rigid bricks, whose compliance is lumped into the joints, or deformable ones "
+                          "(strain modes, in YADE glued cells)", choices=("rigid", "deformable"), tag="{bricks}")
+    brick_cells: int = _option(0, "deformable bricks: number of rigid cells of a whole brick, glued elastically, 2 to "
+                               "16; 0: strain modes, in YADE 4 cells", metavar="N", tag="brick-cells-{brick_cells}")
     brick_order: int = _option(2, "deformable bricks: order of their displacements, 2 (linear strain) or 3",
                                metavar="2|3", tag="order-{brick_order}")
     plane: str = _option("stress", "deformable bricks: plane stress, or plane strain", choices=("stress", "strain"),
@@ -338,24 +388,63 @@ class ModelOptions:
                              "come in pairs; give --cells 2")
         check_range("strength_cov", self.strength_cov, 0, 2)
         check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
+        object.__setattr__(self, "soil", _soil_word(self.soil))
+        check_range("--soil-shear", self.soil_shear, 0.01, 10)
+        check_range("--footing [m]", self.footing, 0.01, 10)
+        for name in ("soil_shear", "footing"):
+            usual = type(self).__dataclass_fields__[name].default
+            if self.soil == "rigid" and getattr(self, name) != usual:
+                raise InputError(f"--{name.replace('_', '-')} {getattr(self, name):g} without --soil: expected the "
+                                 "soil's stiffness [N/m3], too; give both, or leave it out")
         check_whole("fibres", self.fibres, 0, 64)
+        check_whole("brick_cells", self.brick_cells, 0, 16)
+        if self.brick_cells % 2:
+            raise InputError(f"--brick-cells {self.brick_cells}: expected an even number, since bricks lie on two "
+                             "halves of others; give --brick-cells 4")
         check_whole("brick_order", self.brick_order, 2, 3)
         check_range("brick_mass", self.brick_mass, 1, 25)
         check_range("brick_damping", self.brick_damping, 0, 1)
+        needs = "with rigid bricks: expected only beside --bricks deformable; give both, or leave it out"
+        self._check_default(() if self.deforms else (*_OF_MODES, "brick_cells"), needs)
+        self._check_default(_OF_MODES if self.brick_cells else (), "with bricks of glued cells, as always in YADE: "
+                            "expected strain modes, which the reference solver has; leave it out")
+
+    def _check_default(self, names, problem):
+        """InputError where one of these options is given."""
         for one in fields(self):
-            if one.name in _OF_DEFORMABLE and not self.deforms and getattr(self, one.name) != one.default:
-                raise InputError(f"--{one.name.replace('_', '-')} = {getattr(self, one.name)!r} with rigid bricks: "
-                                 "expected only beside --bricks deformable; give both, or leave it out")
+            if one.name in names and getattr(self, one.name) != one.default:
+                raise InputError(f"--{one.name.replace('_', '-')} = {getattr(self, one.name)!r} {problem}")
 
     @property
     def deforms(self):
         """Whether bricks are deformable."""
         return self.bricks == "deformable"
 
+    @property
+    def has_modes(self):
+        """Whether bricks have strain modes."""
+        return self.deforms and not self.brick_cells
+
     def tags(self):
         """The differences of this model from the default in a file's name: a list of words."""
         return [one.metadata["tag"].format(**asdict(self)) for one in fields(self)
                 if one.metadata["tag"] and getattr(self, one.name) != one.default]
+
+
+def _soil_word(soil):
+    """"rigid", or a stiffness [N/m3] as its shortest word.
+
+    >>> _soil_word("rigid"), _soil_word(4.4e8), _soil_word("1.2e8")
+    ('rigid', '4.4e+08', '1.2e+08')
+    """
+    if soil == "rigid":
+        return soil
+    try:
+        check_range("--soil [N/m3]", float(soil), *SOILS)
+    except (InputError, ValueError, TypeError) as error:
+        raise InputError(f"--soil {soil}: expected rigid, or the modulus of subgrade reaction from {SOILS[0]:g} to "
+                         f"{SOILS[1]:g} N/m3 (soft clay about 1e7, dense sand 1e8); correct it") from error
+    return f"{float(soil):g}"
 
 
 def _lintel_word(lintel):

@@ -40,6 +40,9 @@ RANGES = {
     "Wall.precompression": Range(1e3, 2e7, "Pa", STRESSES, "a light roof; the strength of strong masonry", zero=True),
     "Opening.width": Range(0.03, 50, "m", LENGTHS, "a vent; the gate of a hall"),
     "Opening.height": Range(0.03, 50, "m", LENGTHS, "a vent; the gate of a hall"),
+    "Floor.level": Range(0.03, 50, "m", LENGTHS, "on the base course; a tower"),
+    "Floor.mass": Range(1, 1e6, "kg", {"t": 1e3}, "a shelf; the floor of a hall"),
+    "Floor.depth": Range(0.01, 2, "m", LENGTHS, "a screed; a transfer slab"),
     "Brick.length": Range(0.02, 2, "m", LENGTHS, "a brick of a scale model; calcium silicate elements have 1 m"),
     "Brick.height": Range(0.01, 2, "m", LENGTHS, "a brick of a scale model; calcium silicate elements have 0.65 m"),
     "Brick.thickness": Range(0.01, 3, "m", LENGTHS, "a brick of a scale model; a historical wall"),
@@ -82,7 +85,8 @@ def implausible(wall):
     >>> implausible(Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.0)))
     ['Joint.tensile_strength = 0.1 Pa, expected 1000 to 1e7 Pa, or 0: 0.1 MPa is 0.1e6 Pa']
     """
-    given = [(f"{type(record).__name__}.{name}", value) for record in (wall, *wall.openings, wall.brick, wall.joint)
+    records = wall, *wall.openings, *wall.floors, wall.brick, wall.joint
+    given = [(f"{type(record).__name__}.{name}", value) for record in records
              for name, value in vars(record).items() if value]
     found = [_message_of(name, value) for name, value in given
              if name in RANGES and not RANGES[name].least <= value <= RANGES[name].most]

@@ -1,7 +1,8 @@
-"""Bricks that can split: every whole brick is two halves, bonded across a cut in its middle.
+"""Bricks of several parts: halves that can split, cells that make bricks deformable.
 
-A cut is of the brick's own stiffness and has n contact points in the middles of n equal parts of its height h, so that
-under a moment M and an axial force N the outermost bears, at (n - 1) / (2 n) h from the middle,
+**Splitting.**  Every whole brick is two halves, bonded across a cut in its middle.  The cut has n contact points in the
+middles of n equal parts of the brick's height h, so that under a moment M and an axial force N the outermost bears, at
+(n - 1) / (2 n) h from the middle,
 
     sigma = N / (t h) + n / (n + 1) M / (t h^2 / 6)
 
@@ -11,10 +12,19 @@ bears less than that; one that is pulled apart without bending, at n / (n + 1) o
 (1997, J. Eng. Mech. 123(7), 660-668), where it is not said otherwise, tension alone splits bricks.  With a cohesion c
 they split in shear, too: the points bear the mean V / (t h), and have 2/3 c, so that the cut fails where 1.5 V / (t h),
 a beam's shear stress in its middle, reaches c, or less where it is pulled: c = f_t is the diagonal tension of a brick
-without vertical compression, which helps and is not seen here.
+without vertical compression, which helps and is not seen here.  Such cuts are brittle, have the friction of the joints
+once they are open, and do not crush.
 
-The cut takes its share of the brick's compliance over from the head joints (`damage.wall.compliance`).  Cuts are
-brittle, have the friction of the joints once they are open, and do not crush.
+**Cells** (`ModelOptions.brick_cells`).  A whole brick of length L is N rigid cells, glued by cuts that stay elastic, on
+a grid of L / N along the wall.  Of two cells whose centres lie d apart, two Gauss points over the height give
+
+    axial E t h / d,  bending E t h^3 / (12 d),  shear 2 G t h / d
+
+so that the brick is a chain of short beams along its length.  Across its height it stays rigid, its compliance lumped
+into the bed joints.  Half of the shear compliance 1/G is in the cuts and head joints, half in the bed joints: a uniform
+shear stress shears a wall by tau / G, of which the cells' rotation makes either half visible.
+
+A cut takes its share of the brick's compliance over from the head joints (`damage.wall.compliance`).
 """
 
 from dataclasses import fields, replace
@@ -25,7 +35,8 @@ from damage.wall.compliance import lumped_stiffness
 from damage.wall.kinds import CAP, CUT, GROUND
 
 CUT_POINTS = 4
-"""Contact points of a cut: bending stiffness 15/16 of the section's, 4/5 of its strength in pure tension."""
+"""Contact points of a cut that splits: bending stiffness 15/16 of the section's, 4/5 of its strength in tension."""
+_GAUSS = np.array([-1.0, 1.0]) / np.sqrt(12)  # of the height, from its middle
 _TINY = 1e-6  # [m]
 
 
@@ -35,28 +46,47 @@ def cut_strengths(brick):
     return brick.tensile_strength * CUT_POINTS / (CUT_POINTS + 1), cohesion
 
 
-def split_bricks(layout):
-    """A damage.wall.layout.Layout with every whole brick cut in two halves.
+def cuts_of(wall, brick_cells, left, right):
+    """Positions [m] of the cuts through a brick with these edges, from left to right; brick_cells: of a whole brick, 0
+    where it is not made of cells."""
+    middle = [(left + right) / 2] if wall.brick.splits and _is_whole(wall, right - left) else []
+    if not brick_cells:
+        return middle
+    cell = wall.brick.length / brick_cells
+    first, last = np.ceil((left + cell / 2 - _TINY) / cell), np.floor((right - cell / 2 + _TINY) / cell)
+    return [k * cell for k in range(int(first), int(last) + 1)]
 
-    A left half keeps its brick's number; right halves come behind the other bricks, and cuts behind the joints.
+
+def cut_bricks(layout):
+    """A damage.wall.layout.Layout with every brick cut into its parts.
+
+    The leftmost part keeps its brick's number; the others come behind the other bricks, and cuts behind the joints.
     """
-    wall, old, n = layout.wall, layout.bodies, layout.n_bricks
-    whole = np.flatnonzero((old.course >= 0) & (np.abs(old.length - wall.brick.length) < _TINY))
-    right = np.full(len(old), GROUND)
-    right[whole] = n + np.arange(len(whole))
-    number = np.arange(len(old))
-    number[n:] += len(whole)
-    cells = _on_halves(layout.cells, old, number, right)
-    halves, contacts = _halves(old, whole, n), _under_new_numbers(layout.contacts, cells, number)
-    cuts = _cuts(old, whole, right, cells, wall)
+    old, n, wall = layout.bodies, layout.n_bricks, layout.wall
+    half = old.length / 2
+    cuts = [cuts_of(wall, layout.options.brick_cells, *edges) if brick < n else [] for brick, edges in enumerate(
+        zip(old.x - half, old.x + half))]
+    counts = np.array([len(positions) for positions in cuts])
+    added = int(counts.sum())
+    number = np.arange(len(old)) + np.where(np.arange(len(old)) < n, 0, added)
+    behind = n + np.cumsum(counts) - counts  # number of each brick's second part
+    cells = _on_parts(layout.cells, cuts, number, behind)
+    bodies, contacts = _parts(old, cuts, n), _under_new_numbers(layout.contacts, cells, number)
+    rows = _cuts(wall, old, cuts, number, behind, cells)
     glue = int(np.sum(contacts.kind != CAP))
-    contacts = _with(contacts, np.full(len(cuts["x"]), glue), cuts)
-    normal, shear = lumped_stiffness(wall, halves, contacts.kind, contacts.first, contacts.second)
+    contacts = _with(contacts, np.full(len(rows["x"]), glue), rows)
+    sheared = 2 if layout.options.brick_cells else 1
+    normal, shear = lumped_stiffness(wall, bodies, contacts.kind, contacts.first, contacts.second, sheared)
+    others = [behind[brick] + k for brick in np.sort(layout.drift_bodies) for k in range(counts[brick])]
     return replace(
-        layout, bodies=halves, cells=cells, n_bricks=n + len(whole),
+        layout, bodies=bodies, cells=cells, n_bricks=n + added,
         contacts=replace(contacts, normal_stiffness=normal, shear_stiffness=shear),
-        n_joints=layout.n_joints + len(cuts["x"]),
-        drift_bodies=np.concatenate([number[layout.drift_bodies], right[np.intersect1d(layout.drift_bodies, whole)]]))
+        n_joints=layout.n_joints + len(rows["x"]),
+        drift_bodies=np.concatenate([number[layout.drift_bodies], np.array(others, int)]))
+
+
+def _is_whole(wall, length):
+    return abs(length - wall.brick.length) < _TINY
 
 
 def _with(table, places, added):
@@ -65,22 +95,28 @@ def _with(table, places, added):
                                          for name, values in added.items()})
 
 
-def _halves(old, whole, n_bricks):
-    """Bodies: left halves in the places of their bricks, right halves behind the bricks."""
+def _parts(old, cuts, n_bricks):
+    """Bodies: leftmost parts in the places of their bricks, the others behind the bricks."""
     values = {field.name: getattr(old, field.name).copy() for field in fields(old)}
-    values["length"][whole] /= 2
-    values["mass"][whole] /= 2
-    values["inertia"][whole] = (values["mass"] * (values["length"]**2 + values["height"]**2) / 12)[whole]
-    quarter = old.length[whole] / 4
-    values["x"][whole] -= quarter
-    added = {name: column[whole] for name, column in values.items()} | {"x": old.x[whole] + quarter}
-    return _with(replace(old, **values), np.full(len(whole), n_bricks), added)
+    added = {name: [] for name in values}
+    for brick in np.flatnonzero([len(positions) > 0 for positions in cuts]):
+        ends = np.array([-0.5, *((np.array(cuts[brick]) - old.x[brick]) / old.length[brick]), 0.5])
+        share = np.round(np.diff(ends), 12)  # halves are exact ones
+        length, mass = old.length[brick] * share, old.mass[brick] * share
+        parts = {"x": old.x[brick] + old.length[brick] * (np.cumsum(share) - share / 2 - 0.5), "z": old.z[brick],
+                 "length": length, "height": old.height[brick], "mass": mass,
+                 "inertia": mass * (length**2 + old.height[brick]**2) / 12, "course": old.course[brick]}
+        for name, column in parts.items():
+            values[name][brick], *others = np.broadcast_to(column, len(length))
+            added[name] += others
+    return _with(replace(old, **values), np.full(len(added["x"]), n_bricks), added)
 
 
-def _on_halves(cells, old, number, right):
-    """Cells under their bodies' new numbers, each of the half that its middle lies in."""
-    on_right = (right[cells.body] != GROUND) & ((cells.left + cells.right) / 2 > old.x[cells.body] + _TINY)
-    return replace(cells, body=np.where(on_right, right[cells.body], number[cells.body]))
+def _on_parts(cells, cuts, number, behind):
+    """Contact cells under their bodies' new numbers, each of the part that its middle lies in."""
+    middle = (cells.left + cells.right) / 2
+    part = np.array([np.searchsorted(cuts[body], x - _TINY) for body, x in zip(cells.body, middle)])
+    return replace(cells, body=np.where(part > 0, behind[cells.body] + part - 1, number[cells.body]))
 
 
 def _under_new_numbers(contacts, cells, number):
@@ -90,19 +126,26 @@ def _under_new_numbers(contacts, cells, number):
     return replace(contacts, **bodies)
 
 
-def _cuts(old, whole, right, cells, wall):
+def _cuts(wall, old, cuts, number, behind, cells):
     """{field: values} of the cuts' contact points, upwards in each cut."""
-    brick, n = wall.brick, CUT_POINTS * len(whole)
-    heights = ((np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5) * brick.height
+    brick = wall.brick
     last, first = ({body: cell for cell, body in order} for order in (
         enumerate(cells.body), reversed(list(enumerate(cells.body)))))
-    tensile_strength, cohesion = cut_strengths(brick)
-    values = {
-        "kind": CUT, "first": np.repeat(whole, CUT_POINTS), "second": np.repeat(right[whole], CUT_POINTS),
-        "x": np.repeat(old.x[whole], CUT_POINTS), "z": np.add.outer(old.z[whole], heights).ravel(),
-        "length": brick.height / CUT_POINTS, "area": brick.height / CUT_POINTS * brick.thickness,
-        "normal_stiffness": np.nan, "shear_stiffness": np.nan,  # of all together, later
-        "elastic": False, "tensile_strength": tensile_strength, "cohesion": cohesion, "compressive_strength": np.inf,
-        "first_cell": np.repeat([last[body] for body in whole], CUT_POINTS),
-        "second_cell": np.repeat([first[right[body]] for body in whole], CUT_POINTS)}
-    return {name: np.broadcast_to(value, n) for name, value in values.items()}
+    splitting = (np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5, False, *(
+        cut_strengths(brick) if brick.splits else (np.inf, np.inf))
+    glued = _GAUSS, True, np.inf, np.inf
+    rows = []
+    for body, k in ((body, k) for body, positions in enumerate(cuts) for k in range(len(positions))):
+        x = cuts[body][k]
+        splits = brick.splits and _is_whole(wall, old.length[body]) and abs(x - old.x[body]) < _TINY
+        places, elastic, tensile_strength, cohesion = splitting if splits else glued
+        one, other = number[body] if k == 0 else behind[body] + k - 1, behind[body] + k
+        length = brick.height / len(places)
+        rows += [(one, other, x, old.z[body] + place * brick.height, length, length * brick.thickness, elastic,
+                  tensile_strength, cohesion, last[one], first[other]) for place in places]
+    names = ("first", "second", "x", "z", "length", "area", "elastic", "tensile_strength", "cohesion", "first_cell",
+             "second_cell")
+    columns = dict(zip(names, map(np.array, zip(*rows)))) if rows else {name: np.zeros(0, int) for name in names}
+    return columns | {name: np.full(len(columns["x"]), value) for name, value in (
+        ("kind", CUT), ("normal_stiffness", np.nan), ("shear_stiffness", np.nan),  # of all together, later
+        ("compressive_strength", np.inf))}

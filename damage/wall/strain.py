@@ -1,4 +1,4 @@
-"""Deformable bricks: the strain modes of a free brick, and what they move at every contact point.
+"""Deformable bricks: strain modes of a free brick, and their displacements at every contact point.
 
 A point r of a brick is at x = c + R(rotation) (r + sum_k Phi_k(r) q_k): a rigid motion, and the free vibration modes
 Phi_k of the brick (floating frame).  The modes are those of all polynomial displacements up to an order in the plane,
@@ -53,7 +53,7 @@ class BrickModes:
 
 @dataclass(frozen=True)
 class Strain:
-    """What deformable bricks add to a Layout.
+    """Strain modes of all bodies of a Layout, and their displacements at its contact points.
 
     mass, stiffness, damping: (n_bodies, n_modes) of each mode, the first with the scaling of `ModelOptions.brick_mass`
     [1, 1/s2, 1/s], zero of caps; shapes: (n_shapes, 2, n_modes) displacement along the normal and the tangent of a

@@ -1,6 +1,6 @@
 "use strict";
-// Below each hit of the search: text of its page around a word that was asked for.  Sphinx's own requests the page,
-// which browsers refuse to one that was opened from a file; SEARCH_TEXTS, of search_texts.js, holds all pages.
+// Shows the text around the word below each hit of the search.  Sphinx's own summary requests the page of the hit, which
+// browsers refuse when the site is opened from a file; SEARCH_TEXTS (search_texts.js) holds the text of all pages.
 (() => {
   const AROUND = 110;  // characters to either side of the word
   const asked = (new URLSearchParams(location.search).get("q") || "").toLowerCase().split(/[^\p{L}\p{N}_.-]+/u)

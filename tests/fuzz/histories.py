@@ -43,6 +43,7 @@ def originals(folder):
     with h5py.File(paths[OLD], "r+", libver="latest") as file:
         file.attrs["schema_version"] = 1
         file["joints/kind"].attrs["codes"] = "bed, head"
+        file["series/stage"].attrs["codes"] = "motion, rest, settling"
         del file["frames/offset_m"]
     return paths
 

@@ -13,9 +13,10 @@ import numpy as np
 
 from damage.files import DATA
 from damage.history.reader import read_history
-from damage.laboratory import crack_file, dic
-from damage.laboratory.crack_mapping import map_cracks
+from damage.laboratory import dic
+from damage.measure import crack_file
 from damage.measure.columns import read_table
+from damage.measure.crack_mapping import map_cracks
 from damage.motion.formats import read_record, shipped_record_path
 from damage.studies.definition import load_study
 from damage.units import GRAVITY
@@ -132,7 +133,7 @@ READERS = {
     "at2": Reader(_of(_at2, TEXT, 5e7), read_record, ".at2"),
     "miniseed": Reader(_of(lambda folder: _shipped("*/*.mseed"), MINISEED, 5e7),
                        lambda path: read_record(path, STATION), ".mseed", "obspy"),
-    "stationxml": Reader(_of(lambda folder: _shipped("*/*.xml")[:1], XML, 5e7),
+    "stationxml": Reader(_of(lambda folder: _shipped("*/NL.BGAR.xml"), XML, 5e7),
                          lambda path: read_record(shipped_record_path(TRACE), path), ".xml", "obspy"),
     "study": Reader(_of(_files("studies/*.toml"), TEXT, 1e7),
                     lambda path: load_study(path, "both", REPOSITORY), ".toml"),

@@ -92,24 +92,26 @@ def make_blocks(interfaces, n_bodies, n_contacts, lanes):
     row = np.zeros(-(-len(interfaces) // 8) * 8, int) + (n_bodies - 1)  # padding: the last support with itself
     a, b = row.copy(), row
     a[:len(interfaces)], b[:len(interfaces)] = interfaces["a"], interfaces["b"]
-    shared = _zeros(blocks_of(len(interfaces), INTERFACE)).reshape(-1, int(INTERFACE) // 8, 8)
+    shared = aligned_zeros(blocks_of(len(interfaces), INTERFACE)).reshape(-1, int(INTERFACE) // 8, 8)
     for number, name in enumerate(interfaces.dtype.names[:shared.shape[1]]):
         shared[:, number].flat[:len(interfaces)] = interfaces[name]
-    limits = _zeros(blocks_of(len(interfaces) * lanes, LIMITS))
+    limits = aligned_zeros(blocks_of(len(interfaces) * lanes, LIMITS))
     limits[:] = np.inf
     return Blocks(
-        bodies=_zeros(blocks_of(n_bodies * lanes, BODY)), rows=_zeros(blocks_of(n_bodies, 64) if lanes == 1 else 0),
+        bodies=aligned_zeros(blocks_of(n_bodies * lanes, BODY)),
+        rows=aligned_zeros(blocks_of(n_bodies, 64) if lanes == 1 else 0),
         starts=np.arange(0, 8 * blocks_of(n_bodies, 8), 8).astype(INDEX), interfaces=shared.ravel(), limits=limits,
-        last=_zeros(blocks_of(len(interfaces) * lanes, LAST)), bench=_zeros(int(BENCH)), sums=_zeros(int(SUMS)),
+        last=aligned_zeros(blocks_of(len(interfaces) * lanes, LAST)), bench=aligned_zeros(int(BENCH)),
+        sums=aligned_zeros(int(SUMS)),
         others=np.zeros(-(-len(interfaces) * lanes // 8), np.uint8), loose=np.zeros(len(interfaces), np.uint8),
         waits=np.zeros(len(interfaces), np.uint8),
-        waiting=_zeros(blocks_of(len(interfaces) * lanes, WAITING) if lanes > 1 else 0),
-        contacts=_zeros(blocks_of(n_contacts * lanes, LOOSE) if lanes > 1 else 0),
-        readings=_zeros(blocks_of(n_contacts * lanes, READ) if lanes > 1 else 0),
+        waiting=aligned_zeros(blocks_of(len(interfaces) * lanes, WAITING) if lanes > 1 else 0),
+        contacts=aligned_zeros(blocks_of(n_contacts * lanes, LOOSE) if lanes > 1 else 0),
+        readings=aligned_zeros(blocks_of(n_contacts * lanes, READ) if lanes > 1 else 0),
         first=_first(a, lanes), second=_first(b, lanes))
 
 
-def _zeros(n):
+def aligned_zeros(n):
     """Array of n zeros that is aligned to the 64 bytes of a cache line, so that a vector lies in one line."""
     bytes_ = np.zeros(8 * n + 64, np.uint8)
     first = -bytes_.ctypes.data % 64

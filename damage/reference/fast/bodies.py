@@ -33,6 +33,12 @@ def move(energy, relaxation, blocks, lanes, controls, field, step):
         else:
             move_free(bodies, block * at.BODY, bench, sums, part)
         block += ONE
+    add_energies(energy, sums, lanes, controls, field, step, damped)
+
+
+@compiled
+def add_energies(energy, sums, lanes, controls, field, step, damped):
+    """Add the work of input and, if damped, of damping to the energies of all walls [J], from the sums of a step."""
     for first in (at.SWEPT_X, at.SWEPT_Z, at.DRIVEN, at.TAKEN):
         total(sums, first, lanes)
     for w in range(controls.shape[0]):

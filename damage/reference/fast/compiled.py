@@ -5,8 +5,8 @@ from pathlib import Path
 from damage.mechanics.compiled import PLAIN, Package
 
 FAST = Package(Path(__file__).parent, (
-    "compiled", "blocks", "rows", "bodies", "interfaces", "contacts", "step", "alone", "together"),
-    [path for path in PLAIN.sources if path.name not in ("step.py", "rows.py", "loose.py", "strain.py")])
+    "compiled", "blocks", "rows", "bodies", "interfaces", "contacts", "step", "alone", "together", "modes",
+    "deforming"), PLAIN.sources)
 compiled, inlined = FAST.compiled, FAST.inlined
 
 

@@ -7,7 +7,7 @@ them stay elastic, and copied back before the joint law is evaluated and at the 
 import numpy as np
 
 from damage.mechanics.eight import add, bits, either, flags_of, load, spread, store
-from damage.mechanics.interfaces import BodyForces, Resultant, parted
+from damage.mechanics.interfaces import BodyForces, Resultant, no_overlap
 from damage.mechanics.tables import FAILED, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU
 from damage.reference.fast import blocks as at
 from damage.reference.fast.blocks import INDEX
@@ -42,20 +42,32 @@ def fasten(tables, columns, blocks, which):
 def take(tables, columns, blocks, w, p):
     """Copy the contact points of interface p of wall w into the blocks."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
-        k = INDEX(i) * at.LOOSE + INDEX(w)
-        for n in range(len(at.COLUMNS)):
-            blocks.contacts[k + INDEX(8 * n)] = columns[w, i, at.COLUMNS[n]]
-        blocks.contacts[k + at.COMPRESSIVE] = tables.contacts[w, i].compressive_strength
+        take_one(tables, columns, blocks, w, i)
     blocks.loose[p] |= 1 << w
+
+
+@inlined
+def take_one(tables, columns, blocks, w, i):
+    """Copy contact point i of wall w into the blocks."""
+    k = INDEX(i) * at.LOOSE + INDEX(w)
+    for n in range(len(at.COLUMNS)):
+        blocks.contacts[k + INDEX(8 * n)] = columns[w, i, at.COLUMNS[n]]
+    blocks.contacts[k + at.COMPRESSIVE] = tables.contacts[w, i].compressive_strength
 
 
 @inlined
 def give(tables, columns, blocks, w, p):
     """Copy changed states of the contact points of interface p of wall w back to the tables."""
     for i in range(tables.interfaces[0, p].start, tables.interfaces[0, p].stop):
-        k = INDEX(i) * at.LOOSE + INDEX(w)
-        for n in range(at.CHANGED):
-            columns[w, i, at.COLUMNS[n]] = blocks.contacts[k + INDEX(8 * n)]
+        give_one(columns, blocks, w, i)
+
+
+@inlined
+def give_one(columns, blocks, w, i):
+    """Copy changed states of contact point i of wall w back to the tables."""
+    k = INDEX(i) * at.LOOSE + INDEX(w)
+    for n in range(at.CHANGED):
+        columns[w, i, at.COLUMNS[n]] = blocks.contacts[k + INDEX(8 * n)]
 
 
 @inlined
@@ -117,9 +129,9 @@ def give_readings(tables, blocks, w, start, stop):
 
 
 @inlined
-def parted_in(tables, p, motion):
+def without_overlap(tables, p, motion):
     """Walls (bits) in which the faces of interface p do not overlap at this RelativeMotion."""
-    return int(bits(parted(motion, tables.interfaces[0, p].slide_least, tables.interfaces[0, p].slide_most)))
+    return int(bits(no_overlap(motion, tables.interfaces[0, p].slide_least, tables.interfaces[0, p].slide_most)))
 
 
 @inlined
@@ -132,7 +144,7 @@ def forces_of_loose(tables, blocks, law, p, held, frame, motion, damped):
     waiting, k, m = blocks.waiting, p * at.WAITING, p * at.LAST
     start, stop = tables.interfaces[0, p].start, tables.interfaces[0, p].stop
     resultant, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion,
-                                       flags_of(held & ~parted_in(tables, p, motion)))
+                                       flags_of(held & ~without_overlap(tables, p, motion)))
     remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, elastic)
     if damped:
         resultant, work = damp_eight(blocks.last, m, load(blocks.bench, at.RATE), motion, resultant, elastic)

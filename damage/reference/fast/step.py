@@ -40,7 +40,7 @@ def wall_of(tables, w):
     return System(tables.place[w], tables.velocity[w], tables.force[w], tables.mass[w], tables.inverse_mass[w],
                   tables.trig[w], tables.interfaces[w], tables.contacts[w], tables.states[w], tables.readings[w],
                   tables.energy[w], tables.events[w], tables.values[w], tables.n_events[w], tables.relaxation[w],
-                  tables.last[w])
+                  tables.last[w], tables.turning[w])
 
 
 @compiled

@@ -24,12 +24,12 @@ from damage.reference.fast.contacts import (
     keep_readings,
     loose_springs,
     loosen,
-    parted_in,
     push_waiting,
     read_intact,
     read_loose,
     remember_loose,
     take,
+    without_overlap,
 )
 from damage.reference.fast.interfaces import (
     damp_eight,
@@ -205,7 +205,7 @@ def end_interface(tables, blocks, law, p, ending, damped):
     springs, held = intact, ending & int(blocks.loose[p]) & ~int(bits(intact))
     if held:
         loose, elastic = loose_springs(tables.contacts, blocks.contacts, law.plain, start, stop, motion,
-                                       flags_of(held & ~parted_in(tables, p, motion)))
+                                       flags_of(held & ~without_overlap(tables, p, motion)))
         remember_loose(tables.contacts, blocks.contacts, law.plain, start, stop, motion, elastic)
         read_loose(tables.contacts, blocks, law, start, stop, motion, elastic)
         resultant = Resultant(either(elastic, loose.normal, resultant.normal),

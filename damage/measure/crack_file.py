@@ -11,10 +11,10 @@ from math import isnan, nan
 import numpy as np
 import pandas as pd
 
+from damage.csv_table import CsvTable
 from damage.errors import InputError
 from damage.files import write_text
 from damage.index import THRESHOLD
-from damage.laboratory.csv_table import CsvTable
 from damage.measure.cracks import ENDS, cracks_at
 from damage.units import MILLIMETRE
 from damage.wall.parameters import LONGEST_M

@@ -65,6 +65,20 @@ def map_cracks(pattern, layout, tolerance=None):
                         float(mapped - table["length_m"].sum()))
 
 
+def cracked_joints(stretches, layout):
+    """Indices of the contact points of a Layout of which a crack runs along at least half of the tributary length.
+
+    stretches: (n, 2, 2) [m], both ends of straight parts of cracks; each lies on joints up to half a brick's height
+    away.
+    """
+    ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
+    length = np.zeros(layout.n_joints)
+    for number, stretch in enumerate(stretches):
+        for _, joint, *_, along in _on_joints(number, stretch, ends, layout.wall.brick.height / 2):
+            length[joint] += along
+    return np.flatnonzero(length >= layout.contacts.length[:layout.n_joints] / 2)
+
+
 def _on_joints(number, stretch, ends, tolerance):
     """Rows (stretch, joint, x and z of both ends, length) of the joints that one stretch runs along."""
     low, high = ends[:, 0], ends[:, 1]

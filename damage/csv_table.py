@@ -34,7 +34,7 @@ class CsvTable:
         except csv.Error as error:
             raise InputError(f"{path} cannot be read as CSV ({error}); expected commas between short cells") from error
         if len(self.text) == 0:
-            raise InputError(f"{path} has a header and no row; give at least one")
+            raise InputError(f"{path} has a header and no row: expected at least one; add some")
 
     def _read(self, reader, numbers, required, optional):
         """Take the header and the rows; numbers: of the lines that the csv.reader is given."""

@@ -1,0 +1,69 @@
+"""Picture of an exposure: the PGV of every event over time, and the epicentres on a map."""
+
+from textwrap import fill
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, LIGHT, MEDIUM, TITLE_CHARACTERS, VERMILLION, styled
+
+FROM_MM_S = 0.1
+"""Median PGV from which events are drawn in the picture [mm/s]: nobody feels less."""
+DOT_SIZE = 6  # area of a dot on the map over its PGV [points² / (mm/s)]
+_NAMED = 3  # events whose places are named
+
+
+@styled
+def exposure_picture(exposure):
+    """Figure of a `damage.exposure.exposure.Exposure`: medians with the value that 1 % exceed over time, and a map
+    whose dots grow with the median PGV at the place."""
+    table = exposure.table()
+    shown = table[table["median_mm_s"] >= FROM_MM_S].sort_values("median_mm_s")
+    first, last = exposure.catalogue.years
+    figure = Figure(figsize=(COLUMN_WIDTH, 1.8 * COLUMN_WIDTH), layout="constrained")
+    time, ground = figure.subplots(2, 1, height_ratios=(1, 1.3))
+    named = list(shown[::-1].head(_NAMED).itertuples())
+    _over_time(time, shown, named)
+    time.set_xlim(np.datetime64(f"{first}"), np.datetime64(f"{last + 1}"))
+    _on_a_map(ground, exposure.place, table, shown, named)
+    title = (f"Latitude {exposure.place.latitude:.4f}, longitude {exposure.place.longitude:.4f}: PGV "
+             f"({exposure.model.component}) of {len(table)} events, {first} to {last}, {len(shown)} of them with a "
+             f"median from {FROM_MM_S:g} mm/s",
+             "; ".join(f"{k}: {one.place} {one.time_utc[:4]}, M {one.magnitude:g}" for k, one in enumerate(named, 1)))
+    figure.suptitle("\n".join(fill(line, TITLE_CHARACTERS) for line in title), x=0.02, ha="left")
+    return figure
+
+
+def _over_time(ax, shown, named):
+    when = shown["time_utc"].to_numpy().astype("datetime64[s]")
+    ax.vlines(when, shown["median_mm_s"], shown["one_percent_mm_s"], color=MEDIUM, lw=0.5, zorder=1)
+    ax.plot(when, shown["median_mm_s"], "o", color=BLUE, ms=2.2, mew=0, zorder=2)
+    for number, event in enumerate(named, 1):
+        ax.annotate(f"{number}", (np.datetime64(event.time_utc), event.one_percent_mm_s), (0, 1.5), ha="center",
+                    textcoords="offset points")
+    ax.set(yscale="log", ylabel="PGV [mm/s]")
+    ax.set_ylim(bottom=FROM_MM_S)
+    ax.yaxis.set_major_formatter("{x:g}")
+    ax.legend(handles=[Line2D([], [], ls="", marker="o", color=BLUE, ms=2.2, label="median"),
+                       Line2D([], [], color=MEDIUM, lw=0.8, label="up to what is exceeded with 1 %")], ncols=2,
+              loc="lower left", bbox_to_anchor=(0, 1))
+
+
+def _on_a_map(ax, place, table, shown, named):
+    ax.plot(table["easting_rd_m"] / 1e3, table["northing_rd_m"] / 1e3, ".", color="0.8", ms=1, zorder=1)
+    ax.scatter(shown["easting_rd_m"] / 1e3, shown["northing_rd_m"] / 1e3, DOT_SIZE * shown["median_mm_s"], color=BLUE,
+               lw=0.3, edgecolor="white", alpha=0.8, zorder=2)
+    ax.plot(place.x_m / 1e3, place.y_m / 1e3, "*", color=VERMILLION, ms=8, mec=BLACK, mew=0.3, zorder=4, clip_on=False)
+    for number, event in enumerate(named, 1):
+        ax.annotate(f"{number}", (event.easting_rd_m / 1e3, event.northing_rd_m / 1e3), ha="center", va="center",
+                    color="white", fontsize=5, zorder=3,
+                    bbox={"boxstyle": "circle,pad=0.15", "facecolor": BLACK, "linewidth": 0})
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.grid(color=LIGHT, lw=0.5)
+    ax.set(xlabel="easting, RD [km]", ylabel="northing, RD [km]")
+    sizes = [pgv for pgv in (1, 2, 5, 20) if pgv <= 1.5 * table["median_mm_s"].max()]
+    ax.legend(handles=[Line2D([], [], ls="", marker="*", color=VERMILLION, ms=6, mec=BLACK, mew=0.3, label="the place"),
+                       Line2D([], [], ls="", marker=".", color="0.8", ms=2, label="weaker"),
+                       *(Line2D([], [], ls="", marker="o", color=BLUE, ms=np.sqrt(DOT_SIZE * pgv), mew=0,
+                                label=f"median {pgv:g} mm/s") for pgv in sizes)], loc="upper right", labelspacing=0.9)

@@ -1,0 +1,113 @@
+"""Picture of a wall before it is run: bricks, supports, masses, elastic joints, names of piers and spandrels."""
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+
+from damage.draw import style
+from damage.units import GRAVITY
+from damage.wall.courses import built_runs
+from damage.wall.geometry import body_corners, tributary_ends
+from damage.wall.lintel import lintel_courses
+
+TONNE, KILO = 1e3, 1e3
+GROUND_DEPTH = 0.06  # of the wall's height, drawn
+HIGHEST_NAME = 6  # courses above an opening in whose middle the spandrel's name stands at most
+_PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+_LABELS = 0.45  # [inch] that ticks and labels take beside and below
+
+
+@style.styled
+def wall_preview(wall, bodies, joints, supports=()):
+    """Figure of a wall in true scale.
+
+    wall: damage.Wall; bodies, joints: tables as of a Layout or a History (`damage.wall.geometry`); supports: (left,
+    right) [m] of the parts of the base that carry by themselves, none for one below all.
+    """
+    figure, ax = style.new_figure(1.0)
+    corners, is_cap = body_corners(bodies, np.zeros((len(bodies), 3))), bodies["course"].to_numpy() < 0
+    elastic = joints["elastic"].to_numpy(bool)
+    for chosen, face, edge in ((~is_cap, style.BRICK_COLOUR, "0.55"), (is_cap, style.CAP_COLOUR, style.DARK)):
+        ax.add_collection(PolyCollection(corners[chosen], facecolors=face, edgecolors=edge, linewidths=0.3))
+    ax.add_collection(LineCollection(tributary_ends(joints[elastic]), colors=style.GREEN, linewidths=0.6))
+    handles = [Patch(facecolor=style.BRICK_COLOUR, edgecolor="0.55", label="bricks"),
+               Patch(facecolor=style.GROUND_COLOUR,
+                     label="support" if len(supports) < 2 else f"{len(supports)} supports")]
+    if is_cap.any():
+        handles.append(Patch(facecolor=style.CAP_COLOUR, edgecolor=style.DARK, label="rigid masses"))
+    if elastic.any():
+        handles.append(Line2D([], [], color=style.GREEN, lw=0.6, label="elastic joints (lintel)"))
+    if wall.outline:
+        ax.plot(*zip(*wall.outline), color=style.PURPLE, lw=0.8, ls="--")
+        handles.append(Line2D([], [], color=style.PURPLE, lw=0.8, ls="--", label="outline"))
+    handles += _draw_floors(ax, wall)
+    _draw_ground(ax, wall, supports or ((0.0, wall.length),))
+    _name_parts(ax, wall)
+    points = np.vstack([corners.reshape(-1, 2), *([wall.outline] if wall.outline else [])])
+    highest, margin = points[:, 1].max(), 0.03 * max(wall.length, points[:, 1].max())
+    ax.set(xlim=(-margin, wall.length + margin), ylim=(-GROUND_DEPTH * wall.built_height, highest + 1.5 * margin),
+           aspect="equal", xlabel="x [m]", ylabel="z [m]")
+    ratio = (highest + 1.5 * margin + GROUND_DEPTH * wall.built_height) / (wall.length + 2 * margin)
+    figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS + 0.3)
+    figure.suptitle(title_of(wall, bodies, joints), x=0.02, ha="left")
+    style.legend_below(figure, handles, columns=3)
+    return figure
+
+
+def title_of(wall, bodies, joints):
+    """Two lines about a wall: name and sizes; bricks, joints, mass on top."""
+    n_bricks = int(np.sum(bodies["course"] >= 0))
+    kinds = joints["kind"].isin(("bed", "head"))
+    return (f"{wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.brick.thickness:.3g} m thick\n"
+            f"{n_bricks} bricks, {joints['length_m'][kinds].sum():.2f} m of joints, "
+            + (f"precompression {wall.precompression / 1e6:g} MPa" if wall.precompression else "no precompression"))
+
+
+def _draw_ground(ax, wall, supports):
+    """The supports below the wall."""
+    depth = GROUND_DEPTH * wall.built_height
+    for left, right in supports:
+        ax.add_patch(_box(left, -depth, right, 0.0, style.GROUND_COLOUR))
+
+
+def _draw_floors(ax, wall):
+    """Timber floors as lines with their masses, the masses of slabs; returns the legend's handles."""
+    for floor in wall.floors:
+        left, right = floor.span(wall)
+        level = floor.courses(wall)[1] * wall.brick.height
+        if floor.kind == "timber":
+            ax.plot([left, right], [level, level], color=style.VERMILLION, lw=1.6, solid_capstyle="butt")
+        ax.text((left + right) / 2, level, f"{floor.mass / TONNE:.3g} t ({floor.mass * GRAVITY / KILO:.3g} kN)",
+                color=style.VERMILLION, fontsize=5.5, ha="center", va="bottom", bbox=_PAPER)
+    timber = any(floor.kind == "timber" for floor in wall.floors)
+    return [Line2D([], [], color=style.VERMILLION, lw=1.6, label="timber floors")] if timber else []
+
+
+def _name_parts(ax, wall):
+    """P1, P2 ... on the piers of each row of openings, from the base upwards, S1, S2 ... on the spandrels above."""
+    h, named = wall.brick.height, {"color": style.BLUE, "fontsize": 7, "ha": "center", "va": "center",
+                                   "fontweight": "bold", "bbox": _PAPER}
+    piers = [(course, run) for course in _pier_courses(wall) for run in built_runs(wall, course)]
+    for number, (course, (left, right)) in enumerate(piers, start=1):
+        ax.text((left + right) / 2, (course + 0.5) * h, f"P{number}", **named)
+    above = sorted((*lintel_courses(wall, "elastic", one), one.left, one.right) for one in wall.openings)
+    spandrels = [one for one in above if one[1] > one[0]]
+    for number, (first, last, left, right) in enumerate(spandrels, start=1):
+        ax.text((left + right) / 2, (first + min(last, first + HIGHEST_NAME)) / 2 * h, f"S{number}", **named)
+
+
+def _pier_courses(wall):
+    """A course in the middle of each row of openings, upwards; openings of a row have courses in common.  The wall's
+    middle course where it has none."""
+    rows = []
+    for first, above in sorted(map(wall.opening_courses, wall.openings)):
+        if rows and first < rows[-1][1]:
+            rows[-1] = first, min(above, rows[-1][1])
+        else:
+            rows.append((first, above))
+    return [(first + above - 1) // 2 for first, above in rows or [(0, wall.courses)]]
+
+
+def _box(left, bottom, right, top, colour):
+    return Rectangle((left, bottom), right - left, top - bottom, facecolor=colour, edgecolor=style.DARK, linewidth=0.3)

@@ -1,0 +1,165 @@
+"""Earthquake catalogues: a CSV table, as the one that ships, or the text of an FDSN event service."""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from damage.checks import check_file
+from damage.csv_table import MOST_MB, MOST_ROWS, CsvTable
+from damage.errors import InputError
+from damage.exposure.places import NETHERLANDS_DEG, NETHERLANDS_RD_M, to_rd, within
+from damage.files import DATA, text_lines
+
+SHIPPED = DATA / "groningen" / "knmi_catalogue_1991_2022.csv"
+"""The catalogue that ships: its README says what it is."""
+MAGNITUDES = (-3.0, 10.0)
+_GRID, _DEGREES = ("easting_rd_m", "northing_rd_m"), ("latitude", "longitude")
+_FDSN = {"eventid": "id", "time": "time", "latitude": "latitude", "longitude": "longitude", "magnitude": "magnitude",
+         "eventlocationname": "place"}  # heading in lower case: name here; others are passed over
+_FDSN_NEEDED = ("time", "latitude", "longitude", "magnitude")
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """Events in the order of time, read-only arrays of one length.
+
+    time: datetimes, UTC; magnitude [-]; x_m, y_m: epicentres in RD [m]; place, id: text; source: path of the file.
+    """
+
+    time: np.ndarray
+    magnitude: np.ndarray
+    x_m: np.ndarray
+    y_m: np.ndarray
+    place: np.ndarray
+    id: np.ndarray
+    source: str
+
+    def __len__(self):
+        return len(self.time)
+
+    @property
+    def years(self):
+        """Year of the first and of the last event."""
+        return self.time[0].year, self.time[-1].year
+
+    def between(self, first, last):
+        """The events of the years `first` to `last`, both included, None for the catalogue's own.  Raises InputError
+        for years that it does not have, or that hold no event."""
+        begins, ends = self.years
+        first, last = begins if first is None else first, ends if last is None else last
+        for option, year in (("--from", first), ("--to", last)):
+            if not begins <= year <= ends:
+                raise InputError(f"{option} {year}: the first event of {self.source} is of {begins}, its last of "
+                                 f"{ends}; expected a year from {begins} to {ends}")
+        kept = np.array([first <= time.year <= last for time in self.time])
+        if not kept.any():
+            raise InputError(f"--from {first} --to {last}: {self.source} has no event in these years; expected a first "
+                             "year before the last, and a longer time")
+        return self.at(kept)
+
+    def at(self, which):
+        """The events at an index, a slice or flags."""
+        return Catalogue(*(getattr(self, name)[which] for name in _COLUMNS), self.source)
+
+
+_COLUMNS = "time", "magnitude", "x_m", "y_m", "place", "id"
+
+
+def read_catalogue(path=SHIPPED):
+    """Read a Catalogue.  Raises InputError, with the line, where the file does not fit.
+
+    CSV: columns date_utc, time_utc, magnitude and either easting_rd_m, northing_rd_m or latitude, longitude; depth_km,
+    field, place, knmi_id may be there.  FDSN text: a first line #EventID|Time|Latitude|Longitude|...|Magnitude.
+    Depths are not used.
+    """
+    check_file(path, "a catalogue of earthquakes (CSV or FDSN text)", MOST_MB)
+    with open(path, "rb") as file:
+        fdsn = b"|" in file.readline()
+    return (_read_fdsn if fdsn else _read_csv)(path)
+
+
+def _read_csv(path):
+    table = CsvTable(path, ("date_utc", "time_utc", "magnitude"), (*_GRID, *_DEGREES, "depth_km", "field", "place",
+                                                                    "knmi_id"))
+    pairs = [pair for pair in (_GRID, _DEGREES) if all(name in table.text for name in pair)]
+    if not pairs:
+        raise InputError(f"{path}: no epicentres; expected the columns {' and '.join(_GRID)} [m], or "
+                         f"{' and '.join(_DEGREES)} [degrees]")
+    first, second, magnitude = (_known(table, name) for name in (*pairs[0], "magnitude"))
+    words = zip(table.words("date_utc"), table.words("time_utc"))
+    times = [_time(f"{date}T{time}", f"{path} line {line}") for (date, time), line in zip(words, table.line)]
+    return _catalogue(path, table.line, times, magnitude, (first, second), pairs[0] == _GRID, table.words("place"),
+                      table.words("knmi_id"))
+
+
+def _known(table, name):
+    """A column of numbers, none of which is missing."""
+    values = table.numbers(name)
+    table.refuse(np.isnan(values), f"no {name}; expected a number")
+    return values
+
+
+def _read_fdsn(path):
+    lines = text_lines(path, Path(path).read_bytes(), 2 * MOST_ROWS, errors="replace")
+    heads = [_FDSN.get(word.strip().lower()) for word in lines[0].lstrip("#").split("|")]
+    if missing := [name for name in _FDSN_NEEDED if name not in heads]:
+        raise InputError(f"{path} line 1: no column {', '.join(missing)}; expected FDSN text that begins with "
+                         "#EventID|Time|Latitude|Longitude|Depth/km|Author|...|Magnitude|...")
+    rows, numbers = [], []
+    for number, line in enumerate(lines[1:], 2):
+        if not line.strip() or line.startswith("#"):
+            continue
+        cells = [cell.strip() for cell in line.split("|")]
+        if len(cells) != len(heads):
+            raise InputError(f"{path} line {number}: {len(cells)} cells, the first line has {len(heads)}: expected as "
+                             "many, with | between")
+        rows.append({"place": "", "id": "", **dict(zip(heads, cells))})
+        numbers.append(number)
+    if not rows:
+        raise InputError(f"{path}: no event; expected at least one line below the first")
+    where = [f"{path} line {number}" for number in numbers]
+    times = [_time(row["time"], place) for row, place in zip(rows, where)]
+    magnitude, latitude, longitude = (
+        np.array([_number(row[name], name, place) for row, place in zip(rows, where)])
+        for name in ("magnitude", "latitude", "longitude"))
+    return _catalogue(path, numbers, times, magnitude, (latitude, longitude), False,
+                      *(np.array([row[name] for row in rows], object) for name in ("place", "id")))
+
+
+def _catalogue(path, lines, times, magnitude, epicentres, in_grid, place, identifier):
+    """A Catalogue of columns, after a check of their ranges; lines: numbers of the file's lines."""
+    least, most = MAGNITUDES
+    bounds, (first, second) = (NETHERLANDS_RD_M, _GRID) if in_grid else (NETHERLANDS_DEG, _DEGREES)
+    outside = ~within(bounds, *epicentres)
+    for wrong, problem in (
+            ((magnitude < least) | (magnitude > most), f"expected a magnitude from {least:g} to {most:g}"),
+            (outside, f"epicentre outside the Netherlands; expected {first} from {bounds[0][0]:g} to {bounds[0][1]:g} "
+             f"and {second} from {bounds[1][0]:g} to {bounds[1][1]:g}")):
+        if wrong.any():
+            raise InputError(f"{path} line {lines[int(np.argmax(wrong))]}: {problem}; correct it")
+    x_m, y_m = epicentres if in_grid else to_rd(*epicentres)
+    columns = np.array(times, object), magnitude, x_m, y_m, place, identifier
+    order = sorted(range(len(times)), key=times.__getitem__)
+    for column in (columns := tuple(np.asarray(column)[order] for column in columns)):
+        column.setflags(write=False)
+    return Catalogue(*columns, str(path))
+
+
+def _time(words, where):
+    try:
+        time = datetime.fromisoformat(words.strip())
+    except ValueError:
+        raise InputError(f"{where}: time {words!r}; expected such as 2018-01-08T14:00:52") from None
+    return time.astimezone(UTC) if time.tzinfo else time.replace(tzinfo=UTC)
+
+
+def _number(word, name, where):
+    try:
+        value = float(word)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise InputError(f"{where}: {name} = {word!r}; expected a number")
+    return value

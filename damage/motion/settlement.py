@@ -1,0 +1,139 @@
+"""Settlement of the ground below a wall: profiles, and how the supports follow them."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from damage.checks import check_file, check_range
+from damage.errors import InputError, one_line
+from damage.motion.columns import is_number
+from damage.motion.drive import Drive
+
+PROFILES = ("hogging", "sagging", "tilt", "knick")
+DISTORTIONS = (1e-7, 0.02)
+"""Least and largest distortion [-]: more than 1/50 is a wall that is pulled down."""
+MOST_M, MOST_POINTS = 1.0, 1000
+"""Of a profile from a file: largest displacement [m] and number of points."""
+SHORTEST_S, FASTEST_M_S = 1.0, 5e-3
+"""Least duration [s] and largest velocity of the ground [m/s]: slow enough to be quasi-static."""
+_EDGE_M = 1e-6
+
+
+@dataclass(frozen=True)
+class Settlement:
+    """Vertical displacement of the ground along the wall, which grows smoothly from zero.
+
+    profile: one of PROFILES, or the name of a file; distortion [-]: angular distortion of a named profile, with the
+    length L of the wall (Burland and Wroth 1974):
+    "hogging", "sagging": a parabola, largest relative deflection over L / 2, so that its deflection ratio is half of
+        it and its slope at the ends twice of it; in hogging the ends settle, in sagging the middle;
+    "tilt": rotation of the whole base about its left end, finite, the right end settles;
+    "knick": the right half tilts by that angle, the left half rests.
+    x_m, uz_m: (n,) points of a profile from a file [m], upwards positive, straight lines between them.
+
+    J. B. Burland, C. P. Wroth: Settlement of buildings and associated damage, Proc. Conf. Settlement of Structures,
+    Cambridge, 1974, 611-654.
+    """
+
+    profile: str
+    distortion: float | None = None
+    x_m: tuple[float, ...] = ()
+    uz_m: tuple[float, ...] = ()
+
+    def __post_init__(self):
+        if not self.x_m:
+            if self.profile not in PROFILES:
+                raise InputError(f"--settle {self.profile}: expected {', '.join(PROFILES)}, or a CSV file with columns "
+                                 "x_m,uz_m; correct it")
+            check_range("--distortion", self.distortion, *DISTORTIONS)
+            return
+        if self.distortion is not None:
+            raise InputError(f"--distortion {self.distortion:g} beside the profile {self.profile}: expected none, as "
+                             "the file says how far the ground settles; leave it out")
+        _check_points(self.profile, self.x_m, self.uz_m)
+
+    @property
+    def name(self):
+        """Name fit for a file's name."""
+        return f"{self.profile}-{self.distortion:.4g}" if not self.x_m else "".join(
+            c if c.isalnum() or c in "-_" else "-" for c in self.profile)
+
+    def check_length(self, length):
+        """Raise InputError where a profile from a file does not reach along a wall of this length [m]."""
+        if self.x_m and (self.x_m[0] > _EDGE_M or self.x_m[-1] < length - _EDGE_M):
+            raise InputError(f"{self.profile}: the profile reaches from x = {self.x_m[0]:g} to {self.x_m[-1]:g} m, the "
+                             f"wall from 0 to {length:g} m; expected points along all of it; add them")
+
+    def vertical(self, x, length):
+        """Final vertical displacement (n,) [m] at x (n,) [m] of a wall of this length [m]."""
+        x, half = np.asarray(x, float), length / 2
+        if self.x_m:
+            return np.interp(x, self.x_m, self.uz_m)
+        if self.profile == "tilt":
+            return -x * math.sin(self.distortion)
+        if self.profile == "knick":
+            return -self.distortion * np.maximum(x - half, 0.0)
+        deflection = self.distortion * half * (1 - (x / half - 1)**2)
+        return deflection - self.distortion * half if self.profile == "hogging" else -deflection
+
+    def displacement(self, time_s, supports):
+        """Displacement of damage.wall.supports.Supports (n, n_supports, 3) [m, m, rad] at times (n,) [s] since its
+        begin; each support follows the chord of the profile over its part of the base."""
+        left, right, length = supports.left, supports.right, supports.right[-1]
+        time_s = np.clip(np.asarray(time_s, float) / self.moving_s(length), 0.0, 1.0)
+        share = ((1 - np.cos(math.pi * time_s)) / 2)[:, np.newaxis]
+        if self.profile == "tilt" and not self.x_m:
+            angle, x = -self.distortion * share, supports.x
+            return np.stack([x * -2 * np.sin(angle / 2)**2, x * np.sin(angle), angle + 0 * x], axis=-1)
+        ends = self.vertical(left, length), self.vertical(right, length)
+        up, chord = (ends[0] + ends[1]) / 2, (ends[1] - ends[0]) / (right - left)
+        return np.stack([0 * share * up, share * up, share * np.arctan(chord)], axis=-1)
+
+    def velocities(self, interval_s, n, supports):
+        """Velocities of Supports in the first n intervals (n, n_supports, 3) [m/s, m/s, rad/s]."""
+        return Drive(supports=lambda time_s, _: self.displacement(time_s, supports)).support_velocities(
+            interval_s, n, supports.x)
+
+    def moving_s(self, length):
+        """Time for which the ground below a wall of this length [m] moves [s]: at most at FASTEST_M_S."""
+        largest = np.abs(self.vertical(self.x_m or np.array([0, length / 2, length]), length)).max()
+        return max(SHORTEST_S, math.pi / 2 * float(largest) / FASTEST_M_S)
+
+    def as_dict(self):
+        """Everything that defines it, fit for JSON."""
+        return {"profile": self.profile, "distortion": self.distortion, "x_m": list(self.x_m),
+                "uz_m": list(self.uz_m)}
+
+
+def _check_points(profile, x, up):
+    if len(x) != len(up) or not 2 <= len(x) <= MOST_POINTS:
+        raise InputError(f"{profile}: a profile of {len(x)} points; expected 2 to {MOST_POINTS}, x_m and uz_m of each")
+    for value in up:
+        check_range(f"{profile}: uz_m [m]", value, -MOST_M, MOST_M)
+    if not np.all(np.diff(x) > 0):
+        raise InputError(f"{profile}: x_m does not rise from point to point; sort them, one row each")
+    if not any(up):
+        raise InputError(f"{profile}: uz_m is zero at every point; expected ground that moves; correct it")
+
+
+def read_profile(path):
+    """Settlement by a CSV file with the columns x_m and uz_m, upwards positive; raises InputError."""
+    path = check_file(path, "a settlement profile (CSV)", 1)
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is no text; expected a CSV file with columns x_m,uz_m") from error
+    rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.split("#")[0].strip()]
+    if not rows or rows[0][1].replace(" ", "") != "x_m,uz_m":
+        raise InputError(f"{path}: expected the columns x_m,uz_m in its first line; name them there")
+    points = []
+    for number, line in rows[1:]:
+        cells = line.split(",")
+        if len(cells) != 2 or not all(is_number(cell) and math.isfinite(float(cell)) for cell in cells):
+            raise InputError(f"{path}: line {number}: {one_line(line)[:80]!r}; expected two numbers, x_m,uz_m")
+        points.append(tuple(map(float, cells)))
+    x, up = zip(*points) if points else ((), ())
+    if not points:
+        raise InputError(f"{path}: no points; expected 2 to {MOST_POINTS}, a row x_m,uz_m each")
+    return Settlement(path.name, None, x, up)

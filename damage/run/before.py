@@ -1,0 +1,114 @@
+"""What a wall went through before a run: the state at the end of another run, and cracks that were surveyed."""
+
+import hashlib
+import io
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.lib.recfunctions import repack_fields
+
+from damage.errors import InputError, warn
+from damage.history.reader import read_history
+from damage.history.schema import STATE
+from damage.history.writer import layout_tables
+from damage.measure.crack_file import read_cracks
+from damage.measure.crack_mapping import cracked_joints
+from damage.measure.cracks import ENDS
+
+KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j"
+"""Of the Instants at the first run's time zero, from which displacements and energies count."""
+
+
+# --- the end of another run -----------------------------------------------------------------------------
+
+def as_bytes(tables):
+    """The bytes (n,) of {name: array}, a NumPy archive without padding between fields: equal for equal values."""
+    file = io.BytesIO()
+    np.savez_compressed(file, **{name: repack_fields(table) for name, table in tables.items()})
+    return np.frombuffer(file.getvalue(), "u1")
+
+
+def read_state(path, layout, model):
+    """State of the solver, {name: array}, at the end of the run with the history `path`.
+
+    layout: damage.wall.layout.Layout of the wall that continues; model: digest of the model's code.  Raises InputError
+    where the history is none, is not complete, is of another wall or another version of the model, or has no state.
+    """
+    history = read_history(path)
+    if not history.complete or history.collapsed_at_s is not None:
+        how = "collapsed" if history.complete else history.status
+        raise InputError(f"--continue {path}: its run is {how}; expected a complete run of a wall that stands; run it "
+                         "again")
+    made_by = history.versions.get("model")
+    if made_by != model:
+        raise InputError(f"--continue {path}: made by another version of the model ({made_by}, this is {model}), whose "
+                         "state has another meaning; run the first half again with this one")
+    with h5py.File(path, "r") as file:
+        wanted = {f"{group}/{name}": values for group, columns in layout_tables(layout).items()
+                  for name, values in columns.items()}
+        other = [name for name, values in wanted.items() if not np.array_equal(file[name][()], values)]
+        if other:
+            raise InputError(f"--continue {path}: the history of another wall, {history.wall}: {other[0]} differs from "
+                             f"that of {layout.wall.name}; expected the same wall, model options, --scatter and "
+                             "--seed; give them")
+        packed = file[STATE][()] if STATE in file else np.zeros(0, "u1")
+    if len(packed) == 0:
+        raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
+                         "of this version without --new-contacts; run it again")
+    with np.load(io.BytesIO(packed.tobytes()), allow_pickle=False) as archive:
+        return dict(archive)
+
+
+def zero_of(state, now):
+    """Instants `now` with the values at the first run's time zero in place of KEPT."""
+    return now._replace(**{name: state[f"zero_{name}"] for name in KEPT})
+
+
+def with_zero(state, zero):
+    """A solver's state with the KEPT values of Instants at time zero."""
+    return state | {f"zero_{name}": np.asarray(getattr(zero, name)) for name in KEPT}
+
+
+# --- surveyed cracks ---------------------------------------------------------------------------------------
+
+@dataclass(frozen=True)
+class Surveyed:
+    """Cracks of a file in the format of docs/reference/crack-format.md, at its last load level; file: name without
+    its folder; sha256: of the file; stretches: straight parts, (x, z of one end, x, z of the other) each [m]."""
+
+    file: str
+    sha256: str
+    stretches: tuple[tuple[float, ...], ...]
+
+    @classmethod
+    def read(cls, path):
+        """The cracks of a file; raises InputError."""
+        last = read_cracks(path)[-1].stretches
+        return cls(Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest(),
+                   tuple(map(tuple, last[list(ENDS)].to_numpy(float).tolist())))
+
+
+def with_cracks(layout, cracks):
+    """The layout whose contact points along Surveyed cracks have no bond: they carry compression and friction alone.
+
+    A contact point is cracked where a crack runs along at least half of its tributary length.  Elastic ones stay as
+    they are, with a warning.  Raises InputError where no crack lies on a joint.
+    """
+    found, contacts = cracked_joints(np.reshape(cracks.stretches, (-1, 2, 2)), layout), layout.contacts
+    if len(found) == 0:
+        raise InputError(f"--cracked {cracks.file}: none of its cracks runs along a joint of wall {layout.wall.name}; "
+                         "expected places on this wall, x from its left end and z from its base [m]; look at them")
+    if elastic := int(contacts.elastic[found].sum()):
+        warn(f"--cracked {cracks.file}: {elastic} of {len(found)} contact points are elastic by --lintel and stay so")
+    failed = np.zeros(len(contacts), bool)
+    failed[found] = True
+    failed &= ~contacts.elastic
+    fibres = layout.fibres and _without_bond(layout.fibres, failed[layout.fibres.contact])
+    return replace(layout, contacts=_without_bond(contacts, failed), fibres=fibres)
+
+
+def _without_bond(table, failed):
+    return replace(table, **{name: np.where(failed, 0.0, getattr(table, name))
+                             for name in ("tensile_strength", "cohesion")})

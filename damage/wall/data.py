@@ -1,0 +1,121 @@
+"""A wall as data: a TOML file with the records of a wall, which is read and not executed.
+
+    #:schema ./wall.schema.json
+    name = "shed"
+    length = 3.08                       # keys and units of damage.Wall
+    height = 2.7
+    precompression = 0
+    masonry = { material = "clay-standard", format = "waalformaat" }    # or tables [brick] and [joint]
+
+    [[openings]]
+    left = 1.1
+    width = 0.88
+    height = 2.1
+
+    [[floors]]
+    level = 2.7
+    mass = 800
+"""
+
+import tomllib
+from dataclasses import MISSING, fields
+
+from damage.checks import check_file
+from damage.errors import InputError, did_you_mean
+from damage.wall.floors import KINDS_OF_FLOORS, Floor
+from damage.wall.materials import FORMATS, MATERIALS, masonry
+from damage.wall.parameters import Brick, Joint, Opening, Wall
+
+MOST_MB = 1
+MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick format", "mortar": "of joints [m]",
+                "wythes": "bricks through the thickness", "density": "[kg/m3]"}
+"""Keys of the table `masonry`, arguments of `damage.masonry`, which others of its fields come from [joint]."""
+_TABLES = {"brick": Brick, "joint": Joint}
+_LISTS = {"openings": Opening, "floors": Floor}
+DRAFT = "http://json-schema.org/draft-07/schema#"
+
+
+def read_wall(path):
+    """The damage.Wall of a TOML file; InputError, without the path, for anything that makes none."""
+    check_file(path, "a wall as TOML", MOST_MB)
+    try:
+        with open(path, "rb") as file:
+            table = tomllib.load(file)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"not TOML ({error}): expected key = value lines and tables; correct the file") from error
+    return wall_from(table)
+
+
+def wall_from(table):
+    """The damage.Wall of a table {key: value} as a TOML file has it."""
+    given = dict(table)
+    made = _masonry(given) if "masonry" in given else {}
+    for name, kind in _TABLES.items():
+        if name in given:
+            made[name] = _record(f"[{name}]", kind, given.pop(name))
+    for name, kind in _LISTS.items():
+        if name in given:
+            if not isinstance(given[name], list):
+                raise InputError(f"{name} is no list: expected tables [[{name}]]; double the brackets")
+            made[name] = [_record(f"[[{name}]] {number}", kind, one) for number, one in enumerate(given.pop(name), 1)]
+    return _record("the wall", Wall, given | made)
+
+
+def _masonry(given):
+    """{"brick", "joint"} of the table `masonry`, which is taken out of the given ones with [joint]."""
+    chosen, joint = given.pop("masonry"), given.pop("joint", {})
+    if "brick" in given:
+        raise InputError("[brick] beside masonry: expected one of them; leave one out")
+    if not isinstance(chosen, dict) or not {"material", "format"} <= set(chosen):
+        raise InputError('masonry: expected { material = "...", format = "..." }; give both')
+    _refuse_unknown("masonry", chosen, MASONRY_KEYS)
+    if not isinstance(joint, dict):
+        raise InputError("joint: expected a table [joint]; correct it")
+    _refuse_unknown("[joint]", joint, [one.name for one in fields(Joint)])
+    return masonry(chosen["material"], chosen["format"],
+                   **{key: value for key, value in chosen.items() if key not in ("material", "format")}, **joint)
+
+
+def _record(what, kind, table):
+    """A record of a table; InputError for keys that it does not have, and for those that are missing."""
+    if not isinstance(table, dict):
+        raise InputError(f"{what} = {table!r}: expected a table of key = value lines; correct it")
+    names = [one.name for one in fields(kind)]
+    _refuse_unknown(what, table, [*names, *(["masonry"] if kind is Wall else [])])
+    missing = [one.name for one in fields(kind)
+               if one.default is MISSING and one.default_factory is MISSING and one.name not in table]
+    if missing:
+        raise InputError(f"{what} lacks {', '.join(missing)}: expected a value for each; give it")
+    return kind(**table)
+
+
+def _refuse_unknown(what, table, known):
+    for name in table:
+        if name not in known:
+            raise InputError(f"{what} has the key {name}: expected one of {', '.join(known)}"
+                             f"{did_you_mean(name, known)}")
+
+
+def wall_schema():
+    """The JSON Schema of a wall as TOML, a dictionary fit for JSON: keys, types and choices; `read_wall` says what
+    cannot be built."""
+    chosen = {"material": {"enum": list(MATERIALS)}, "format": {"enum": list(FORMATS)}, "mortar": {"type": "number"},
+              "wythes": {"type": "integer"}, "density": {"type": "number"}}
+    special = {
+        "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,100}$"}, "base_course": {"enum": ["whole", "half"]},
+        "outline": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2,
+                                               "maxItems": 2}},
+        "masonry": {"type": "object", "additionalProperties": False, "required": ["material", "format"],
+                    "properties": {key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()}},
+        "kind": {"enum": list(KINDS_OF_FLOORS)},
+        **{name: _object(kind, {}) for name, kind in _TABLES.items()}}
+    special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
+    return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")
+
+
+def _object(kind, special, *more):
+    """Schema of a record: numbers but for what is special; more: keys besides its fields."""
+    required = [one.name for one in fields(kind) if one.default is MISSING and one.default_factory is MISSING]
+    keys = [*(one.name for one in fields(kind)), *more]
+    return {"type": "object", "additionalProperties": False, "required": required,
+            "properties": {key: special.get(key, {"type": "number"}) for key in keys}}

@@ -1,0 +1,115 @@
+"""What a wall went through before a run: runs that continue another, joints that start without a bond."""
+
+import h5py
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+import damage
+from damage.errors import InputError
+from damage.history.reader import read_history
+from damage.measure.crack_file import read_cracks
+from damage.reference.session import run_reference
+from damage.run.before import Surveyed, with_cracks
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Opening, Wall
+
+SMALL = Wall("small", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)])
+SHAKE = {"harmonic": (0.06, 0.6), "rest": 0.1}
+SOFT = damage.Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0)
+
+
+def halves(folder, wall, **options):
+    """Histories of one run of two events, and of a run of the second from the end of the first."""
+    shake = SHAKE | options
+    whole = damage.run(wall, sequence=(1, 0.6), out=folder / "whole.h5", **shake)
+    damage.run(wall, out=folder / "first.h5", **shake)
+    if shake.pop("settle", None):  # once
+        shake |= {"distortion": None, "supports": "bricks"}
+    second = damage.run(wall, sequence=(0.6,), out=folder / "second.h5", **shake, **{"continue": folder / "first.h5"})
+    return whole, second
+
+
+@pytest.mark.parametrize("wall, options", [
+    (SMALL, {}), (SMALL, {"step": "plain"}), (SMALL, {"settle": "hogging", "distortion": 1 / 500}),
+    (Wall("soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT), {}),
+    (Wall("fibres", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT), {"fibres": 8, "beta": 0.0}),
+], ids=["brittle", "plain", "settled", "soft", "fibres"])
+def test_a_run_that_continues_is_the_second_half_bit_for_bit(tmp_path, wall, options):
+    whole, second = halves(tmp_path, wall, **({"rest": 0.05} | options))
+    n = len(second.series)
+    assert n > 50 and whole.series["shock"].iloc[-n + 1] == 2
+    for name in second.series.columns.drop(["time_s", "shock", "stage"]):
+        # The first sample is the last one of the first half.
+        assert_array_equal(second.series[name].to_numpy()[1:], whole.series[name].to_numpy()[1 - n:], name)
+    for name in ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "support_force"):
+        assert_array_equal(getattr(second, name), getattr(whole, name)[-n:], name)
+    assert_array_equal(second.displacement[-1], whole.displacement[-1])
+    assert second.opening_m.max() > 0 and len(second.events) == (whole.events["time_s"] > -second.series[
+        "time_s"].iloc[-1] + whole.series["time_s"].iloc[-1] + 1e-9).sum()
+
+
+def test_a_settled_wall_is_shaken_later(tmp_path):
+    """Without a motion the first half ends at time zero, where the second begins."""
+    damage.run(SMALL, settle="hogging", distortion=1 / 500, lintel=2, out=tmp_path / "settled.h5")
+    later = damage.run(SMALL, supports="bricks", lintel=2, **SHAKE, **{"continue": tmp_path / "settled.h5"})
+    assert later.series["time_s"].iloc[0] == 0.0 and later.opening_m[0].max() > 1e-4
+    assert later.support_displacement[-1][:, 1].min() < -5e-4
+
+
+def test_a_history_of_another_wall_is_one_line(tmp_path, capsys):
+    damage.run(SMALL, **SHAKE, out=tmp_path / "first.h5")
+    other = Wall("other", 1.125, 0.6, [Opening(0.3375, 0.45, 0.225, 0.15)])
+    with pytest.raises(InputError, match="the history of another wall, small: joints/"):
+        damage.run(other, **SHAKE, **{"continue": tmp_path / "first.h5"})
+    with pytest.raises(InputError, match="joints/cohesion_pa|joints/tensile_strength_pa"):
+        damage.run(SMALL, **SHAKE, scatter=0.01, seed=1, **{"continue": tmp_path / "first.h5"})
+
+
+def test_a_history_without_a_state_is_one_line(tmp_path):
+    first = tmp_path / "first.h5"
+    damage.run(SMALL, **SHAKE, out=first, new_contacts=True)
+    assert read_history(first).complete
+    with h5py.File(first) as file:
+        assert len(file["state/solver"]) == 0
+    with pytest.raises(InputError, match="it holds no state of its solver"):
+        damage.run(SMALL, **SHAKE, **{"continue": first})
+
+
+# --- surveyed cracks ---------------------------------------------------------------------------------------
+
+CRACK = "crack,point,x_m,z_m,width_mm\n1,1,0,0.3,1\n1,2,0.3375,0.3,1\n"
+"""A bed joint through the left pier, at mid-height of the opening."""
+
+
+def test_joints_along_surveyed_cracks_have_no_bond(tmp_path):
+    path = tmp_path / "cracks.csv"
+    path.write_text(CRACK)
+    layout = lay_out(SMALL)
+    cracked = with_cracks(layout, Surveyed.read(path)).contacts
+    failed = np.flatnonzero((cracked.tensile_strength == 0) & (cracked.cohesion == 0))
+    expected = np.flatnonzero((layout.contacts.z == layout.contacts.z[failed][0]) & (layout.contacts.x < 0.3375)
+                              & ~layout.contacts.upright)
+    assert_array_equal(failed, expected)
+    assert layout.contacts.z[failed[0]] == pytest.approx(0.3)
+    assert read_cracks(path)[-1].length_m.sum() == pytest.approx(0.3375)
+
+
+def test_a_cracked_wall_is_weaker(tmp_path):
+    """The part of a slender wall above a crack rocks where the intact wall is elastic."""
+    path = tmp_path / "cracks.csv"
+    path.write_text(CRACK.replace("0.3375", "0.45"))
+    slender = Wall("slender", 0.45, 1.5, precompression=0.0)
+    shake = {"harmonic": (0.2, 0.5), "rest": 0.05}
+    intact, cracked = damage.run(slender, **shake), damage.run(slender, cracked=path, **shake)
+    joint = np.isclose(cracked.joints["z_m"], 0.3) & (cracked.joints["kind"] == "bed")
+    assert intact.is_intact and joint.sum() == 8 and cracked.opening_m[:, joint].max() > 1e-4
+    assert cracked.parameters["cracked"]["file"] == "cracks.csv"
+
+
+def test_cracks_beside_the_wall_are_one_line(tmp_path, capsys):
+    path = tmp_path / "cracks.csv"
+    path.write_text(CRACK.replace("0.3,1", "30.0,1"))
+    assert run_reference(["benchmarks/small_wall.py", "--cracked", str(path), "--out", str(tmp_path / "a.h5")]) == 2
+    assert "none of its cracks runs along a joint" in capsys.readouterr().err
+    assert not (tmp_path / "a.h5").exists()

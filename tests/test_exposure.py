@@ -1,0 +1,331 @@
+"""Exposure of an address: places, catalogues, the ground-motion model, and what they give together."""
+
+import json
+import math
+import sys
+from decimal import Decimal, getcontext
+from types import MappingProxyType
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import one_line_error
+from scipy import stats
+
+from damage.__main__ import main
+from damage.draw.exposure import exposure_picture
+from damage.exposure import places
+from damage.exposure.catalogue import SHIPPED, read_catalogue
+from damage.exposure.exposure import COLUMNS, LEVELS_MM_S, Exposure
+from damage.exposure.ground_motion import GroundMotionModel, model_named, model_names
+from damage.exposure.models.bommer_2022 import Model
+from damage.exposure.residuals import station_residuals
+
+getcontext().prec = 30
+GARSTHUIZEN, LOPPERSUM, DELFZIJL = (53.36786, 6.71359), (53.3325, 6.7475), (53.3300, 6.9180)
+
+
+@pytest.fixture(autouse=True)
+def without_pyproj(request, monkeypatch):
+    """Figures are those of the formulae, which are everywhere; pyproj moves them by up to 2e-4 of their size."""
+    if "pyproj" not in request.node.name:
+        monkeypatch.setitem(sys.modules, "pyproj", None)
+
+
+@pytest.fixture(scope="module")
+def catalogue():
+    return read_catalogue()
+
+
+@pytest.fixture(scope="module")
+def garsthuizen(catalogue):
+    return Exposure(places.at(*GARSTHUIZEN), catalogue, Model())
+
+
+def by_hand(coefficients, magnitude, epicentral_km, vs30=200):
+    """PGV [mm/s] of the published equation in decimals, with plain branches in place of limits."""
+    c = [Decimal(str(one)) for one in coefficients]
+    size, far = Decimal(str(magnitude)), Decimal(str(epicentral_km))
+    r = (far**2 + 9 + (2 * (c[5] + c[6] * size)).exp()).sqrt()
+    ln = c[0] + c[1] * size + c[7] * (Decimal(vs30) / 200).ln()
+    if r <= 7:
+        ln += c[2] * r.ln()
+    elif r <= 12:
+        ln += c[2] * Decimal(7).ln() + c[3] * (r / 7).ln()
+    else:
+        ln += c[2] * Decimal(7).ln() + c[3] * (Decimal(12) / 7).ln() + c[4] * (r / 12).ln()
+    return float(10 * ln.exp())
+
+
+class TestModel:
+    # As printed in the publication's table, typed a second time.
+    PRINTED = MappingProxyType({
+               "GEO": "-3.9045 2.3004 -2.6496 -1.0908 -2.0089 -3.3276 1.1513 -0.2977",
+               "LRG": "-3.3996 2.3258 -2.8522 -1.0151 -2.1002 -3.4407 1.1513 -0.3295",
+               "MAX": "-3.2738 2.3343 -2.8857 -1.0060 -2.1016 -3.3940 1.1513 -0.3354"})
+
+    @pytest.mark.parametrize("component", PRINTED)
+    @pytest.mark.parametrize("case", [(1.5, 0), (2.4, 4.2), (3.4, 2.554), (3.6, 8.5), (3.4, 11.69), (3.5, 24)])
+    @pytest.mark.parametrize("vs30", [200, 160, 320])
+    def test_median_by_hand(self, component, case, vs30):
+        expected = by_hand(self.PRINTED[component].split(), *case, vs30)
+        assert float(Model(component).median_mm_s(*case, vs30)) == pytest.approx(expected, rel=1e-12)
+
+    def test_one_value_with_a_pocket_calculator(self):
+        """M 3.4 above the hypocentre, LRG: exp(2 (-3.4407 + 1.1513 x 3.4)) = exp(0.94744) = 2.579097; R = sqrt(9 +
+        2.579097) = 3.402807; ln PGV = -3.3996 + 7.90772 - 2.8522 x 1.224601 = 1.015315."""
+        assert float(Model().median_mm_s(3.4, 0, 200)) == pytest.approx(10 * math.exp(1.015315), rel=2e-6)
+
+    def test_median_is_continuous_where_the_attenuation_changes(self):
+        model = Model()
+        near = math.exp(2 * (-3.4407 + 1.1513 * 3.0)) + 9
+        for distance in (7, 12):
+            at = math.sqrt(distance**2 - near)
+            below, above = model.median_mm_s(3.0, [at - 1e-9, at + 1e-9], 200)
+            assert below == pytest.approx(above, rel=1e-8)
+
+    def test_values_exceeded(self):
+        model = Model()
+        assert model.deviations.sigma == pytest.approx(math.sqrt(0.2448**2 + 0.2406**2 + 0.4569**2), rel=1e-12)
+        rare = model.exceeded_mm_s(2.0, 0.01)
+        assert rare == pytest.approx(2 * math.exp(2.3263479 * model.deviations.sigma), rel=1e-7)
+        assert model.exceedance(2.0, rare) == pytest.approx(0.01, rel=1e-9)
+        assert model.exceedance(2.0, 2.0) == 0.5
+
+    @pytest.mark.parametrize("component", Model.components)
+    def test_draws_have_the_published_deviations_and_correlations(self, component):
+        """100 000 draws of two events at two sites; tolerances: five standard errors of a standard deviation,
+        s / sqrt(2 n), and of a correlation, (1 - r²) / sqrt(n)."""
+        n, model = 100_000, Model(component)
+        event, site, within = model.draw(np.random.default_rng(1), n, 2, 2)
+        tau, phi_s2s, phi_ss = model.deviations
+        for terms, scale in ((event, tau), (site, phi_s2s), (within, phi_ss)):
+            assert np.std(terms.reshape(n, -1), axis=0) == pytest.approx(scale, abs=5 * scale / math.sqrt(2 * n))
+        total = event + site + within
+        variance = model.deviations.sigma**2
+        assert total.std(axis=0) == pytest.approx(math.sqrt(variance), abs=5 * math.sqrt(variance / (2 * n)))
+        for one, other, shared in ((total[:, 0, 0], total[:, 1, 0], phi_s2s**2),
+                                   (total[:, 0, 0], total[:, 0, 1], tau**2), (total[:, 0, 0], total[:, 1, 1], 0.0),
+                                   (event[:, 0, 0], site[:, 0, 0], 0.0), (event[:, 0, 0], within[:, 0, 0], 0.0),
+                                   (site[:, 0, 0], within[:, 0, 0], 0.0)):
+            expected = shared / variance
+            assert np.corrcoef(one, other)[0, 1] == pytest.approx(expected, abs=5 * (1 - expected**2) / math.sqrt(n))
+
+    def test_a_model_is_a_file(self):
+        assert model_names() == ["bommer-2022"]
+        assert isinstance(model_named("bommer-2022", "GEO"), GroundMotionModel)
+        assert "did you mean bommer-2022" in one_line_error(model_named, "bomer-2022")
+        assert "LRG, GEO, MAX" in one_line_error(model_named, "bommer-2022", "lrg")
+
+
+class TestPlaces:
+    def test_both_formulae_agree_in_the_field(self):
+        x, y = np.meshgrid(np.linspace(225e3, 270e3, 10), np.linspace(565e3, 615e3, 10))
+        there = places.rd_by_approximation(*places.wgs84_by_approximation(x, y))
+        assert np.hypot(there[0] - x, there[1] - y).max() < 0.5
+
+    def test_the_origin_and_a_published_point(self):
+        """Amersfoort, and the Westertoren in Amsterdam: RD 120700.723, 487525.502 is 52.37453253, 4.88352559."""
+        assert places.wgs84_by_approximation(155000, 463000)[0] == pytest.approx(52.15517440, abs=1e-9)
+        grid, degrees = (120700.723, 487525.502), (52.37453253, 4.88352559)
+        assert places.wgs84_by_approximation(*grid) == pytest.approx(degrees, abs=3e-6)
+        assert places.rd_by_approximation(*degrees) == pytest.approx(grid, abs=0.5)
+
+    def test_pyproj_agrees_where_it_is_installed(self, catalogue):
+        pytest.importorskip("pyproj")
+        for place in (GARSTHUIZEN, LOPPERSUM, DELFZIJL):
+            grid, formulae = places.to_rd(*place), places.rd_by_approximation(*place)
+            assert math.dist(grid, formulae) < 0.5
+            assert places.to_wgs84(*grid) == pytest.approx(place, abs=1e-7)
+            exposures = [Exposure(places.Place(*one, *place), catalogue, Model()) for one in (grid, formulae)]
+            largest = [float(one.median_mm_s.max()) for one in exposures]
+            assert largest[0] == pytest.approx(largest[1], rel=3e-4)
+
+    def test_without_it_the_formulae_are_used(self):
+        assert places.to_rd(*LOPPERSUM) == places.rd_by_approximation(*LOPPERSUM)
+
+    @pytest.mark.parametrize("make, numbers, message", [
+        (places.at, (6.7475, 53.3325), "exchange them"), (places.at, (48.85, 2.35), "in the Netherlands"),
+        (places.at, (math.nan, 6.7), "latitude"), (places.at_rd, (594864, 245620), "easting"),
+    ])
+    def test_outside_the_country(self, make, numbers, message):
+        assert message in one_line_error(make, *numbers)
+
+
+class TestCatalogue:
+    def test_what_ships(self, catalogue):
+        assert len(catalogue) == 1474 and catalogue.years == (1991, 2022)
+        assert [int(np.sum(catalogue.magnitude >= m)) for m in (1.5, 2.0, 2.5, 3.0)] == [356, 118, 44, 14]
+        assert list(catalogue.time) == sorted(catalogue.time)
+        largest = int(np.argmax(catalogue.magnitude))
+        assert (catalogue.place[largest], catalogue.magnitude[largest]) == ("Huizinge", 3.6)
+
+    def test_fdsn_text_is_read_as_the_same_events(self, catalogue, tmp_path):
+        some = catalogue.at(slice(100, 110))
+        latitude, longitude = places.to_wgs84(some.x_m.astype(float), some.y_m.astype(float))
+        path = tmp_path / "events.txt"
+        path.write_text("#EventID|Time|Latitude|Longitude|Depth/km|Author|Catalog|Contributor|ContributorID|MagType|"
+                        "Magnitude|MagAuthor|EventLocationName|EventType\n" + "".join(
+                            f"{some.id[k]}|{some.time[k]:%Y-%m-%dT%H:%M:%S.%f}|{latitude[k]:.7f}|{longitude[k]:.7f}|"
+                            f"3.0|||KNMI||ML|{some.magnitude[k]}||{some.place[k]}|induced\n"
+                            for k in reversed(range(10))))
+        found = read_catalogue(path)
+        for name in ("time", "magnitude", "place", "id"):
+            assert list(getattr(found, name)) == list(getattr(some, name))
+        assert np.hypot(found.x_m - some.x_m, found.y_m - some.y_m).max() < 1.0
+
+    def test_degrees_in_csv(self, tmp_path):
+        path = tmp_path / "events.csv"
+        path.write_text("date_utc,time_utc,magnitude,latitude,longitude\n2018-01-08,14:00:52,3.4,53.363,6.751\n")
+        found = read_catalogue(path)
+        assert (found.x_m[0], found.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
+
+    HEAD = "date_utc,time_utc,magnitude,easting_rd_m,northing_rd_m\n"
+    FDSN = "#EventID|Time|Latitude|Longitude|Magnitude\n"
+
+    @pytest.mark.parametrize("text, message", [
+        (HEAD + "2018-01-08,14:00:52,3.4,245789,598263\n2018-01-09,late,3,245789,598263\n", "line 3: time"),
+        (HEAD + "2018-01-08,14:00:52,strong,245789,598263\n", "line 2: magnitude = 'strong'"),
+        (HEAD + "2018-01-08,14:00:52,,245789,598263\n", "line 2: no magnitude"),
+        (HEAD + "2018-01-08,14:00:52,3.4,245789\n", "line 2: 4 cells"),
+        (HEAD + "2018-01-08,14:00:52,34,245789,598263\n", "line 2: expected a magnitude"),
+        (HEAD + "2018-01-08,14:00:52,3.4,598263,245789\n", "line 2: epicentre outside"),
+        ("date_utc,time_utc,magnitude\n2018-01-08,14:00:52,3.4\n", "no epicentres"),
+        (HEAD, "no row"), ("", "empty"), ("magnitude\n3\n", "no column date_utc"),
+        (FDSN + "a|2018-01-08T14:00:52|53.36|6.75|3.4\nb|2018-01-08T14:00:52|53.36|6.75\n", "line 3: 4 cells"),
+        (FDSN + "a|2018-01-08T14:00:52|53.36|x|3.4\n", "line 2: longitude = 'x'"),
+        (FDSN + "a|2018-01-08T14:00:52|48.1|6.75|3.4\n", "line 2: epicentre outside"),
+        (FDSN + "a||53.36|6.75|3.4\n", "line 2: time ''"), (FDSN, "no event"),
+        ("#EventID|Time|Magnitude\na|2018-01-08|3\n", "line 1: no column latitude, longitude"),
+    ])
+    def test_a_bad_line_is_named(self, tmp_path, text, message):
+        path = tmp_path / "bad.csv"
+        path.write_text(text)
+        assert message in one_line_error(read_catalogue, path)
+
+    def test_years(self, catalogue):
+        assert catalogue.between(2012, 2012).years == (2012, 2012)
+        assert len(catalogue.between(None, None)) == 1474
+        assert len(catalogue.between(1991, 2005)) + len(catalogue.between(2006, 2022)) == 1474
+        for years in ((1990, None), (None, 2023), (2012, 2011)):
+            one_line_error(catalogue.between, *years)
+
+
+class TestExposure:
+    @pytest.mark.parametrize("place, median, rare, over", [
+        (GARSTHUIZEN, "19.61", "74.1", (36, 19, 8, 3)), (LOPPERSUM, "12.96", "49.0", (42, 20, 12, 4)),
+        (DELFZIJL, "1.972", "7.45", (6, 0, 0, 0))])
+    def test_three_addresses(self, catalogue, place, median, rare, over):
+        """Figures of a separate program with the same data."""
+        exposure = Exposure(places.at(*place), catalogue, Model())
+        found = exposure.as_dict()
+        assert f"{found['largest_median_mm_s']:.4g}" == median
+        assert f"{found['one_percent_mm_s']:#.3g}" == rare
+        assert tuple(int(np.sum(exposure.median_mm_s > level)) for level in (1, 2, 4, 8)) == over
+
+    def test_probability_of_any_event_against_draws(self, catalogue):
+        """20 000 draws; tolerance: four standard errors."""
+        n = 20_000
+        exposure = Exposure(places.at(*DELFZIJL), catalogue.between(2006, 2012), Model())
+        drawn = exposure.median_mm_s[:, np.newaxis]
+        for level in (1, 2, 5):
+            rng, over = np.random.default_rng(2), 0
+            for _ in range(10):
+                pgv = drawn * np.exp(sum(exposure.model.draw(rng, n // 10, len(drawn))))
+                over += int(np.sum(pgv.max(axis=1) > level))
+            p = exposure.at_least_once(level)
+            assert over / n == pytest.approx(p, abs=4 * math.sqrt(p * (1 - p) / n))
+
+    def test_a_single_event_is_exceeded_as_itself(self, catalogue):
+        exposure = Exposure(places.at(*LOPPERSUM), catalogue.at(slice(0, 1)), Model("GEO"))
+        for level in LEVELS_MM_S:
+            assert exposure.at_least_once(level) == pytest.approx(
+                float(exposure.model.exceedance(exposure.median_mm_s, level)[0]), abs=1e-9)
+        assert exposure.largest_exceeded_mm_s(0.01) == pytest.approx(
+            float(exposure.model.exceeded_mm_s(exposure.median_mm_s[0], 0.01)), rel=1e-6)
+
+    def test_soft_soil_amplifies(self, catalogue, garsthuizen):
+        soft = Exposure(garsthuizen.place, catalogue, Model(), vs30_m_s=100)
+        assert soft.median_mm_s / garsthuizen.median_mm_s == pytest.approx(2**0.3295)
+
+    def test_far_from_the_field(self, catalogue):
+        message = one_line_error(Exposure, places.at(52.37, 4.88), catalogue, Model())
+        assert "km from the nearest epicentre" in message
+        assert "--vs30" in one_line_error(Exposure, places.at(*LOPPERSUM), catalogue, Model(), 5)
+
+    def test_picture_shows_every_event_from_its_threshold(self, garsthuizen):
+        figure = exposure_picture(garsthuizen)
+        time, ground = figure.axes
+        over = garsthuizen.median_mm_s[garsthuizen.median_mm_s >= 0.1]
+        dots = next(line for line in time.get_lines() if line.get_marker() == "o")
+        assert sorted(dots.get_ydata()) == pytest.approx(sorted(over))
+        assert len(ground.collections[0].get_offsets()) == len(over)
+        assert len(ground.get_lines()[0].get_xdata()) == 1474
+
+
+class TestCommand:
+    def test_json_and_files(self, capsys, tmp_path):
+        assert main(["exposure", "--at", *map(str, LOPPERSUM), "--json", "--out", str(tmp_path)]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert found["largest_median_mm_s"] == pytest.approx(12.96, abs=5e-3)
+        assert found["one_percent_mm_s"] == pytest.approx(48.97, abs=5e-3)
+        assert len(found["events"]) == 1474 and set(found["events"][0]) == set(COLUMNS)
+        table = pd.read_csv(tmp_path / "exposure.csv")
+        assert list(table) == list(COLUMNS) and table["median_mm_s"].max() == pytest.approx(12.96, abs=5e-3)
+        assert {path.name for path in tmp_path.iterdir()} == {"exposure.csv", "exposure.png", "exposure.pdf"}
+
+    def test_the_grid_gives_the_same_place(self, capsys):
+        x, y = map(str, places.to_rd(*DELFZIJL))
+        more = ["--json", "--component", "GEO", "--from", "2000", "--to", "2018"]
+        main(["exposure", "--rd", x, y, *more])
+        by_grid = json.loads(capsys.readouterr().out)
+        main(["exposure", "--at", *map(str, DELFZIJL), *more])
+        assert by_grid["largest_median_mm_s"] == pytest.approx(
+            json.loads(capsys.readouterr().out)["largest_median_mm_s"], rel=1e-9)
+        assert (by_grid["from"], by_grid["to"]) == (2000, 2018)
+
+    def test_text(self, capsys):
+        assert main(["exposure", "--at", *map(str, GARSTHUIZEN)]) == 0
+        said = capsys.readouterr().out
+        assert "largest median 19.61 mm/s; 74.09 mm/s" in said and "Westeremden" in said
+
+    @pytest.mark.parametrize("words, message", [
+        ([], "which address"), (["--at", "53.3", "6.7", "--rd", "245620", "594864"], "which address"),
+        (["--at", "52.37", "4.88"], "nearest epicentre"), (["--at", "53.3", "6.7", "--from", "1985"], "--from 1985"),
+        (["--at", "53.3", "6.7", "--to", "2030"], "--to 2030"),
+        (["--at", "53.3", "6.7", "--catalogue", "no.csv"], "no.csv"),
+        (["--at", "53.3", "6.7", "--component", "ROT"], "component = 'ROT'"),
+        (["--at", "53.3", "6.7", "--vs30", "nan"], "--vs30"),
+    ])
+    def test_bad_input_is_one_line(self, capsys, words, message):
+        assert main(["exposure", *words]) == 2
+        said = capsys.readouterr()
+        assert said.out == "" and said.err.startswith("error: ") and said.err.count("\n") == 1
+        assert message in said.err and "expected" in said.err
+
+
+class TestResiduals:
+    def test_stations_within_ten_kilometres(self):
+        """Zeerijp at the 16 stations that ship: sigma within an event is 0.52 (LRG); the mean of 16 may deviate by two
+        standard errors, as the stations with their site terms are a sample; no event term is taken off."""
+        model = Model()
+        found = station_residuals(model)["residual"]
+        within = math.hypot(model.deviations.phi_s2s, model.deviations.phi_ss)
+        assert len(found) == 16 and abs(found.mean()) < 2 * math.hypot(within / 4, model.deviations.tau)
+        assert stats.chi2.cdf(15 * found.var() / within**2, 15) > 0.025  # as scattered as the model says, or less by
+        assert stats.chi2.sf(15 * found.var() / within**2, 15) > 0.025   # no more than chance explains
+        assert found.mean() == pytest.approx(-0.0157, abs=2e-3) and found.std() == pytest.approx(0.3914, abs=2e-3)
+
+    def test_one_station_by_hand(self):
+        """BGAR is 2548.2 m from the epicentre; its larger component has 31.71 mm/s."""
+        row = station_residuals(Model()).set_index("station").loc["BGAR"]
+        expected = by_hand(TestModel.PRINTED["LRG"].split(), 3.4, row["epicentral_km"])
+        assert row["epicentral_km"] == pytest.approx(2.548, abs=1e-3)
+        assert row["residual"] == pytest.approx(math.log(31.7113 / expected), rel=1e-6)
+        geometric = station_residuals(Model("GEO")).set_index("station").loc["BGAR"]
+        assert geometric["pgv_mm_s"] == pytest.approx(math.sqrt(31.7113 * 19.8523), rel=1e-9)
+
+
+def test_the_catalogue_ships_with_its_licence():
+    readme = (SHIPPED.parent / "README.md").read_text()
+    assert "KNMI" in readme and "CC BY 4.0" in readme and SHIPPED.name in readme

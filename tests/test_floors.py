@@ -1,0 +1,183 @@
+"""Floors: masses on courses and slabs that tie piers; reactions, periods, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.linalg import eigh
+
+import damage
+from damage.errors import InputError
+from damage.measure.storeys import storey_drifts, storeys_table
+from damage.measure.tables import write_run_tables
+from damage.units import GRAVITY
+from damage.wall.floors import Floor, describe_floors
+from damage.wall.layout import BED, CAP, HEAD, lay_out
+from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
+from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+
+BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
+TIMBER, SLAB = Floor(1.0, 800.0, 0.4, 1.6), Floor(2.0, 1500.0, kind="concrete", depth=0.2)
+DOOR, LOW_DOOR = (Opening(0.8, 0.6, 1.6),), (Opening(0.8, 0.6, 0.7),)
+
+
+def wall(*floors, length=2.0, height=2.4, openings=(), **more):
+    return Wall("w", length, height, openings, precompression=0.0, brick=BRICK, floors=floors, **more)
+
+
+def base_reaction(layout):
+    """Vertical force [N] and its moment about x = 0 [N m] on the base, of the intact wall at rest."""
+    contacts = layout.contacts
+    opening = kinematic_matrix(layout, contact_normals(contacts)) @ static_displacement(layout).ravel()
+    force = -contacts.normal_stiffness * contacts.area * opening
+    base = contacts.first < 0
+    return force[base].sum(), (force[base] * contacts.x[base]).sum()
+
+
+@pytest.mark.parametrize("floors", [(TIMBER,), (SLAB,), (TIMBER, SLAB), (Floor(2.4, 500.0, 1.0),)], ids=len)
+@pytest.mark.parametrize("openings", [(), LOW_DOOR], ids=["solid", "door"])
+def test_reactions_carry_every_floor_where_it_rests(floors, openings):
+    """The weight, and its moment by the middles of the floors, beside those of the wall's bricks."""
+    layout = lay_out(wall(*floors, openings=openings), ModelOptions(contacts="gauss"))
+    bricks = slice(0, layout.n_bricks)
+    own = BRICK.density * BRICK.thickness * layout.bodies.length[bricks] * layout.bodies.height[bricks]
+    spans = [(floor.mass, *floor.span(layout.wall)) for floor in floors]
+    weight = GRAVITY * (own.sum() + sum(mass for mass, _, _ in spans))
+    moment = GRAVITY * (own @ layout.bodies.x[bricks] + sum(mass * (left + right) / 2 for mass, left, right in spans))
+    assert_allclose(base_reaction(layout), (weight, moment), rtol=1e-9)
+
+
+def test_a_timber_floor_is_mass_on_the_course_below_it():
+    bare, laden = (lay_out(wall(*floors)) for floors in ((), (TIMBER,)))
+    more = laden.bodies.mass - bare.bodies.mass
+    assert_allclose(more.sum(), 800.0)
+    on = bare.bodies.course == 9
+    left, right = bare.bodies.x - bare.bodies.length / 2, bare.bodies.x + bare.bodies.length / 2
+    covered = np.maximum(np.minimum(right, 1.6) - np.maximum(left, 0.4), 0.0) * on
+    assert_allclose(more, 800.0 * covered / 1.2, atol=1e-9)  # as long a half of a brick at each end
+    assert_allclose(laden.bodies.inertia / laden.bodies.mass, bare.bodies.inertia / bare.bodies.mass)
+    assert laden.total_joint_length == bare.total_joint_length
+
+
+def test_a_timber_floor_beside_an_opening_rests_on_what_is_there():
+    """0.4 m left and 0.2 m right of the door: the resultant is at (0.4 x 0.6 + 0.2 x 1.5) / 0.6 m."""
+    bare, laden = (lay_out(wall(*floors, openings=DOOR)) for floors in ((), (TIMBER,)))
+    more = laden.bodies.mass - bare.bodies.mass
+    assert more.min() >= 0
+    assert_allclose((more.sum(), more @ bare.bodies.x), (800.0, 800.0 * 0.9))
+
+
+def test_a_slab_takes_the_place_of_courses_and_is_joined_above_and_below():
+    """Two courses of 2 m go, with two and a half bed joints' worth of heads; the slab has one bed below, one above."""
+    bare, layout = (lay_out(wall(*floors)) for floors in ((), (SLAB,)))
+    slab = layout.n_bricks
+    assert layout.n_slabs == 1 and len(layout.bodies) == slab + 1
+    assert layout.n_bricks == bare.n_bricks - (10 + 11)
+    assert_allclose([layout.bodies.z[slab], layout.bodies.height[slab], layout.bodies.mass[slab]], [1.9, 0.2, 1500.0])
+    contacts = layout.contacts
+    beside = (contacts.first == slab) | (contacts.second == slab)
+    assert set(contacts.kind[beside]) == {BED} and HEAD in contacts.kind and CAP not in contacts.kind
+    assert_allclose(contacts.length[contacts.first == slab].sum(), 2.0)
+    assert_allclose(contacts.length[contacts.second == slab].sum(), 2.0)
+    assert_allclose(layout.total_joint_length, bare.total_joint_length - 2.0 - 0.1 * (9 + 10))
+
+
+def test_a_slab_ties_the_piers_and_a_roof_slab_is_the_top():
+    """A slab on two piers: they move alike, and rotate less than free ones; its displacement is the drift."""
+    piers = (Opening(0.6, 0.8, 2.2, 0.1),)
+    open_top = lay_out(wall(openings=(Opening(0.6, 0.8, 2.3, 0.1),)))
+    roof = wall(Floor(2.4, 10.0, kind="concrete", depth=0.1), openings=piers)
+    tied = lay_out(roof)
+    assert list(tied.drift_bodies) == [tied.n_bricks]
+    assert natural_modes(tied).period_s[0] < 0.75 * natural_modes(open_top).period_s[0]
+
+
+def test_two_storeys_have_the_periods_of_a_shear_cantilever():
+    """Light storeys ten times as long as high, between heavy slabs: two masses on two springs k = G A / h, G of the
+    running bond (verification/elastic.py), h with all twelve bed joints of a storey of eleven courses."""
+    length, storey, mass, depth = 12.0, 1.2, 40e3, 0.1
+    brick, joint = Brick(length=0.2, height=0.1, thickness=0.1, density=20.0), Joint()
+    bed_n, bed_s = (1 / (1 / k + brick.height / modulus) for k, modulus in (
+        (joint.normal_stiffness, brick.young_modulus), (joint.shear_stiffness, brick.shear_modulus)))
+    head_s = 1 / (1 / joint.shear_stiffness + brick.length / brick.shear_modulus)
+    shear = 1 / (1 / (bed_s * brick.height)
+                 + 1 / (bed_n * brick.length**2 / (4 * brick.height) + head_s * brick.length))
+    spring = shear * length * brick.thickness / storey
+    squares, vectors = eigh([[2 * spring, -spring], [-spring, spring]], mass * np.eye(2))
+    floors = [Floor(level, mass, kind="concrete", depth=depth) for level in (storey, 2 * storey)]
+    layout = lay_out(Wall("w", length, 2 * storey, precompression=0.0, brick=brick, joint=joint, floors=floors),
+                     ModelOptions(contacts="gauss"))
+    modes, bodies = natural_modes(layout, 8), layout.bodies
+    for square, vector in zip(squares, vectors.T):
+        sway = np.interp(bodies.z, (0.0, storey - depth / 2, 2 * storey - depth / 2), (0.0, *vector))
+        alike = [(bodies.mass * sway @ shape[:, 0])**2 / (bodies.mass @ sway**2)
+                 / np.sum(bodies.mass[:, None] * shape[:, :2]**2) for shape in modes.shape]  # modal assurance
+        assert max(alike) > 0.99
+        assert_allclose(modes.period_s[int(np.argmax(alike))], 2 * math.pi / math.sqrt(square), rtol=0.05)
+
+
+def test_floors_are_described_where_a_run_begins():
+    assert describe_floors(wall(SLAB, TIMBER)) == ["timber floor at 1 m, x = 0.4 to 1.6 m: 0.8 t",
+                                                   "concrete floor at 2 m, x = 0 to 2 m: 1.5 t"]
+
+
+@pytest.mark.parametrize(("floors", "message"), [
+    ((Floor(3.0, 10.0),), "not above the wall"),
+    ((Floor(0.1, 10.0, kind="concrete"),), "a course below it"),
+    ((Floor(1.0, 10.0, 1.0, 2.5),), "inside the wall of 2 m"),
+    ((Floor(1.0, 10.0, 1.95),), "expected half a brick"),
+    ((SLAB, Floor(1.9, 10.0)), "floors apart"),
+    ((Floor(1.0, 10.0, 0.9, 1.3),), "has no brick below it"),
+    ((Floor(1.0, 10.0, 0.9, 2.0, "concrete"),), "nothing below it at x = 0.925"),
+])
+def test_impossible_floors_are_refused(floors, message):
+    with pytest.raises(InputError, match=message):
+        wall(*floors, openings=DOOR)
+
+
+@pytest.fixture(scope="module")
+def shaken():
+    """A short run of two storeys below a gable, a slab above the first and a timber floor above the second."""
+    outline = ((0.0, 1.6), (1.0, 2.2), (2.0, 1.6))
+    joint = Joint(tensile_strength=1e6, cohesion=1e6)
+    house = Wall("house", 2.0, 2.2, precompression=0.0, brick=BRICK, joint=joint, outline=outline,
+                 floors=(Floor(0.8, 500.0, kind="concrete", depth=0.1), Floor(1.4, 300.0)))
+    return damage.run(house, harmonic=(0.05, 0.2), cycles=1, rest=0.1)
+
+
+class TestStoreyDrift:
+    def test_storeys_end_at_the_floors_and_at_the_drifts_bricks(self, shaken):
+        heights, drift = storey_drifts(shaken)
+        assert_allclose(heights, [0.0, 0.75, 1.35, shaken.attributes["drift_height_m"]])
+        assert drift.shape == (len(shaken.snapshot_time_s), 3)
+
+    def test_it_is_the_difference_of_the_floors_displacements(self, shaken):
+        """By hand: the slab is the only body without a course, the timber floor lies on the 14th course."""
+        _, drift = storey_drifts(shaken)
+        course, along = shaken.bodies["course"].to_numpy(), shaken.displacement[:, :, 0].astype(float)
+        slab, floor = along[:, course == -1][:, 0], along[:, course == 13].mean(axis=1)
+        assert np.abs(slab).max() > 1e-6
+        assert_allclose(drift[:, 0], slab / 0.75, rtol=1e-6, atol=1e-12)
+        assert_allclose(drift[:, 1], (floor - slab) / 0.6, rtol=1e-5, atol=1e-10)
+
+    def test_storeys_add_up_to_the_wall(self, shaken):
+        heights, drift = storey_drifts(shaken)
+        times = shaken.series["time_s"].to_numpy()
+        at = [int(np.argmin(np.abs(times - time))) for time in shaken.snapshot_time_s]
+        assert_allclose(drift @ np.diff(heights), shaken.series["top_displacement_m"].to_numpy()[at], atol=1e-12)
+
+    def test_the_table(self, shaken, tmp_path):
+        table = storeys_table(shaken)
+        assert list(table["storey"]) == [1, 2, 3]
+        assert_allclose(table["max_drift_ratio"], np.abs(storey_drifts(shaken)[1]).max(axis=0))
+        assert tmp_path / "run_storeys.csv" in write_run_tables(shaken, tmp_path / "run")
+
+
+def test_both_steps_take_slabs():
+    """The compiled step of eight and the plain one agree on a wall with a slab below a gable."""
+    house = wall(Floor(1.0, 500.0, kind="concrete", depth=0.1), height=1.4,
+                 outline=((0.0, 1.0), (1.0, 1.4), (2.0, 1.0)))
+    one, other = (damage.run(house, harmonic=(0.05, 0.2), cycles=1, rest=0.05, step=step) for step in ("fast", "plain"))
+    for name in ("drift_ratio", "base_shear_n"):
+        assert_allclose(one.series[name], other.series[name], rtol=1e-9, atol=1e-9)

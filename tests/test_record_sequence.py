@@ -1,0 +1,186 @@
+"""Sequences of different records from a file: reading, schedule, damage carried over, tables and pictures."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from conftest import contents, one_line_error
+from numpy.testing import assert_array_equal
+
+import damage
+from damage.draw.sequence import has_sequence, sequence_picture
+from damage.draw.words import run_title
+from damage.history.values import check_parameters
+from damage.html.report import write_report
+from damage.measure.tables import shocks_table, summary_row
+from damage.motion.sequence import read_sequence
+from damage.reference.session import run_reference
+from damage.run.opening import sequence_lines
+from damage.run.options import free_name, parse_run
+from damage.run.report import describe_events
+from damage.run.schedule import base_acceleration, stages
+from damage.run.settings import SETTLE_S
+
+DT = 2e-5
+RECORD = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
+DIFFERENT = ("record,component,scale,start_s,end_s,rest_s\nBGAR,HGE,2,18.4,19.4,0.1\n"
+             "G100_HG2,,8,6,7,\nBWSE_HGN,,-3,20,20.8,0.3\n")
+
+
+def file_of(folder, text, name="sequence.csv"):
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def settings(path, *words):
+    return parse_run(["--sequence", str(path), *words], "test", "reference")
+
+
+class TestReading:
+    def test_rows_become_events(self, tmp_path):
+        first, second, third = read_sequence(file_of(tmp_path, DIFFERENT), 0.7)
+        assert [event.factor for event in (first, second, third)] == [2, 8, -3]
+        assert [event.rest_s for event in (first, second, third)] == [0.1, 0.7, 0.3]
+        assert [event.loading.record.name for event in (first, second, third)] == ["BGAR_HGE", "G100_HG2", "BWSE_HGN"]
+        assert first.loading.window_s == (18.4, 19.4) and first.loading.scale == 1.0
+
+    def test_only_a_record_is_needed(self, tmp_path):
+        (event,) = read_sequence(file_of(tmp_path, "record\nMID1_N_synthetic\n"), 2.0, band_hz=(0.5, 40.0))
+        assert (event.factor, event.rest_s, event.loading.window_s) == (1.0, 2.0, None)
+        assert event.loading.band_hz == (0.5, 40.0)
+
+    def test_a_record_beside_the_file(self, tmp_path):
+        (tmp_path / "mine.csv").write_text("time_s,acc_m_s2\n0,0\n0.005,1\n0.01,0\n")
+        (event,) = read_sequence(file_of(tmp_path, "record\nmine.csv\n"), 2.0)
+        assert event.loading.peak_g == pytest.approx(1 / 9.81)
+
+    @pytest.mark.parametrize("text, message", [
+        ("record,scale\nBGAR_HGE,1\nBGAR_HGX,1\n", "line 3: BGAR_HGX: no such file"),
+        ("record,scale\nBGAR_HGE,large\n", "line 2: scale = 'large'"),
+        ("record,start_s,end_s\nBGAR_HGE,18,\n", "line 2: a window with one end"),
+        ("record,start_s,end_s\nBGAR_HGE,18,99\n", "line 2: window 18.0 to 99.0 s"),
+        ("record\n\"\"\n", "line 2: no record"),
+        ("record,factor\nBGAR_HGE,1\n", "unknown column 'factor'"), ("record\n", "no row"),
+        ("record\nBGAR_HGE\nten_ms.csv\n", "line 3: a record with another time step than the 0.005 s"),
+    ])
+    def test_a_bad_row_is_named(self, tmp_path, text, message):
+        (tmp_path / "ten_ms.csv").write_text("time_s,acc_m_s2\n0,0\n0.01,1\n0.02,0\n")
+        assert message in one_line_error(read_sequence, file_of(tmp_path, text), 2.0)
+
+    @pytest.mark.parametrize("words, message", [
+        (["--record", "BGAR_HGE"], "and --record"), (["--scale", "2"], "and --scale"),
+        (["--window", "1", "2"], "--window"),
+        (["--harmonic", "0.2", "0.1"], "--harmonic"), (["--pushover", "0.1"], "--pushover"),
+        (["--rest", "-1"], "--rest")])
+    def test_other_motions_beside_it_are_refused(self, tmp_path, words, message):
+        assert message in one_line_error(settings, file_of(tmp_path, DIFFERENT), *words)
+
+    def test_a_file_that_is_not_there(self):
+        assert "nowhere.csv" in one_line_error(settings, "nowhere.csv")
+
+    def test_a_factor_and_a_rest_out_of_range(self, tmp_path):
+        for row in ("BGAR_HGE,1e6,1", "BGAR_HGE,1,-1", "BGAR_HGE,1,1e6"):
+            one_line_error(settings, file_of(tmp_path, f"record,scale,rest_s\n{row}\n"))
+
+
+class TestSchedule:
+    def test_every_event_has_its_own_lengths(self, tmp_path):
+        asked = settings(file_of(tmp_path, DIFFERENT), "--rest", "0.7")
+        schedule = stages(asked, None, DT, 100)
+        lengths = [(stage.end_step - stage.start_step) * DT for stage in schedule]
+        assert lengths == pytest.approx([1, 0.1, SETTLE_S, 1, 0.7, SETTLE_S, 0.8, 0.3, SETTLE_S], abs=100 * DT)
+        assert asked.duration_s == pytest.approx(2.8 + 1.1 + 3 * SETTLE_S)
+
+    def test_the_base_follows_each_record_times_its_factor(self, tmp_path):
+        asked = settings(file_of(tmp_path, DIFFERENT))
+        schedule = stages(asked, None, DT, 100)
+        base = base_acceleration(asked, schedule, DT)
+        for event, stage in zip(asked.events, schedule[::3]):
+            n = round(event.loading.duration_s / DT) + 1
+            assert_array_equal(base[stage.start_step:stage.start_step + n],
+                               event.factor * event.loading.base_acceleration(np.arange(n) * DT))
+            assert not base[stage.start_step + n:stage.start_step + n + 1000].any()  # rest and settling
+
+    def test_equal_rows_are_the_list_of_factors(self, tmp_path):
+        rows = "".join(f"{RECORD},{factor},18.4,19.4\n" for factor in (1, -0.5, 0.3))
+        of_file = settings(file_of(tmp_path, "record,scale,start_s,end_s\n" + rows), "--rest", "0.4")
+        of_list = parse_run(["--record", RECORD, "--window", "18.4", "19.4", "--sequence", "1,-0.5,0.3",
+                             "--rest", "0.4"], "test", "reference")
+        assert stages(of_file, None, DT, 100) == stages(of_list, None, DT, 100)
+        schedule = stages(of_file, None, DT, 100)
+        assert_array_equal(base_acceleration(of_file, schedule, DT), base_acceleration(of_list, schedule, DT))
+        assert (of_file.peak_g, of_file.duration_s) == pytest.approx((of_list.peak_g, of_list.duration_s), rel=1e-12)
+
+    def test_the_strongest_motion_names_the_run(self, tmp_path):
+        asked = settings(file_of(tmp_path, DIFFERENT))
+        peaks = [event.loading.peak_g * abs(event.factor) for event in asked.events]
+        assert asked.loading is asked.events[int(np.argmax(peaks))].loading and asked.peak_g == max(peaks)
+        assert free_name(SimpleNamespace(name="w"), asked, "reference").name.startswith("w_sequence-of-3_BGAR_HGE_x1")
+        assert "3 events of 3 records" in sequence_lines(asked)[0]
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """{name: path of a history} of a narrow wall: a list of factors, the same events from a file, different records."""
+    folder = tmp_path_factory.mktemp("sequence")
+    source = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
+    wall = file_of(folder, source, "narrow.py")
+    equal = file_of(folder, "record,scale,start_s,end_s\n" + 2 * f"{RECORD},4,18.4,19.2\n", "equal.csv")
+    different = file_of(folder, DIFFERENT)
+    asked = {"list": ["--record", RECORD, "--window", "18.4", "19.2", "--sequence", "4,4"],
+             "file": ["--sequence", str(equal)], "different": ["--sequence", str(different)]}
+    for name, words in asked.items():
+        out = str(folder / f"{name}.h5")
+        assert run_reference([str(wall), *words, "--rest", "0.2", "--no-pictures", "--out", out]) == 0
+    return {name: folder / f"{name}.h5" for name in asked}
+
+
+class TestRuns:
+    def test_equal_events_equal_the_list_of_factors_bit_for_bit(self, runs):
+        one, other = contents(runs["list"]), contents(runs["file"])
+        assert one.keys() == other.keys() and len(one) > 20
+        assert [name for name in one if one[name] != other[name]] == []
+
+    def test_results_of_both_are_equal(self, runs):
+        one, other = (damage.read_history(runs[name]) for name in ("list", "file"))
+        assert shocks_table(one).equals(shocks_table(other))
+        assert other.strongest_factor == one.strongest_factor == 4
+        first, second = summary_row(one), summary_row(other)
+        assert {name for name in first if first[name] != second[name] and first[name] == first[name]} <= {
+            "run", "point"}  # which are made of the name
+
+    def test_a_row_an_event(self, runs):
+        history = damage.read_history(runs["different"])
+        table = shocks_table(history)
+        assert list(table["factor"]) == [2, 8, -3]
+        assert [name.split("_x1")[0] for name in table["motion"]] == ["BGAR_HGE", "G100_HG2", "BWSE_HGN"]
+        assert_array_equal(table["offset_before_mm"].to_numpy()[1:], table["offset_after_mm"].to_numpy()[:-1])
+        assert table["offset_before_mm"].iloc[0] == 0
+        assert table["newly_failed"].sum() == history.broken[-1].sum()
+        assert (table["newly_failed"] >= 0).all() and table["newly_failed"].iloc[0] > 0
+        ends = np.flatnonzero(np.diff(history.series["shock"], append=4))
+        assert_array_equal(np.cumsum(table["newly_failed"]), history.broken[ends].sum(axis=1))
+        peak = np.abs(history.series["base_acceleration_x_m_s2"]).max() / 9.81
+        assert summary_row(history)["pga_g"] == pytest.approx(peak, rel=0.02)  # of the strongest event, between samples
+
+    def test_a_history_whose_events_lack_their_motions_is_refused(self, runs):
+        given = damage.read_history(runs["different"]).parameters
+        check_parameters(given)
+        for wrong in ({"motions": []}, {"events": given["events"][:2]}, {"events": [{"motion": 9}] * 3},
+                      {"events": ["BGAR"] * 3}, {"motions": [1, 2, 3]}):
+            assert "expected a motion" in one_line_error(check_parameters, given | wrong)
+
+    def test_text_title_picture_and_report(self, runs, tmp_path):
+        history = damage.read_history(runs["different"])
+        table = shocks_table(history)
+        assert run_title(history) == "Narrow wall, sequence of three events, three records"
+        assert len(describe_events(table)) == 4 and "G100_HG2" in describe_events(table)[2]
+        figure = sequence_picture(history)
+        assert_array_equal([bar.get_height() for bar in figure.axes[4].patches], table["newly_failed"])
+        drawn = [line for line in figure.axes[1].get_lines() if line.get_drawstyle() == "steps-post"]
+        assert_array_equal(drawn[0].get_ydata()[:-1], table["max_psi"])
+        assert_array_equal(drawn[1].get_ydata()[:-1], table["residual_psi"])
+        assert has_sequence(history)
+        page = write_report([runs["different"]], tmp_path / "page.html").read_text()
+        assert "What each event of the sequence did and left" in page

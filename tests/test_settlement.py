@@ -1,0 +1,261 @@
+"""Settlement of the ground: supports that follow a profile, against rigid-body motion, beams and statics."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import damage
+from damage.errors import InputError, RunError
+from damage.history.reader import read_history
+from damage.measure.ground import distortion, ground_measures
+from damage.motion.loading import AtRest
+from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
+from damage.reference.session import BACKEND
+from damage.reference.solver import ReferenceSolver
+from damage.run.options import parse_run
+from damage.run.schedule import zero_step
+from damage.run.session import prepare, simulate
+from damage.run.settings import RunSettings
+from damage.run.solver import NO_MOTION
+from damage.run.turns import take_turns
+from damage.units import GRAVITY
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.supports import Supports
+
+STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
+PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], joint=STRONG)
+N, LENGTH, HEIGHT = 21, 0.3, 0.5
+BEAM = Wall("beam", N * LENGTH, HEIGHT, brick=Brick(length=LENGTH, height=HEIGHT), joint=STRONG, precompression=0.0)
+"""A single course of bricks side by side: a beam."""
+
+
+def supports(n=8, length=4.0):
+    edges = np.linspace(0, length, n + 1)
+    return Supports(edges[:-1], edges[1:])
+
+
+# --- profiles -----------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("profile, sign, chord", [("hogging", -1, 0), ("sagging", 1, 0), ("knick", -1, -1)])
+def test_the_ground_has_the_distortion_that_was_asked_for(profile, sign, chord):
+    """Of hogging and sagging the deflection over half the length; a knick deflects by half of it from its chord."""
+    given = 1 / 500
+    settlement, below = Settlement(profile, given), supports()
+    end = settlement.displacement([1e3], below)[0]
+    half = (below.right - below.left) / 2
+    x = np.concatenate([below.left, below.right[-1:]])
+    up = np.concatenate([end[:, 1] - half * np.sin(end[:, 2]), end[-1:, 1] + half[-1] * np.sin(end[-1:, 2])])
+    assert_allclose(up, settlement.vertical(x, 4.0), atol=1e-8)  # a rotation of finite size shortens its arm
+    angular, ratio, relative_mm, tilt = distortion(x, up)
+    factor = 0.5 if chord else 1.0
+    assert angular == pytest.approx(factor * given, rel=1e-4)
+    assert ratio == pytest.approx(sign * factor * given / 2, rel=1e-4)
+    assert relative_mm == pytest.approx(1e3 * given * 2.0, rel=1e-4)
+    assert tilt == pytest.approx(chord * given / 2, abs=1e-9)
+
+
+def test_neighbouring_supports_stay_connected():
+    for profile in PROFILES:
+        moved, below = Settlement(profile, 0.01).displacement([0.7], supports())[0], supports()
+        half = (below.right - below.left) / 2 * np.sin(moved[:, 2])
+        assert_allclose((moved[:, 1] + half)[:-1], (moved[:, 1] - half)[1:], atol=1e-6)
+
+
+def test_the_ground_begins_and_ends_at_rest_and_is_slow():
+    settlement = Settlement("hogging", 1 / 100)
+    time_s = settlement.moving_s(4.0)
+    speed = np.abs(settlement.velocities(time_s / 200, 250, supports(200)))[:, :, 1].max(axis=1)
+    assert speed[0] < 0.02 * FASTEST_M_S and speed[199] < 0.02 * FASTEST_M_S and not speed[200:].any()
+    assert FASTEST_M_S * 0.9 < speed.max() <= FASTEST_M_S
+
+
+def test_a_profile_from_a_file(tmp_path):
+    path = tmp_path / "dip.csv"
+    path.write_text("x_m,uz_m\n0,0\n1,-0.002\n4,0\n")
+    settlement = parse_run(["--settle", str(path)], "", "reference").settlement
+    assert_allclose(settlement.vertical([0.5, 1, 2.5], 4.0), [-0.001, -0.002, -0.001])
+    with pytest.raises(InputError, match="reaches from x = 0 to 4 m, the wall from 0 to 4.05 m"):
+        settlement.check_length(4.05)
+
+
+@pytest.mark.parametrize("words, said", [
+    (["--settle", "hoging"], "expected one of hogging, sagging, tilt, knick, or a CSV file"),
+    (["--settle", "hogging", "--distortion", "1/20"], "--distortion = 0.05: expected a number from 1e-07 to 0.02"),
+    (["--settle", "hogging", "--distortion", "one"], "expected a number, or a fraction like 1/500"),
+    (["--distortion", "1/500"], "--distortion belongs to --settle"),
+])
+def test_bad_options_are_one_line(words, said):
+    with pytest.raises(InputError, match=said) as caught:
+        parse_run(words, "", "reference")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text, said", [
+    ("x,z\n0,0\n", "expected the columns x_m,uz_m"), ("x_m,uz_m\n", "no points"),
+    ("x_m,uz_m\n0,0\n1,a\n", "line 3: '1,a'; expected two numbers"), ("x_m,uz_m\n0,0\n1,0\n", "is zero at every point"),
+    ("x_m,uz_m\n1,0\n0,1e-3\n", "does not rise"), ("x_m,uz_m\n0,0\n1,5\n", "expected a number from -1 to 1"),
+])
+def test_bad_profiles_are_one_line(tmp_path, text, said):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=said):
+        parse_run(["--settle", str(path)], "", "reference")
+
+
+# --- motion, forces, energy ------------------------------------------------------------------------------
+
+def test_a_tilt_of_the_whole_base_is_a_rigid_body_motion():
+    """To 1e-9 m without weight, which would shear the tilted wall."""
+    layout = lay_out(PIER, ModelOptions(supports="bricks"))
+    solver = ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s)
+    tilt = Settlement("tilt", 1 / 200)
+    n, interval = 100, tilt.moving_s(PIER.length) / 100
+    steps = round(interval / solver.time_step)
+    solver.damp(local=0.7)
+    solver.start(NO_MOTION, np.zeros(1))
+    for velocity in tilt.velocities(steps * solver.time_step, n + 20, layout.supports):
+        solver.move_supports(velocity)
+        solver.run(steps)
+    assert_allclose(solver.instants().displacement[0], rotated(layout.bodies, 1 / 200), rtol=0, atol=1e-9)
+
+
+def rotated(bodies, angle):
+    """Motion of bodies by a rotation about x = z = 0 to the right by an angle [rad]."""
+    cos, sin = math.cos(angle) - 1, -math.sin(angle)
+    return np.column_stack([cos * bodies.x - sin * bodies.z, sin * bodies.x + cos * bodies.z,
+                            np.full(len(bodies.x), -angle)])
+
+
+def settled(tmp_path, wall, settlement, model=None, change=lambda layout: layout, loading=None):
+    """History and layout of a wall that settles; change: of the layout."""
+    settings = RunSettings(loading=loading or AtRest(), settlement=settlement, model=model or ModelOptions(),
+                           rest_s=0.1, relaxation="adaptive", accept_implausible=True, out=tmp_path / "settled.h5",
+                           pictures=False, quiet=True)
+    prepared = prepare(BACKEND, "", lambda: wall, settings)
+    prepared = replace(prepared, layout=change(prepared.layout))
+    take_turns([simulate(prepared, lambda run, time_s: True)])
+    return read_history(settings.out), prepared.layout
+
+
+def loose_base(layout):
+    """The layout whose base joint has no tensile strength and hardly any stiffness along the ground."""
+    contacts, ground = layout.contacts, layout.contacts.first < 0
+    return replace(layout, contacts=replace(
+        contacts, tensile_strength=np.where(ground, 0.0, contacts.tensile_strength),
+        shear_stiffness=np.where(ground, 1e-4, 1.0) * contacts.shear_stiffness))
+
+
+def beam_stiffness(layout):
+    """Bending and shear stiffness of the beam [N m2, N]: head joints, each for the length of a brick."""
+    contacts, head = layout.contacts, layout.contacts.upright
+    second, depth = HEIGHT**3 / 12, HEIGHT
+    thickness = BEAM.brick.thickness
+    return (contacts.normal_stiffness[head][0] * LENGTH * thickness * second,
+            contacts.shear_stiffness[head][0] * LENGTH * thickness * depth)
+
+
+@pytest.mark.parametrize("profile", ["hogging", "sagging"])
+def test_a_long_elastic_wall_that_the_ground_leaves_is_timoshenkos_beam(tmp_path, profile):
+    """Hogging leaves the middle as its support: two cantilevers; sagging both ends: a beam on two supports."""
+    history, layout = settled(tmp_path, BEAM, Settlement(profile, 1 / 150), ModelOptions(contacts="gauss"), loose_base)
+    up = history.displacement[-1][:N, 1].astype(float)
+    load, (bending, shear) = BEAM.brick.density * GRAVITY * HEIGHT * BEAM.brick.thickness, beam_stiffness(layout)
+    if profile == "hogging":
+        span = N * LENGTH / 2 - LENGTH / 2  # to the middle of the last brick
+        half = N * LENGTH / 2
+        expected = load * span**2 / (24 * bending) * (6 * half**2 - 4 * half * span + span**2) + load / shear * (
+            half * span - span**2 / 2)
+        found = up[N // 2] - up[[0, -1]].mean()
+    else:
+        span = N * LENGTH - LENGTH * (1 - 1 / math.sqrt(3)) / 2  # between the outermost Gauss points
+        expected = 5 * load * span**4 / (384 * bending) + load * span**2 / (8 * shear)
+        rotation = history.displacement[-1][[0, N - 1], 2].astype(float)
+        inwards = LENGTH * (1 + 1 / math.sqrt(3)) / 4  # from the end bricks' centres to these points
+        found = (up[[0, -1]] + inwards * np.array([-1, 1]) * rotation).mean() - up[N // 2]
+    assert found == pytest.approx(expected, rel=0.05)
+
+
+def test_reactions_of_a_wall_that_bridges_settled_supports_are_those_of_statics(tmp_path):
+    """Supported at its left end and at two thirds of its length alone."""
+    x, right = np.array([0.0, 1.2, 3.0, 4.2, 5.4, 6.3]), 4.2
+    ground = Settlement("bridge.csv", None, tuple(x), (0.0, -0.03, -0.03, 0.0, -0.03, -0.03))
+    history, layout = settled(tmp_path, BEAM, ground, ModelOptions(contacts="gauss"), loose_base)
+    reaction = -history.support_force[-1][:, 1].astype(float)
+    weight, left = GRAVITY * layout.total_mass, LENGTH * (1 - 1 / math.sqrt(3)) / 4
+    expected = weight * (BEAM.length / 2 - left) / (right - left)
+    carrying = slice(round(right / LENGTH) - 1, round(right / LENGTH) + 1)
+    assert reaction[carrying].sum() == pytest.approx(expected, rel=0.01)
+    assert reaction[0] == pytest.approx(weight - expected, rel=0.01)
+    assert np.delete(reaction, [0, *range(carrying.start, carrying.stop)]) == pytest.approx(0.0, abs=1e-3 * weight)
+
+
+# --- runs ---------------------------------------------------------------------------------------------
+
+SMALL = Wall("small", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)])
+
+
+@pytest.fixture(scope="module")
+def cracked():
+    """A wall with an opening that settles, then is shaken."""
+    return damage.run(SMALL, settle="hogging", distortion=1 / 500, lintel=2, harmonic=(0.06, 0.2), rest=0.2)
+
+
+def test_the_ground_settles_before_time_zero_and_rests_then(cracked):
+    series, settlement = cracked.series, cracked.series["stage"] == "settlement"
+    assert series["time_s"][settlement].iloc[-1] == pytest.approx(0.0, abs=1e-12)
+    assert (series["time_s"][settlement] <= 0).all() and (series["time_s"][~settlement] > 0).all()
+    rests = cracked.support_displacement[~settlement.to_numpy()]
+    assert_allclose(rests, np.broadcast_to(rests[0], rests.shape), rtol=1e-6)
+    assert not series["base_acceleration_x_m_s2"][settlement].any()
+    assert (cracked.events["time_s"] < 0).any() and list(series["stage"].unique()) == [
+        "settlement", "motion", "rest", "settling"]
+
+
+def test_cracks_of_the_settlement_stay(cracked):
+    found = ground_measures(cracked)
+    assert found["settled_crack_width_mm"] > 0.1 and found["settled_psi"] > 1
+    assert found["angular_distortion"] == pytest.approx(1 / 500, rel=0.1)
+    last = np.flatnonzero(cracked.series["stage"] == "settlement")[-1]
+    assert cracked.opening_m[-1].max() > 0.5 * cracked.opening_m[last].max()
+
+
+def test_the_energy_balance_includes_the_work_of_the_ground(cracked):
+    """The weight goes down with the ground."""
+    settlement = cracked.series[cracked.series["stage"] == "settlement"]
+    given = settlement["input_energy_j"].iloc[-1]
+    stored = settlement[["kinetic_energy_j", "elastic_energy_j", "gravity_energy_j"]].iloc[-1].sum()
+    lost = settlement[["friction_energy_j", "fracture_energy_j", "damping_energy_j"]].iloc[-1].sum()
+    assert given < -1.0
+    assert given == pytest.approx(stored + lost, rel=1e-3)
+
+
+def test_without_a_motion_the_run_ends_at_time_zero():
+    history = damage.run(SMALL, settle="tilt", distortion=1 / 500)
+    assert history.complete and set(history.series["stage"]) == {"settlement"}
+    assert history.series["time_s"].iloc[-1] == pytest.approx(0.0, abs=1e-12)
+    assert history.loading.name == "at_rest"
+    assert history.series["base_rotation_rad"].iloc[-1] == pytest.approx(-1 / 500, rel=0.02)
+    assert abs(history.series["drift_ratio"].iloc[-1]) < 1e-5  # the tilt itself is none
+
+
+def test_a_settlement_that_topples_the_wall_is_one_line(tmp_path):
+    slender = Wall("slender", 0.225, 1.5, precompression=0.0, joint=STRONG)
+    ground = Settlement("steep.csv", None, (0.0, 0.225), (0.0, -0.05))  # 0.22, the wall's diagonal 0.15 from upright
+    with pytest.raises(RunError, match="not at rest on the settled ground.*smaller --distortion"):
+        settled(tmp_path, slender, ground, change=loose_base)
+
+
+def test_schedule_of_a_settlement(tmp_path):
+    settings = parse_run(["--settle", "hogging", "--harmonic", "0.2", "0.05"], "", "reference")
+    prepared = prepare(BACKEND, "", lambda: SMALL, replace(settings, out=tmp_path / "a.h5", quiet=True))
+    from damage.run.schedule import sample_steps, stages
+    every = sample_steps(prepared.time_step)
+    found = stages(prepared.settings, prepared.layout, prepared.time_step, every)
+    prepared.writer.finish("interrupted")
+    assert [one.name for one in found] == ["settlement", "motion", "rest", "settling"]
+    assert found[0].end_step == zero_step(found) == found[1].start_step and found[0].end_step % every == 0

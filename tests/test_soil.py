@@ -1,0 +1,136 @@
+"""Soil: springs below the base without tension, and a rotational spring at the top, against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+import damage
+from damage.errors import InputError
+from damage.measure.energy import energy_error_of
+from damage.measure.vibration import natural_period
+from damage.run.options import parse_run
+from damage.units import GRAVITY
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
+
+SOIL, FOOTING = 1e8, 0.4
+
+
+def block(length, height):
+    """A rigid block on soil, on Gauss points, which integrate its springs exactly."""
+    return Wall("block", length, height, precompression=0.0, brick=Brick(length, height, 0.2))
+
+
+def stiffness(layout):
+    """Vertical and horizontal springs per length [N/m2], of soil and base joint in series."""
+    contacts, thickness = layout.contacts, layout.wall.brick.thickness
+    assert np.ptp(contacts.normal_stiffness) == 0
+    return contacts.normal_stiffness[0] * thickness, contacts.shear_stiffness[0] * thickness
+
+
+def test_springs_are_soil_and_base_joint_in_series_over_the_footing():
+    options = {"contacts": "gauss", "footing": FOOTING, "soil_shear": 0.3}
+    soft, rigid = (lay_out(block(1.0, 1.0), ModelOptions(soil=soil, **more)) for soil, more in (
+        (SOIL, options), ("rigid", {"contacts": "gauss"})))
+    for found, hard, soil in zip(stiffness(soft), stiffness(rigid), (SOIL, 0.3 * SOIL)):
+        assert 1 / found == pytest.approx(1 / hard + 1 / (soil * FOOTING), rel=1e-12)
+    assert not soft.contacts.tensile_strength.any() and np.all(soft.contacts.cohesion == rigid.contacts.cohesion)
+
+
+def periods(layout, weight=True):
+    """Closed form: periods [s] of sway and rocking of a rigid block on a bed of springs, with the weight's moment."""
+    wall = layout.wall
+    up, along = stiffness(layout)
+    mass, half = layout.total_mass, wall.height / 2
+    inertia = mass * (wall.length**2 + wall.height**2) / 12
+    sway = along * wall.length
+    rock = up * wall.length**3 / 12 - (mass * GRAVITY * half if weight else 0.0)
+    # Of the centre's displacement and the rotation, which moves the base by half the height.
+    k = np.array([[sway, sway * half], [sway * half, sway * half**2 + rock]])
+    m = np.diag([mass, inertia])
+    return 2 * math.pi / np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(m, k))))
+
+
+@pytest.mark.parametrize("length, height, share", [(0.6, 1.8, 1.0), (1.8, 0.3, 0.05)], ids=["rocks", "slides"])
+def test_the_period_of_a_block_is_that_of_the_closed_form(length, height, share):
+    """A slender block rocks and a flat one on soft shear springs sways in its first mode."""
+    options = {"contacts": "gauss", "soil": SOIL, "footing": FOOTING, "soil_shear": share}
+    layout = lay_out(block(length, height), ModelOptions(**options))
+    expected = periods(layout, weight=False).max()
+    assert natural_modes(layout).period_s[0] == pytest.approx(expected, rel=1e-6)
+    history = damage.run(layout.wall, free_vibration=True, rest=0.6, **options)
+    assert not history.opening_m.any()  # it does not lift off
+    assert not history.series["drift_ratio"].any()  # of a rigid block, which only moves as its base
+    found = natural_period(*(history.moving[name].to_numpy() for name in ("time_s", "top_displacement_m")))
+    assert found == pytest.approx(periods(layout).max(), rel=5e-3)
+
+
+def test_the_base_lifts_off_at_the_exact_moment():
+    """Stress by weight and moment is zero at the outermost point: M = W L^2 / (12 x)."""
+    options = {"contacts": "gauss", "soil": SOIL, "footing": FOOTING}
+    wall = block(0.6, 1.2)
+    history = damage.run(wall, pushover=0.06, speed=1e-4, **options)
+    weight = GRAVITY * history.bodies["mass_kg"].sum()
+    reach = wall.length / 2 - history.joints["x_m"].min()
+    sample = int(np.argmax(history.opening_m.max(axis=1) > 0))
+    lifted = history.joints["x_m"][history.opening_m[sample] > 0]
+    assert len(lifted) == 1 and abs(lifted.iloc[0] - wall.length / 2) == pytest.approx(reach)
+    moment = (history.series["top_force_n"] * wall.height / 2 + weight * history.series["top_displacement_m"])[sample]
+    assert moment == pytest.approx(weight * wall.length**2 / (12 * reach), rel=5e-3)
+
+
+def test_periods_of_the_symmetric_wall():
+    """0.334 and 0.462 s by a program that is independent of this one (interior points, k_x half of k_z)."""
+    wall = load_wall("walls/symmetric.py")
+    found = [natural_modes(lay_out(wall, ModelOptions(soil=soil))).period_s[0] for soil in (4.4e8, 1.2e8)]
+    assert found == pytest.approx([0.334, 0.462], abs=1e-3)
+
+
+SMALL = Wall("small", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)])
+
+
+@pytest.fixture(scope="module")
+def shaken():
+    return damage.run(SMALL, harmonic=(0.1, 0.15), rest=0.3, soil=5e7, dt=1.5e-5)
+
+
+def test_the_energy_balance_closes_on_soil(shaken):
+    assert shaken.states.broken.any() and energy_error_of(shaken) < 1e-3
+
+
+def test_drift_leaves_the_rocking_of_the_base_out(shaken):
+    """Most of the top's motion on soft soil is that of the base, whose rotation and translation have columns."""
+    series = shaken.series
+    by_top = series["top_displacement_m"].abs().max() / shaken.attributes["drift_height_m"]
+    assert series["drift_ratio"].abs().max() < 0.5 * by_top
+    rebuilt = series["drift_ratio"] * shaken.attributes["drift_height_m"] + series["base_translation_m"] - np.sin(
+        series["base_rotation_rad"]) * (shaken.attributes["drift_height_m"] - SMALL.brick.height / 2)
+    assert np.allclose(rebuilt, series["top_displacement_m"], atol=1e-12)
+
+
+@pytest.mark.parametrize("words, said", [
+    (["--soil", "0"], "--soil 0: expected rigid, or the modulus"), (["--soil", "soft"], "--soil soft: expected rigid"),
+    (["--footing", "0.6"], "--footing 0.6 without --soil"),
+    (["--soil", "1e8", "--soil-shear", "0"], "expected a number from 0.01 to 10")])
+def test_bad_soil_is_one_line(words, said):
+    with pytest.raises(InputError, match=said):
+        parse_run(words, "", "reference")
+
+
+def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path):
+    """A block on soil that is pushed at its centre: springs of sway and rocking, the top's, and the weight's moment."""
+    options, wall, spring = {"contacts": "gauss", "soil": SOIL, "footing": FOOTING}, block(0.6, 1.2), 2e6
+    layout = lay_out(wall, ModelOptions(**options))
+    up, along = stiffness(layout)
+    for top in (0.0, spring):
+        history = damage.run(wall, pushover=0.01, speed=1e-4, top_rotation=top, dt=5e-5, **options)
+        rock = up * wall.length**3 / 12 + top - GRAVITY * layout.total_mass * wall.height / 2
+        expected = 1 / (1 / (along * wall.length) + (wall.height / 2)**2 / rock)
+        last = history.series.iloc[-1]
+        assert last["top_force_n"] / last["top_displacement_m"] == pytest.approx(expected, rel=5e-3)
+        assert energy_error_of(history) < 2e-3
+    with pytest.raises(InputError, match="is too stiff for time steps of"):
+        damage.run(wall, pushover=0.01, top_rotation=1e12, **options)

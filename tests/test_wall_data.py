@@ -1,0 +1,172 @@
+"""Walls as data, materials and formats by name, the preview."""
+
+import json
+import math
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY, one_line_error
+from numpy.testing import assert_allclose
+
+from damage import Brick, Floor, Joint, Opening, Wall, load_wall, masonry
+from damage.__main__ import main
+from damage.draw.preview import wall_preview
+from damage.files import json_text
+from damage.wall.data import wall_from, wall_schema
+from damage.wall.geometry import body_table, joint_table
+from damage.wall.layout import lay_out
+from damage.wall.materials import FORMATS, MATERIALS, as_dict
+from damage.wall.parameters import ModelOptions
+from damage.wall.plausible import implausible
+
+TEXT = """
+name = "house"
+length = 4.4
+height = 4.2
+precompression = 0
+outline = [[0, 2.7], [2.2, 4.2], [4.4, 2.7]]
+masonry = { material = "clay-standard", format = "waalformaat", wythes = 2 }
+[joint]
+tensile_strength = 0.1e6
+[[openings]]
+left = 1.1
+width = 0.88
+height = 2.1
+[[floors]]
+level = 2.7
+mass = 900
+kind = "concrete"
+"""
+HOUSE = Wall("house", 4.4, 4.2, [Opening(1.1, 0.88, 2.1)], 0.0, outline=[(0, 2.7), (2.2, 4.2), (4.4, 2.7)],
+             floors=[Floor(2.7, 900.0, kind="concrete")],
+             **masonry("clay-standard", "waalformaat", wythes=2, tensile_strength=0.1e6))
+
+
+@pytest.fixture
+def house(tmp_path):
+    path = tmp_path / "house.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    return path
+
+
+class TestData:
+    def test_a_file_is_the_wall_that_python_makes(self, house):
+        assert load_wall(house) == HOUSE
+
+    def test_brick_and_joint_by_tables(self):
+        made = wall_from({"name": "w", "length": 2, "height": 1, "brick": {"length": 0.3}, "joint": {"cohesion": 1e5}})
+        assert made == Wall("w", 2, 1, brick=Brick(length=0.3), joint=Joint(cohesion=1e5))
+
+    def test_a_history_keeps_it(self):
+        assert Wall.from_dict(json.loads(json.dumps(HOUSE.as_dict()))) == HOUSE
+
+    def test_a_wall_without_outline_and_floors_is_kept_as_before(self):
+        assert not {"outline", "floors"} & set(Wall("w", 2.0, 1.0).as_dict())
+
+    def test_it_is_not_executed(self, tmp_path):
+        path = tmp_path / "code.toml"
+        path.write_text("import os\nos.remove('x')\n", encoding="utf-8")
+        assert "not TOML" in one_line_error(load_wall, path)
+
+    def test_the_schema_that_ships_is_the_codes(self):
+        shipped = (REPOSITORY / "walls/wall.schema.json").read_text(encoding="utf-8")
+        assert shipped.rstrip() == json_text(wall_schema(), indent=1)
+
+    def test_the_schema_takes_the_file_and_refuses_others(self):
+        jsonschema = pytest.importorskip("jsonschema")
+        import tomllib
+
+        table = tomllib.loads(TEXT)
+        jsonschema.validate(table, wall_schema())
+        for wrong in ({"lenght": 1}, {"length": "4"}, {"floors": [{"level": 1}]}, {"masonry": {"material": "mud"}}):
+            with pytest.raises(jsonschema.ValidationError):
+                jsonschema.validate(table | wrong, wall_schema())
+
+    def test_a_run_of_a_python_wall_and_of_data_are_the_same(self, house):
+        one, other = lay_out(HOUSE), lay_out(load_wall(house))
+        assert np.array_equal(one.contacts.x, other.contacts.x) and np.array_equal(one.bodies.mass, other.bodies.mass)
+
+    def test_the_launcher_gives_yade_the_program_for_data(self, tmp_path):
+        """A stand-in for YADE prints its arguments: the program comes before the first wall, once."""
+        fake = tmp_path / "bin/yade"
+        fake.parent.mkdir()
+        fake.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+        fake.chmod(0o755)
+        given = ["-n", "a/house.toml", "--out", "x.h5"]
+        said = subprocess.run([REPOSITORY / "yade", *given], env={"PATH": f"{fake.parent}:/usr/bin:/bin"},
+                              capture_output=True, text=True, check=True).stdout.splitlines()
+        assert said[2:] == ["-n", str(REPOSITORY / "yade_scripts/wall_data.py"), *given[1:]]
+        script = subprocess.run([REPOSITORY / "yade", "a/wall.py", "b.toml"], capture_output=True, text=True,
+                                check=True, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()
+        assert script[2:] == ["a/wall.py", "b.toml"]
+
+
+class TestMaterials:
+    @pytest.mark.parametrize("name", MATERIALS)
+    def test_masonry_has_the_modulus_and_friction_of_its_source(self, name):
+        found = MATERIALS[name]
+        given = {} if found.tensile_strength else {"tensile_strength": 0.1e6}
+        made = masonry(name, "waalformaat", **given)
+        brick, joint = made["brick"], made["joint"]
+        across = 1 / (1 / brick.young_modulus + 1 / (joint.normal_stiffness * brick.height))
+        assert_allclose((across, math.tan(joint.friction_angle)), (found.young_modulus, found.friction))
+        assert joint.cohesion == found.cohesion
+        assert not implausible(Wall("w", 2.0, 1.0, **made))
+
+    def test_every_value_has_a_source(self):
+        assert all(one.source for one in (*MATERIALS.values(), *FORMATS.values()))
+
+    def test_bricks_have_their_share_of_mortar(self):
+        made = masonry("clay-weak", "waalformaat", mortar=0.012, wythes=2)["brick"]
+        assert_allclose((made.length, made.height, made.thickness), (0.222, 0.062, 0.212))
+        assert_allclose(1 / (0.22 * 0.06), 75, rtol=0.02)  # bricks to the square metre of the format's source
+
+    def test_the_command_lists_them(self, capsys):
+        assert main(["materials"]) == 0
+        said = capsys.readouterr().out
+        assert all(name in said for name in (*MATERIALS, *FORMATS)) and "Graziotti" in said
+        assert main(["materials", "--json"]) == 0
+        assert json.loads(capsys.readouterr().out) == json.loads(json_text(as_dict()))
+
+    @pytest.mark.parametrize(("arguments", "named", "message"), [
+        (("mud", "waalformaat"), {}, "did you mean"), (("clay", "waalformat"), {}, "did you mean waalformaat"),
+        (("clay", "waalformaat"), {}, "give tensile_strength"),
+        (("clay-weak", "rijnvorm"), {"cohesoin": 1}, "cohesion"),
+        (("clay-weak", "rijnvorm"), {"mortar": -1}, "0 to 0.05")])
+    def test_bad_input(self, arguments, named, message):
+        line = one_line_error(masonry, *arguments, **named)
+        assert message in line or "expected one of" in line
+
+
+class TestPreview:
+    def test_it_names_piers_and_spandrels_and_weighs_floors(self):
+        layout = lay_out(HOUSE, ModelOptions(lintel="1"))
+        figure = wall_preview(HOUSE, body_table(layout), joint_table(layout))
+        said = [text.get_text() for text in figure.axes[0].texts]
+        assert said == ["0.9 t (8.83 kN)", "P1", "P2", "S1"]
+        labels = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert labels == ["bricks", "support", "rigid masses", "elastic joints (lintel)", "outline"]
+
+    @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+    def test_the_command_writes_it(self, house, tmp_path, capsys, ending):
+        path = tmp_path / f"house.{ending}"
+        assert main(["draw", str(house), "--out", str(path)]) == 0
+        assert capsys.readouterr().out.strip() == str(path)
+        first = path.read_bytes()
+        assert main(["draw", str(house), "--out", str(path)]) == 0
+        assert path.read_bytes() == first
+        if ending == "svg":
+            assert ElementTree.fromstring(first).tag.endswith("svg")
+
+    def test_another_ending_is_refused(self, house, capsys):
+        assert main(["draw", str(house), "--out", "house.gif"]) == 2
+        assert "expected a name that ends in .png, .pdf, .svg" in capsys.readouterr().err
+
+
+def test_the_command_runs_as_a_program(house):
+    said = subprocess.run([sys.executable, "-m", "damage", "modes", house], cwd=REPOSITORY, capture_output=True,
+                          text=True, check=True).stdout
+    assert "concrete floor at 2.7 m, x = 0 to 4.4 m: 0.9 t" in said

@@ -1,0 +1,59 @@
+"""A gable with a slab and a timber floor, as data, in YADE and in the reference solver: one layout, one answer."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import damage
+
+pytestmark = pytest.mark.yade
+
+GABLE = """
+name = "gable"
+length = 0.8
+height = 0.8
+precompression = 0
+outline = [[0, 0.4], [0.4, 0.8], [0.8, 0.4]]
+brick = { length = 0.2, height = 0.1, thickness = 0.1 }
+[[floors]]
+level = 0.3
+mass = 50
+kind = "concrete"
+depth = 0.1
+[[floors]]
+level = 0.6
+mass = 10
+"""
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory, yade_command, damage_command):
+    """The same motion, too weak for a crack, in both solvers."""
+    folder = tmp_path_factory.mktemp("house")
+    wall, histories = folder / "gable.toml", {}
+    wall.write_text(GABLE, encoding="utf-8")
+    solvers = {"yade": yade_command, "reference": lambda *words: damage_command("reference", *words)}
+    for solver, run in solvers.items():
+        out = folder / f"{solver}.h5"
+        done = run(wall, "--harmonic", 0.05, 0.2, "--cycles", 1, "--rest", 0.02, "--no-pictures", "--out", out)
+        assert done.returncode == 0, done.stdout + done.stderr
+        histories[solver] = damage.read_history(out)
+    return histories
+
+
+@pytest.mark.parametrize("solver", ["yade", "reference"])
+def test_at_rest_the_base_carries_bricks_and_floors(runs, solver):
+    """Three whole courses beside the slab's, then the gable's of 0.7, 0.5, 0.3 and 0.1 m."""
+    history = runs[solver]
+    assert len(history.masonry_wall.floors) == 2 and history.parameters["wall_file"]["file"] == "gable.toml"
+    area = 3 * 0.8 * 0.1 + 0.7 * 0.1 + 0.5 * 0.1 + 0.3 * 0.1 + 0.1 * 0.1
+    assert_allclose(history.static["base_reaction_n"], 9.81 * (area * 0.1 * 1900 + 60), rtol=1e-9)
+
+
+def test_both_solvers_agree_before_the_first_failure(runs):
+    yade, reference = (runs[name].series for name in ("yade", "reference"))
+    assert not runs["yade"].broken.any()
+    for name in ("drift_ratio", "base_shear_n"):
+        largest = np.abs(reference[name]).max()
+        assert_allclose(yade[name].abs().max(), largest, rtol=1e-3)
+        assert_allclose(yade[name], reference[name], atol=0.01 * largest)

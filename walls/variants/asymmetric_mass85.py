@@ -1,0 +1,21 @@
+"""The asymmetric façade wall with 0.85 of the mass on its top (docs/paper/readings.md).
+
+    yade walls/variants/asymmetric_mass85.py --harmonic 0.2 0.05
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # YADE does not look here by itself
+
+from walls.variants.changed import lighter
+
+
+def wall():
+    return lighter("asymmetric", 0.85)
+
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+
+    main(wall)
