@@ -182,12 +182,12 @@ def test_a_reader_that_cannot_send_what_it_read_is_an_error(files):
 
 def test_a_reader_gets_no_more_memory_than_it_may_believe(files, monkeypatch):
     def greedy(path, believe):
-        return len(np.ones(10_000_000))  # 80 MB
+        return len(np.empty(250_000_000))  # 2 GB, of which no page is touched: more than a heap ever holds unused
 
     monkeypatch.setattr(in_a_child, "FREE_BYTES", 20e6)
     with pytest.raises(InputError, match=r"cannot be read \(Unable to allocate"):
         in_a_child.apart(files[OLD], greedy)
-    assert in_a_child.apart(files[OLD], lambda path, believe: (believe(80_000_000), greedy(path, believe))[1]) == 10**7
+    assert in_a_child.apart(files[OLD], lambda path, believe: (believe(2e9), greedy(path, believe))[1]) == 250_000_000
 
 
 def test_a_live_history_is_read_apart_and_alike(tmp_path):

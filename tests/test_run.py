@@ -51,7 +51,7 @@ class Clockwork:
     def set_velocities(self, velocities):
         self.velocities = velocities
 
-    def state(self):
+    def saved_state(self):
         """None, as of a solver that cannot say it."""
 
     def hold(self, bodies, rotation, stiffness=0.0):
