@@ -16,8 +16,8 @@ BUILT_IN = "mechanics"
 """What the solver of this package uses besides."""
 MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py",
             "wall/geometry.py", *(f"measure/{name}.py" for name in (
-                "cracks", "cycles", "energy", "ground", "limits", "motion", "pushed", "storeys", "summary", "tables",
-                "validity", "vibration")))
+                "brick_stress", "cracks", "cycles", "energy", "ground", "limits", "motion", "pushed", "storeys",
+                "summary", "tables", "validity", "vibration")))
 """What of the package makes the numbers of tables out of a history."""
 UNKNOWN = "unknown"
 

@@ -60,7 +60,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     if snapshots is None:
         snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
     for time, displacement in snapshots.items():
-        writer.snapshot(time, displacement)
+        writer.snapshot(time, displacement, None if layout.strain is None else np.zeros((len(layout.bodies), 5, 3)))
     writer.finish(status, collapsed_at_s)
     return read_history(path) if write is HistoryWriter else writer.history()
 

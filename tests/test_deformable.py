@@ -492,7 +492,5 @@ def test_periods_of_deformable_bricks_by_the_command(capsys):
 
 
 def test_walls_that_cannot_deform():
-    splitting = Wall("w", 0.9, 0.45, brick=Brick(tensile_strength=1e6))
-    assert "bricks that do not split" in one_line_error(lay_out, splitting, ModelOptions(**DEFORMABLE))
     soft = Wall("w", 0.9, 0.45, brick=Brick(shear_modulus=1e9))
     assert "Poisson's ratio" in one_line_error(lay_out, soft, ModelOptions(**DEFORMABLE))

@@ -18,6 +18,7 @@ from damage.errors import InputError
 from damage.history.info import origin
 from damage.history.moments import choose_sample, moving
 from damage.index import THRESHOLD
+from damage.measure.brick_stress import principal_stresses
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_groups, energy_scale, imbalance
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
@@ -115,10 +116,8 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
         raise InputError(f"{history.path} has no stresses: expected a run with --bricks deformable; run it again so")
     shape = wall_shape(history, sample, slip, threshold, magnify=0.0)
     at = int(np.abs(history.snapshot_time_s - shape.time_s).argmin())
-    along_x, along_z, shear = history.stress_pa[at, ~shape.is_cap, 0].astype(float).T
-    middle, radius = (along_x + along_z) / 2, np.hypot((along_x - along_z) / 2, shear)
-    angle = np.arctan2(2 * shear, along_x - along_z) / 2
-    stress = np.stack([middle + radius, middle - radius])
+    stress, angle = principal_stresses(history.stress_pa[at, ~shape.is_cap, 0])
+    stress = stress.T
     scale = history.bodies["length_m"][~shape.is_cap].median() / max(np.abs(stress).max(), 1.0)
     centre = shape.corners[~shape.is_cap].mean(axis=1)
     figure, ax = style.new_figure(1.0)

@@ -86,6 +86,13 @@ STOREYS = {
                     "wall's drift"),
     "max_drift_ratio": Column("1", "largest absolute drift ratio of the storey at the snapshots, every tenth sample"),
     "residual_drift_ratio": Column("1", "drift ratio at the last snapshot, with its sign")}
+BRICKS = {
+    "brick": Column("1", "row of the history's bodies"), "course": Column("1", "from 0 at the base"),
+    "x_m, z_m": Column("m", "of its centre"),
+    "max_tension_pa, max_compression_pa": Column("Pa", "largest and smallest principal stress of the middle section "
+                                                 "over all snapshots, tension positive"),
+    "place": Column("", "of the largest: lower edge, centre or upper edge"), "time_s": Column("s", "of the largest"),
+    "splits_at_s": Column("s", "first snapshot above the tensile strength, empty without one")}
 
 RUNS = {name: column for table in (PARAMETERS, RUN, MADE_BY, *MEASURES.values())
         for name, column in each(table).items()}
@@ -172,7 +179,8 @@ CRACKS = {
 DICTIONARY = {
     "summary.csv, study.h5 runs": RUNS | MEMBERS, "points.csv, study.h5 points": POINTS,
     "RUN_index.csv": INDEX, "RUN_events.csv": EVENTS, "RUN_joints.csv": JOINTS_OF_A_RUN, "RUN_cycles.csv": CYCLES,
-    "RUN_shocks.csv": SHOCKS, "RUN_storeys.csv": STOREYS, "fragility_INTENSITY.csv": FRAGILITY,
+    "RUN_shocks.csv": SHOCKS, "RUN_storeys.csv": STOREYS, "RUN_bricks.csv": each(BRICKS),
+    "fragility_INTENSITY.csv": FRAGILITY,
     "fragility_after_damage_INTENSITY.csv": AFTER_DAMAGE, "fragility_INTENSITY_at.csv": AT,
     "efficiency.csv": EFFICIENCY, "left_out.csv, unseen.csv": LEFT_OUT,
     "left_out_scores.csv, unseen_scores.csv": SCORES,

@@ -41,7 +41,7 @@ def _fill(root, cells):
     shapes = [*range(n_snapshots), -1]  # the last: at rest
     shape_of = np.where(cells.snapshot_of < 0, n_snapshots, cells.snapshot_of)
     _keep(root, steps, "PointData", shapes, shape_of, lambda k: {"displacement_m": cells.displacement(k)})
-    _keep(root, steps, "CellData", shapes, shape_of, lambda k: {"rotation_rad": cells.rotation(k)})
+    _keep(root, steps, "CellData", shapes, shape_of, cells.body_fields)
     _keep(root, steps, "CellData", [0], np.zeros_like(samples), lambda k: cells.fixed)
     _keep(root, steps, "CellData", samples, samples, cells.joint_fields)
     for name, values in cells.numbers.items():

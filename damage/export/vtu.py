@@ -48,7 +48,7 @@ def _grid(cells, snapshot, sample):
     _arrays(piece, "Points", {"Points": cells.points})
     _arrays(piece, "Cells", {"connectivity": cells.connectivity, "offsets": cells.offsets[1:], "types": cells.types})
     _arrays(piece, "PointData", {"displacement_m": cells.displacement(snapshot)})
-    _arrays(piece, "CellData", {"rotation_rad": cells.rotation(snapshot), **cells.joint_fields(sample), **cells.fixed})
+    _arrays(piece, "CellData", {**cells.body_fields(snapshot), **cells.joint_fields(sample), **cells.fixed})
     return file
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from damage.draw.preview import wall_preview
-from damage.draw.run import ENERGIES, has_heap, heap_picture, wall_picture
+from damage.draw.run import ENERGIES, has_heap, heap_picture, stress_picture, wall_picture
 from damage.draw.sequence import has_sequence, sequence_picture
 from damage.draw.style import drift_scale
 from damage.draw.wall import magnification
@@ -13,6 +13,7 @@ from damage.history.moments import STATES, joint_states, nearest_snapshot, suppo
 from damage.html.instants import instants, points
 from damage.html.packing import as_png, pack_arrays, quantised
 from damage.index import COMPONENTS
+from damage.measure.brick_stress import has_stresses
 from damage.measure.energy import energy_groups
 from damage.measure.members import in_words as members_in_words
 from damage.measure.members import members_of, spread
@@ -39,6 +40,7 @@ def run_part(history, letter):
             "preview": preview(history),
             "sequence": as_png(sequence_picture(history)) if has_sequence(history) else None,
             "heap": as_png(heap_picture(history)) if has_heap(history) else None,
+            "stress": as_png(stress_picture(history)) if has_stresses(history) else None,
             "drawn": drawn(history, index)}
     return part | {"words": in_words(part)}
 

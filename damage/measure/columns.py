@@ -143,6 +143,11 @@ MEASURES = {
         "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
         "crushed_length_m": Column("m", "length of joints that has been crushed, at the run's end"),
         "split_length_m": Column("m", "length of the cuts through bricks that has split, at the run's end"),
+        "max_brick_tension_pa, max_brick_compression_pa": Column(
+            "Pa", "of deformable bricks: largest and smallest principal stress in their middle sections, at snapshots; "
+            "empty where bricks are rigid"),
+        "bricks_above_strength": Column("1", "deformable bricks whose principal tension exceeded their tensile "
+                                        "strength; empty where they have none"),
     },
     "Ground": {
         "angular_distortion, deflection_ratio": Column(

@@ -4,6 +4,7 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
+from damage.measure.brick_stress import stress_measures
 from damage.measure.cracks import PSI_FROM, psi_summary
 from damage.measure.cycles import cycle_measures
 from damage.measure.energy import energy_error_of, energy_measures
@@ -63,6 +64,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "energy_error_fraction": energy_error, "warnings": warnings_of(history, energy_error, elastic),
         **motion_measures(history), "period_s": period_of(history), **first_loading(history),
         **cracks, **cycle_measures(history), **energy_measures(history), **ground_measures(history, psi_from),
+        **stress_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"], cracks["max_crack_width_mm"]),
     }
 

@@ -1,8 +1,8 @@
 """Tables of histories as CSV for spreadsheets and scripts, with units in the column names.
 
 `python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv, for a
-sequence _shocks.csv, for a wall with floors _storeys.csv, and STEM_info.json, their origin.  `python3 -m damage tables
-summary FILE.h5 ... --out FILE.csv` writes a row for each history.
+sequence _shocks.csv, for a wall with floors _storeys.csv, of deformable bricks _bricks.csv, and STEM_info.json, their
+origin.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.
 """
 
 import re
@@ -17,6 +17,7 @@ from damage.files import json_text, whole_or_nothing, write_text
 from damage.history.info import info, made_by
 from damage.history.reader import read_history
 from damage.index import COMPONENTS
+from damage.measure.brick_stress import bricks_table, has_stresses
 from damage.measure.columns import slip_criteria
 from damage.measure.cracks import psi_history
 from damage.measure.cycles import cycles_table, index_by_all
@@ -161,15 +162,14 @@ def _with_first(table, *columns):
 
 
 RUN_TABLES = {"index": index_table, "events": events_table, "joints": joints_table, "cycles": cycles_table,
-              "shocks": shocks_table, "storeys": storeys_table}
+              "shocks": shocks_table, "storeys": storeys_table, "bricks": bricks_table}
 
 
 def write_run_tables(history, stem, names=RUN_TABLES):
     """Write tables of a run to STEM_index.csv and so on, and their origin to STEM_info.json; returns the paths.
 
-    names: keys of RUN_TABLES; `shocks` is left out of a run with a single event, `storeys` of a wall without floors.
-    Raises InputError where the history
-    has no sample.
+    names: keys of RUN_TABLES; `shocks` is left out of a run with a single event, `storeys` of a wall without floors,
+    `bricks` of rigid bricks.  Raises InputError where the history has no sample.
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")
@@ -177,6 +177,8 @@ def write_run_tables(history, stem, names=RUN_TABLES):
         names = [name for name in names if name != "shocks"]
     if not history.masonry_wall.floors:
         names = [name for name in names if name != "storeys"]
+    if not has_stresses(history):
+        names = [name for name in names if name != "bricks"]
     return [write_text(f"{stem}_info.json", json_text(info(history), indent=1)),
             *(write_table(RUN_TABLES[name](history), Path(f"{stem}_{name}.csv")) for name in names)]
 

@@ -1,5 +1,6 @@
 """Warnings of a run: conditions under which its results are doubtful."""
 
+from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.lintel import warn_of_share
 
@@ -19,7 +20,8 @@ def warnings_of(history, energy_error, share):
     energy_error: energy balance error [-] or None; share: its `damage.wall.lintel.ElasticShare`.
     """
     return [*static_warnings(history), *energy_warnings(energy_error), *offset_warnings(history),
-            *normal_warnings(history), *warn_of_share(share), *warn_of_ends(history)]
+            *normal_warnings(history), *warn_of_share(share), *warn_of_ends(history),
+            *warn_of_splitting(history)]
 
 
 def static_warnings(history):

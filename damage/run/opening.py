@@ -63,7 +63,8 @@ def describe_brick(brick, options=None):
     line = (f"bricks: {brick.length:.4g} x {brick.height:.4g} x {brick.thickness:.4g} m, {brick.density:.4g} kg/m3, "
             f"modulus {brick.young_modulus / MEGA:.4g} MPa")
     if options and options.has_modes:
-        return f"{line}, deformable (order {options.brick_order}, plane {options.plane})"
+        line += f", deformable (order {options.brick_order}, plane {options.plane})"
+        return f"{line}, tensile strength {brick.tensile_strength / MEGA:.4g} MPa" if brick.splits else line
     if options and options.brick_cells:
         line += f", {options.brick_cells} rigid cells glued elastically"
     if not brick.splits:

@@ -194,7 +194,7 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     layout = replace(layout, wall=wall, options=options, contacts=_scattered(
         wall, layout.contacts, (options.strength_cov, options.strength_seed), (scatter, (seed, 1))))
     layout = on_soil(layout)
-    if wall.brick.splits or options.brick_cells:
+    if layout.strain is None and (wall.brick.splits or options.brick_cells):
         layout = cut_bricks(layout)
     return replace(layout, fibres=split_into_fibres(wall.joint, layout.contacts, options.fibres)
                    if options.fibres else None)
@@ -209,7 +209,7 @@ def _lay_out_alike(wall, options):
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
     points = (len(cells.body) + n_bricks) * len(_PLACES[options.contacts])
-    points += CUT_POINTS * n_bricks * (wall.brick.splits + options.brick_cells)
+    points += CUT_POINTS * n_bricks * (wall.brick.splits * (not options.has_modes) + options.brick_cells)
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
                          f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
