@@ -108,7 +108,7 @@ def test_a_client_on_its_way_is_refused(monkeypatch):
 def test_a_thread_that_does_not_end_is_left(monkeypatch, kind):
     """Its handler works on and reads nothing: in the server's only thread, or in one of its own."""
     monkeypatch.setattr(servers, "PATIENCE_S", 0.05)
-    busy, over = threading.Event(), threading.Event()
+    busy, over, n_files = threading.Event(), threading.Event(), n_open_files()
 
     class Busy(socketserver.BaseRequestHandler):
         def handle(self):
@@ -122,6 +122,11 @@ def test_a_thread_that_does_not_end_is_left(monkeypatch, kind):
             assert close_in_a_thread() == [1]
             over.set()
             assert is_closed(client)
+    assert n_open_files() <= n_files
+
+
+def n_open_files():
+    return len(os.listdir("/proc/self/fd"))
 
 
 FAKE_YADE = '''#!{python}

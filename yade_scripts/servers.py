@@ -8,6 +8,7 @@ import gc
 import os
 import socket
 import socketserver
+import stat
 import time
 from contextlib import suppress
 from threading import Thread
@@ -49,8 +50,11 @@ def _refuse(server):
 
 def _close_connections(ports):
     """Shut down all connections of this process that were accepted on these ports."""
-    for name in os.listdir("/proc/self/fd"):
-        with suppress(OSError), socket.fromfd(int(name), socket.AF_INET, socket.SOCK_STREAM) as connection:
-            address = connection.getsockname()
-            if isinstance(address, tuple) and address[1] in ports:
-                connection.shutdown(socket.SHUT_RDWR)
+    for number in map(int, os.listdir("/proc/self/fd")):
+        with suppress(OSError):  # ended meanwhile
+            if not stat.S_ISSOCK(os.fstat(number).st_mode):  # of any other file fromfd() would leave a copy open
+                continue
+            with socket.fromfd(number, socket.AF_INET, socket.SOCK_STREAM) as connection:
+                address = connection.getsockname()
+                if isinstance(address, tuple) and address[1] in ports:
+                    connection.shutdown(socket.SHUT_RDWR)
