@@ -1,5 +1,7 @@
 """The data dictionary: every column of every table that the software writes is in it, with unit and meaning."""
 
+from dataclasses import replace
+
 import h5py
 import numpy as np
 import pandas as pd
@@ -33,6 +35,9 @@ def known(table):
 
 @pytest.mark.parametrize("name", RUN_TABLES)
 def test_tables_of_a_run(history, name):
+    if name == "bricks":
+        history = replace(history, stress_pa=np.zeros((1, len(history.bodies), 5, 3)),
+                          snapshot_time_s=history.snapshot_time_s[:1])
     assert set(RUN_TABLES[name](history)) == known(f"RUN_{name}.csv")
 
 

@@ -50,11 +50,16 @@ def _refuse(server):
 
 def _close_connections(ports):
     """Shut down all connections of this process that were accepted on these ports."""
-    for number in map(int, os.listdir("/proc/self/fd")):
-        with suppress(OSError):  # ended meanwhile
-            if not stat.S_ISSOCK(os.fstat(number).st_mode):  # of any other file fromfd() would leave a copy open
-                continue
-            with socket.fromfd(number, socket.AF_INET, socket.SOCK_STREAM) as connection:
-                address = connection.getsockname()
-                if isinstance(address, tuple) and address[1] in ports:
-                    connection.shutdown(socket.SHUT_RDWR)
+    for number in filter(_is_socket, map(int, os.listdir("/proc/self/fd"))):
+        with suppress(OSError), socket.fromfd(number, socket.AF_INET, socket.SOCK_STREAM) as connection:
+            address = connection.getsockname()
+            if isinstance(address, tuple) and address[1] in ports:
+                connection.shutdown(socket.SHUT_RDWR)
+
+
+def _is_socket(number):
+    """Whether an open file is a socket: of any other one socket.fromfd() fails and leaves a copy open."""
+    try:
+        return stat.S_ISSOCK(os.fstat(number).st_mode)
+    except OSError:  # closed meanwhile
+        return False
