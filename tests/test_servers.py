@@ -122,7 +122,7 @@ def test_a_thread_that_does_not_end_is_left(monkeypatch, kind):
             assert close_in_a_thread() == [1]
             over.set()
             assert is_closed(client)
-    assert n_open_files() <= n_files
+    assert n_open_files() < n_files + 5  # a thread may just close its own; a copy of every file would be ten more
 
 
 def n_open_files():
