@@ -119,7 +119,8 @@ def test_a_thread_that_does_not_end_is_left(monkeypatch, kind):
         threading.Thread(target=server.serve_forever, daemon=True).start()
         with connect(server) as client:
             assert busy.wait(AT_MOST_S)
-            assert close_in_a_thread() == [1]
+            closed, = close_in_a_thread()
+            assert closed >= 1  # servers of the tests before may not have been collected yet
             over.set()
             assert is_closed(client)
     assert n_open_files() < n_files + 5  # a thread may just close its own; a copy of every file would be ten more
