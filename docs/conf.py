@@ -42,6 +42,32 @@ add_module_names = False
 smartquotes = False  # they make a dash of two, as options have them
 nitpicky = False
 
+_BLOCK = re.compile(r"^```{(modules|menu)}(.*?)\n(.*?)```$", re.DOTALL | re.MULTILINE)
+
+
+def write_out(app, name, source):
+    """Replace two blocks of Markdown: `modules`, names of modules, by a section with the docstrings of each; `menu
+    README.md` by the toctrees of the pages that its table links, a part each, and the reference of all modules."""
+    def written(block):
+        if block[1] == "menu":
+            return _menu((Path(app.srcdir) / block[2].strip()).read_text(encoding="utf-8"))
+        return "\n\n".join(f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n```"
+                           for module in block[3].split())
+
+    source[0] = _BLOCK.sub(written, source[0])
+
+
+def _menu(text):
+    """A toctree for each part of the table of docs/README.md."""
+    part, parts = "", {}
+    for cells in (line.split("|") for line in text.splitlines() if line.startswith("|")):
+        part = cells[1].strip() or part  # an empty cell: as in the row before
+        parts[part] = parts.get(part, []) + re.findall(r"\(([\w/-]+)\.md\)", cells[2])
+    parts["reference"].append("api/index")
+    return "\n\n".join(f"```{{toctree}}\n:caption: {part.capitalize()}\n:maxdepth: 1\n\n" + "\n".join(pages) + "\n```"
+                       for part, pages in parts.items() if pages)
+
+
 _LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(([^)#\s:]+)(#[^)]*)?\)")
 
 
@@ -155,6 +181,7 @@ def add_context(app, page, template, context, doctree):
 
 
 def setup(app):
+    app.connect("source-read", write_out)
     app.connect("source-read", only_what_is_here)
     app.connect("autodoc-process-docstring", as_plain_text)
     app.connect("html-page-context", add_context)

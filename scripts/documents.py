@@ -26,6 +26,7 @@ from damage.paper.verdict import judge
 from damage.studies.definition import load_study
 from damage.studies.members import most_members
 from damage.wall import plausible
+from scripts import gallery
 from scripts.document_tables import as_markdown, with_tables
 
 VERDICT = "docs/paper/verdict.md"
@@ -90,7 +91,8 @@ def tables_of_code():
     summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
     return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
             **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
-            "plausible values": plausible.markdown(), "studies that ship": table_of_studies(ROOT / "studies")}
+            "plausible values": plausible.markdown(), "studies that ship": table_of_studies(ROOT / "studies"),
+            "gallery": gallery.markdown()}
 
 
 @cache

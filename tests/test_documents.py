@@ -85,13 +85,6 @@ def test_every_document_is_in_the_index():
     assert linked == {page for page in PAGES if not page.startswith("api/")}
 
 
-def test_every_document_is_in_the_sites_menu():
-    """Sphinx would warn of one that is in no toctree, but the site is not built by every test run."""
-    menu = set(re.findall(r"^[\w/-]+$", (REPOSITORY / "docs" / "index.md").read_text(), re.MULTILINE))
-    written = {page.removesuffix(".md") for page in PAGES if not page.startswith("api/")}
-    assert menu == written | {"api/index"}
-
-
 def test_what_is_not_there_is_found():
     document = REPOSITORY / "docs" / "README.md"
     assert named_files("`damage/nowhere.py`, `walls/*.py`, `x/y`, `nothing.md`") == [
@@ -118,12 +111,8 @@ def test_tests_that_documents_name_are_there():
     assert [row for row in rows if "`tests/" not in row] == []
 
 
-def test_the_gallery_shows_the_commands_that_its_script_runs():
+def test_the_pictures_of_the_gallery_are_small():
     from scripts.gallery import GALLERY
 
-    page = (REPOSITORY / "docs" / "guides" / "gallery.md").read_text().replace(" \\\n", " ")
-    commands = re.findall(r"^    python3 -m damage reference (.*)$", page, re.MULTILINE)
-    assert [sorted(words.split()) for words in commands] == [sorted(entry.words.split()) for entry in GALLERY.values()]
-    assert re.findall(r"gallery/([\w-]+)\.png", page) == list(GALLERY)
     for name in GALLERY:
         assert (REPOSITORY / "docs" / "pictures" / "gallery" / f"{name}.png").stat().st_size < 80_000

@@ -116,7 +116,7 @@ class Layout:
     """A wall laid out under given options.
 
     n_joints: the first n_joints contacts are joints, behind them the cuts where bricks can split; the rest is the
-    caps' glue.
+        caps' glue.
     drift_bodies: bricks of the top course, or of the one that `damage.wall.courses.drift_course` names, whose centres
         stand over piers; drift_height [m] of them.
     piers: (left, right) [m] of each pier, the parts of the length that carry the top; supports: below the base.
