@@ -40,7 +40,7 @@ def test_a_changed_table_of_the_code_is_found(copy):
 
 
 def test_every_table_of_the_code_is_in_a_document():
-    pages = "\n".join(path.read_text() for path in (REPOSITORY / "docs" / "reference").glob("*.md"))
+    pages = "\n".join(path.read_text() for path in (REPOSITORY / "docs").rglob("*.md"))
     assert [name for name in tables_of_code() if f"<!-- table of {name} -->" not in pages] == []
 
 
