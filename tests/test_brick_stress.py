@@ -87,7 +87,7 @@ def test_table_of_the_middle_sections(stressed, tmp_path):
     assert stress_measures(history) == {"max_brick_tension_pa": 2e6, "max_brick_compression_pa": -2e6,
                                         "bricks_above_strength": 1}
     line, = warn_of_splitting(history)
-    assert "1 bricks would split at 1.5 MPa" in line and "t = 0.30 s" in line
+    assert "1 brick would split at 1.5 MPa" in line and "t = 0.30 s" in line
     assert tmp_path / "run_bricks.csv" in write_run_tables(history, tmp_path / "run")
 
 

@@ -13,7 +13,7 @@ from damage.wall.lintel import lintel_courses
 
 TONNE, KILO = 1e3, 1e3
 GROUND_DEPTH = 0.06  # of the wall's height, drawn
-HIGHEST_NAME = 6  # courses above an opening in whose middle the spandrel's name stands at most
+HIGHEST_NAME = 6  # most courses above an opening over which the name of its spandrel is centred
 _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
 _LABELS = 0.45  # [inch] that ticks and labels take beside and below
 

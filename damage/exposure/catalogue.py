@@ -97,7 +97,7 @@ def _read_csv(path):
 def _known(table, name):
     """A column of numbers, none of which is missing."""
     values = table.numbers(name)
-    table.refuse(np.isnan(values), f"no {name}; expected a number")
+    table.refuse(np.isnan(values), f"no {name}; expected a number; give it")
     return values
 
 
@@ -151,7 +151,7 @@ def _time(words, where):
     try:
         time = datetime.fromisoformat(words.strip())
     except ValueError:
-        raise InputError(f"{where}: time {words!r}; expected such as 2018-01-08T14:00:52") from None
+        raise InputError(f"{where}: time {words!r}; expected such as 2018-01-08T14:00:52; correct it") from None
     return time.astimezone(UTC) if time.tzinfo else time.replace(tzinfo=UTC)
 
 
@@ -161,5 +161,5 @@ def _number(word, name, where):
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        raise InputError(f"{where}: {name} = {word!r}; expected a number")
+        raise InputError(f"{where}: {name} = {word!r}; expected a number; correct it")
     return value

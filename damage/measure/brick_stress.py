@@ -70,6 +70,7 @@ def warn_of_splitting(history):
     if table.empty:
         return []
     first = table.iloc[0]
-    return [f"{len(table)} bricks would split at {brick.tensile_strength / 1e6:g} MPa, the first at "
+    count = "1 brick" if len(table) == 1 else f"{len(table)} bricks"
+    return [f"{count} would split at {brick.tensile_strength / 1e6:g} MPa, the first at "
             f"x = {first['x_m']:.2f} m, z = {first['z_m']:.2f} m (t = {first['splits_at_s']:.2f} s): deformable bricks "
             "stay whole; give --bricks rigid for bricks that split"]

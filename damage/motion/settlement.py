@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damage.checks import check_file, check_range
-from damage.errors import InputError, one_line
-from damage.motion.columns import is_number
+from damage.checks import check_range
+from damage.csv_table import CsvTable
+from damage.errors import InputError
 from damage.motion.drive import Drive
 
 PROFILES = ("hogging", "sagging", "tilt", "knick")
@@ -118,22 +118,12 @@ def _check_points(profile, x, up):
 
 
 def read_profile(path):
-    """Settlement by a CSV file with the columns x_m and uz_m, upwards positive; raises InputError."""
-    path = check_file(path, "a settlement profile (CSV)", 1)
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is no text; expected a CSV file with columns x_m,uz_m") from error
-    rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.split("#")[0].strip()]
-    if not rows or rows[0][1].replace(" ", "") != "x_m,uz_m":
-        raise InputError(f"{path}: expected the columns x_m,uz_m in its first line; name them there")
-    points = []
-    for number, line in rows[1:]:
-        cells = line.split(",")
-        if len(cells) != 2 or not all(is_number(cell) and math.isfinite(float(cell)) for cell in cells):
-            raise InputError(f"{path}: line {number}: {one_line(line)[:80]!r}; expected two numbers, x_m,uz_m")
-        points.append(tuple(map(float, cells)))
-    x, up = zip(*points) if points else ((), ())
-    if not points:
-        raise InputError(f"{path}: no points; expected 2 to {MOST_POINTS}, a row x_m,uz_m each")
-    return Settlement(path.name, None, x, up)
+    """Settlement by a CSV file with the columns x_m and uz_m [m], upwards positive.
+
+    Raises InputError, with the line, where the file does not fit.
+    """
+    table = CsvTable(path, ("x_m", "uz_m"), most_rows=MOST_POINTS)
+    points = {name: table.numbers(name) for name in ("x_m", "uz_m")}
+    for name, values in points.items():
+        table.refuse(np.isnan(values), f"no {name}; expected a number [m], give it")
+    return Settlement(table.path.name, None, *(tuple(map(float, values)) for values in points.values()))

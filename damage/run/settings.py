@@ -144,8 +144,8 @@ class RunSettings:
         if not self.loading.moves and not self.settlement:
             raise InputError("no motion and no settlement: expected one of them; give one")
         if self.continued and (self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s):
-            raise InputError("--continue with --new-contacts, --members or --free-vibration: expected one wall that "
-                             "goes on from where it is; leave these out")
+            raise InputError("--continue with --new-contacts, --members or --free-vibration: expected one wall "
+                             "that continues from its last state; leave these out")
 
     def _check_motion(self):
         if self.duration_s > LONGEST_S:
