@@ -85,9 +85,10 @@ def wall_of(parameters, size):
     brick = parameters.Brick(length=0.225, height=0.075, thickness=0.1025)
     along, up = size or (18, 37)
     openings = [] if size else [parameters.Opening(left=4.5 * 0.225, width=9 * 0.225, height=33 * 0.075)]
+    lintel = {"lintel": "courses"} if "lintel" in parameters.Wall.__dataclass_fields__ else {}  # of later commits
     return parameters.Wall(name="benchmark", length=along * 0.225, height=up * 0.075, openings=openings,
                            precompression=0.3e6, brick=brick,
-                           joint=parameters.Joint(tensile_strength=0.21e6, cohesion=0.24e6))
+                           joint=parameters.Joint(tensile_strength=0.21e6, cohesion=0.24e6), **lintel)
 
 
 def compare(cracked, rounds):

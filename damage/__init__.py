@@ -10,10 +10,11 @@ from damage.version import VERSION as __version__
 _HOMES = {"InputError": "damage.errors", **dict.fromkeys(("History", "read_history"), "damage.history.reader"),
           **dict.fromkeys(("Brick", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry"),
                           "damage.wall.parameters"), "check_plausible": "damage.wall.plausible",
-          "Floor": "damage.wall.floors", "masonry": "damage.wall.materials",
+          "Floor": "damage.wall.floors", "Lintel": "damage.wall.lintels", "masonry": "damage.wall.materials",
           "load_wall": "damage.wall.file", "read_record": "damage.motion.formats"}
-__all__ = ["Brick", "Floor", "History", "InputError", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry",
-           "check_plausible", "load_wall", "masonry", "read_history", "read_record", "run", "__version__"]
+__all__ = ["Brick", "Floor", "History", "InputError", "Joint", "Lintel", "ModelOptions", "Opening", "Wall",
+           "brick_of_masonry", "check_plausible", "load_wall", "masonry", "read_history", "read_record", "run",
+           "__version__"]
 
 
 def __dir__():

@@ -69,7 +69,9 @@ class CsvTable:
     def numbers(self, name):
         """A column as floats, (n_rows,), NaN where it is empty or missing."""
         words = pd.Series(self.words(name))
-        values = pd.to_numeric(words, errors="coerce").to_numpy(float)
+        valid = np.isfinite(pd.to_numeric(words, errors="coerce").to_numpy(float))
+        # to_numeric decides what is a number; its values are off by the last bit.
+        values = np.array([float(word) if is_number else np.nan for word, is_number in zip(words, valid)])
         bad = (words != "").to_numpy() & ~np.isfinite(values)
         if bad.any():
             raise self.error(int(np.argmax(bad)), f"{name} = {words[int(np.argmax(bad))]!r}: expected a finite "

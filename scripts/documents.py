@@ -121,6 +121,7 @@ def _text(path):
     return path.read_text(encoding="utf-8")
 
 
+@cache  # the tables are as they are as long as this program runs
 def judge_tables(folder):
     """The verdict on the tables that `scripts/keep_tables.py` keeps in a folder: findings.
 

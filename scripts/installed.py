@@ -4,7 +4,10 @@
 
 Each environment gets the wheel and packages from a package index, wheels alone, and in a folder elsewhere runs the
 reference solver, index, pictures, a table, exports and a film; prints a line each.  A Python is looked for on PATH
-and among pyenv's; one that is not there is skipped by name.  Minutes each.  Exit status: 1 where one failed, else 0.
+and among pyenv's; one that is not there is skipped by name.  Exit status: 1 where one failed, else 0.
+
+What takes time is to fetch and unpack 0.4 GB of packages and to compile the solver in each environment; on stderr a
+line a step says how far it is.
 """
 
 import argparse
@@ -25,6 +28,8 @@ OLDEST = {
 }
 """The oldest that pyproject.toml allows and that have wheels for this Python."""
 VERSIONS = ("oldest", "newest")
+LIMIT_S = 900
+"""Of one command [s]: what takes longer has failed."""
 WALL = 'from damage import Wall\n\n\ndef wall():\n    return Wall("pier", length=0.9, height=0.9)\n'
 NEEDS = "numpy scipy pandas h5py matplotlib numba"
 WHERE = """
@@ -101,7 +106,8 @@ def try_wheel(wheel, python, packages):
         (elsewhere / "pier.py").write_text(WALL)
         run(python, "-m", "venv", inside, cwd=folder)
         new = inside / "bin" / "python"
-        run(new, "-m", "pip", "install", "--quiet", "--only-binary", ":all:", wheel, *packages, cwd=folder)
+        run(new, "-m", "pip", "install", "--quiet", "--no-compile", "--only-binary", ":all:", wheel, *packages,
+            cwd=folder)
         versions = run(new, "-c", WHERE, NEEDS, cwd=elsewhere).strip()
         use(inside / "bin" / "masonry-damage", elsewhere)
         return versions
@@ -132,12 +138,22 @@ def use(command, folder):
 
 
 def run(*words, cwd):
-    """The output of a command, without this checkout on Python's path."""
+    """The output of a command, without this checkout on Python's path.
+
+    numba optimises nothing: that takes most of its time, and decides about speed alone.
+    """
+    began = time.monotonic()
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    done = subprocess.run([str(word) for word in words], cwd=cwd, capture_output=True, text=True,
-                          env=environment | {"MPLBACKEND": "Agg", "PIP_DISABLE_PIP_VERSION_CHECK": "1"})
+    words = [str(word) for word in words]
+    shown = " ".join([Path(words[0]).name, *words[1:4]])
+    try:
+        done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, timeout=LIMIT_S, env=environment | {
+            "MPLBACKEND": "Agg", "PIP_DISABLE_PIP_VERSION_CHECK": "1", "NUMBA_OPT": "0"})
+    except subprocess.TimeoutExpired as error:
+        raise Failed(f"{shown}: no end in {LIMIT_S} s") from error
+    print(f"    {time.monotonic() - began:4.0f} s  {shown.partition(chr(10))[0]}", file=sys.stderr, flush=True)
     if done.returncode:
-        raise Failed(f"{' '.join(map(str, words[:4]))}: {(done.stderr.strip() or 'no word').splitlines()[-1]}")
+        raise Failed(f"{shown}: {(done.stderr.strip() or 'no word').splitlines()[-1]}")
     return done.stdout
 
 

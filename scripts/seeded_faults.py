@@ -33,7 +33,7 @@ class Fault(NamedTuple):
 
 
 FAULTS = [*starmap(Fault, (
-    ("wall", "every second course starts with the wrong half", "damage/wall/layout.py",
+    ("wall", "every second course starts with the wrong half", "damage/wall/courses.py",
      'starts_half = (course % 2 == 1) != (', 'starts_half = (course % 2 == 1) == (', "test_layout"),
     ("wall", "inertia of a brick by m (l^2 + h^2) / 6", "damage/wall/layout.py",
      "inertia = mass * (length**2 + height**2) / 12", "inertia = mass * (length**2 + height**2) / 6", "test_layout"),
@@ -56,7 +56,7 @@ FAULTS = [*starmap(Fault, (
      "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_ii_energy",
      "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_i_energy", "test_softening"),
     ("law", "crushing takes the full strength from its first step", "damage/wall/joint_law.py",
-     "state.closure + more, 0.5 * (before + strength) * more", "state.closure + more, strength * more",
+     "state.closure + more, 0.5 * (before + left) * more", "state.closure + more, left * more",
      "test_crushing"),
     ("law", "a bond fails at twice its tensile strength", "damage/wall/joint_law.py",
      "if not broken and sigma > strength:  # (10)", "if not broken and sigma > 2 * strength:  # (10)",
@@ -113,7 +113,7 @@ FAULTS = [*starmap(Fault, (
     ("measures", "ripples around zero count as cycles", "damage/measure/vibration.py",
      "REARM = 0.02", "REARM = 0.0", "test_measures"),
     ("studies", "intervals of few records too narrow", "damage/studies/fragility.py",
-     "np.sqrt(n / (n - 1)) * student", "np.sqrt((n - 1) / n) * student", "test_fragility"),
+     "np.sqrt(n / (n - 1)) * stdtrit", "np.sqrt((n - 1) / n) * stdtrit", "test_fragility"),
     ("studies", "a wall that collapsed does not exceed", "damage/studies/fragility.py",
      '(runs[measure] > level) | runs["collapsed_at_s"].notna()', "runs[measure] > level", "test_fragility"),
     ("studies", "the fit's slope has the wrong sign", "damage/studies/fragility.py",

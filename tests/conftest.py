@@ -16,14 +16,18 @@ from yade_scripts import COMMAND
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 BRIEFLY = REPOSITORY / "tests/yade_checks/briefly.py"  # runs a wall in YADE with shorter stages
+BATCH = (sys.executable, str(REPOSITORY / "workflow" / "batch.py"))
+"""What run_all.sh starts once it has looked for all that it needs, which takes two seconds: `test_environment.py`."""
+BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
 SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")  # of small walls, which vibrate at 0.05 s or faster
 
-FIRST = ("test_plain.py", "test_together.py", "test_yade_free.py", "test_yade_run.py")
+FIRST = ("test_plain.py", "test_deformable_lanes.py", "test_together.py", "test_study.py", "test_yade_run.py",
+         "test_guides.py", "test_written.py", "test_ensembles.py", "test_pictures.py")
 
 
 def pytest_collection_modifyitems(items):
-    """First come files that compile what all others then find compiled, each in a process of its own, so that no two
-    compile the same; then those that take longest, which at the end would leave the other cores idle."""
+    """First come files that compile what all others then find compiled; two that run side by side compile different
+    functions; then those that take longest, which at the end would leave the other cores idle."""
     items.sort(key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST))
 
 

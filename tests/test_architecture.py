@@ -21,6 +21,7 @@ ROOMS = [
     ("damage.reference", "damage.laboratory", "damage.studies", "damage.paper"),
     ("damage.life",),
     ("damage.html", "damage.export"),
+    ("damage.commands",),
     ("damage",),  # its __init__ and __main__
     ("yade_scripts",),
     ("walls",),

@@ -59,15 +59,15 @@ OPTIONS = {
     "cyclic-text": (["--cyclic", "0.1;0.2"], "commas"),
     "boundary-without-push": (["--boundary", "fixed"], "--boundary"),
     "unknown-lintel": (["--lintel", "steel"], "steel"),
+    "loose-deformable-bricks": (["--bricks", "deformable", "--new-contacts"], "loose bricks collide as rigid ones"),
+    "fibres-of-brittle-joints": (["--fibres", "8"], "are brittle"),
 }
 
 IN_YADE = {
     "parsed": (["--harmonix", "0.2", "0.05"], "--harmonix"),
     "beyond-its-law": (["--beta", "1e-6"], "--beta"),
     "its-time-step": (["--dt", "4.6e-5"], "stable"),
-    "its-bricks": (["--bricks", "deformable", "--new-contacts"], "loose bricks collide as rigid ones"),
     "its-view": (["--view"], "screen"),
-    "fibres-of-brittle-joints": (["--fibres", "8"], "are brittle"),
 }
 
 
@@ -161,7 +161,6 @@ class TestYade:
         done = yade_command(SYMMETRIC, *words, "--out", tmp_path / "out.h5")
         assert_refused(done.returncode, done.stdout, done.stderr, complaint, tmp_path)
 
-    @pytest.mark.parametrize("case", ["opening-outside", "strength-in-mpa"])
-    def test_bad_wall(self, case, yade_command, tmp_path):
-        done = yade_command(write_wall(tmp_path, case), "--out", tmp_path / "out.h5")
-        assert_refused(done.returncode, done.stdout, done.stderr, WALLS[case][1], tmp_path)
+    def test_bad_wall(self, yade_command, tmp_path):
+        done = yade_command(write_wall(tmp_path, "opening-outside"), "--out", tmp_path / "out.h5")
+        assert_refused(done.returncode, done.stdout, done.stderr, WALLS["opening-outside"][1], tmp_path)

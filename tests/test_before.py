@@ -14,7 +14,7 @@ from damage.run.before import Surveyed, with_cracks
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall
 
-SMALL = Wall("small", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)])
+SMALL = Wall("small", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], lintel="courses")
 SHAKE = {"harmonic": (0.06, 0.6), "rest": 0.1}
 SOFT = damage.Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0)
 
@@ -32,8 +32,9 @@ def halves(folder, wall, **options):
 
 @pytest.mark.parametrize("wall, options", [
     (SMALL, {}), (SMALL, {"step": "plain"}), (SMALL, {"settle": "hogging", "distortion": 1 / 500}),
-    (Wall("soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT), {}),
-    (Wall("fibres", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT), {"fibres": 8, "beta": 0.0}),
+    (Wall("soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"), {}),
+    (Wall("fibres", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"),
+     {"fibres": 8, "beta": 0.0}),
 ], ids=["brittle", "plain", "settled", "soft", "fibres"])
 def test_a_run_that_continues_is_the_second_half_bit_for_bit(tmp_path, wall, options):
     whole, second = halves(tmp_path, wall, **({"rest": 0.05} | options))
@@ -59,7 +60,7 @@ def test_a_settled_wall_is_shaken_later(tmp_path):
 
 def test_a_history_of_another_wall_is_one_line(tmp_path, capsys):
     damage.run(SMALL, **SHAKE, out=tmp_path / "first.h5")
-    other = Wall("other", 1.125, 0.6, [Opening(0.3375, 0.45, 0.225, 0.15)])
+    other = Wall("other", 1.125, 0.6, [Opening(0.3375, 0.45, 0.225, 0.15)], lintel="courses")
     with pytest.raises(InputError, match="the history of another wall, small: joints/"):
         damage.run(other, **SHAKE, **{"continue": tmp_path / "first.h5"})
     with pytest.raises(InputError, match="joints/cohesion_pa|joints/tensile_strength_pa"):

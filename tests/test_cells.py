@@ -24,7 +24,7 @@ CELLS = {"bricks": "deformable", "brick_cells": 4, "contacts": "gauss", "lintel"
 
 
 def wall_with_cut_bricks(**brick):
-    return Wall("w", 1.53, 0.975, [Opening(0.63, 0.4, 0.6)], brick=Brick(**brick))
+    return Wall("w", 1.53, 0.975, [Opening(0.63, 0.4, 0.6)], brick=Brick(**brick), lintel="courses")
 
 
 @pytest.mark.parametrize("number", [2, 4, 8])

@@ -5,17 +5,16 @@ import os
 import random
 import re
 import subprocess
-import sys
 import zlib
 
 import h5py
 import numpy as np
 import pytest
-from conftest import REPOSITORY
 from small_history import make_history
 from test_history import open_writer, write_samples
 
 import damage
+from damage.__main__ import main
 from damage.errors import InputError
 from damage.history import apart as in_a_child
 from damage.history.head import HEAD_BYTES, read_head, seal
@@ -272,32 +271,37 @@ def test_changes_that_crash_hdf5_itself_are_reported(finished, monkeypatch):
 
 # --- check ----------------------------------------------------------------------------------------
 
-def test_check_says_what_each_file_is_worth(files, finished, tmp_path, damage_command):
+def test_check_says_what_each_file_is_worth(files, finished, tmp_path, capsys):
+    def run(*words):
+        status = main(["check", *map(str, words)])
+        return status, *capsys.readouterr()
+
     make_history(tmp_path / "early.h5", status="interrupted")
     (tmp_path / "bad.h5").write_text("words")
     paths = {WHOLE: finished, UNSEALED: files[OLD], OPEN: files[KILLED], ENDED_EARLY: tmp_path / "early.h5",
              DAMAGED: tmp_path / "bad.h5"}
     for worth, path in paths.items():
         assert check(path)["worth"] == worth
-    done = damage_command("check", *paths.values())
-    assert done.returncode == 2 and done.stderr == ""
-    assert [line.split(":")[0] for line in done.stdout.splitlines()] == list(paths)
-    assert damage_command("check", paths[WHOLE], paths[UNSEALED]).returncode == 0
-    done = damage_command("check", paths[WHOLE], paths[OPEN], "--json")
-    assert done.returncode == 1 and [one["status"] for one in json.loads(done.stdout)] == ["complete", "unfinished"]
+    status, out, err = run(*paths.values())
+    assert status == 2 and err == ""
+    assert [line.split(":")[0] for line in out.splitlines()] == list(paths)
+    assert run(paths[WHOLE], paths[UNSEALED])[0] == 0
+    status, out, _ = run(paths[WHOLE], paths[OPEN], "--json")
+    assert status == 1 and [one["status"] for one in json.loads(out)] == ["complete", "unfinished"]
 
 
 @pytest.mark.parametrize("command", [["index"], ["cycles"], ["plot", "--out", "x"], ["tables", "run", "--out", "x"],
                                      ["cracks"], ["info"], ["laboratory", "--out", "x"], ["compare"]])
-def test_every_command_refuses_a_damaged_history_alike(command, finished, tmp_path):
+def test_every_command_refuses_a_damaged_history_alike(command, finished, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     os.truncate(finished, 20000)
     name, *options = command
     words = [name, *options[:1 if name == "tables" else 0], finished, *([finished] if name == "compare" else []),
              *options[1 if name == "tables" else 0:]]
-    done = subprocess.run([sys.executable, "-m", "damage", *map(str, words)], cwd=tmp_path, capture_output=True,
-                          text=True, env=os.environ | {"PYTHONPATH": str(REPOSITORY)})
-    assert done.returncode == 2 and done.stdout == ""
-    assert re.fullmatch(r"error: \S+a\.h5 has 19488 bytes behind its head, \d+ were sealed: .*\n", done.stderr)
+    assert main(list(map(str, words))) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert re.fullmatch(r"error: \S+a\.h5 has 19488 bytes behind its head, \d+ were sealed: .*\n", printed.err)
 
 
 # --- two writers ----------------------------------------------------------------------------------

@@ -17,7 +17,8 @@ WEAK = {"tensile_strength": 1e3, "cohesion": 1e3}
 OPTIONS = {"bricks": "deformable", "contacts": "gauss", "brick_mass": 25.0, "strength_cov": 0.3}
 KINDS = {"brittle": (WEAK, {}), "parallel elements": (SOFT | WEAK, {"fibres": 4, "strength_cov": 0.0}),
          "softening": (SOFT | WEAK, {"brick_damping": 0.0}),
-         "softening and crushing, order 3": (SOFT | WEAK | {"compressive_strength": 2e4}, {"brick_order": 3})}
+         "softening and crushing, order 3": (
+             SOFT | WEAK | {"compressive_strength": 2e4, "compressive_fracture_energy": 0.1}, {"brick_order": 3})}
 SPEEDS = 2.5, 0.1, -2.0, 1.9, 3.0
 CASES = [
     {"pga_g": 5.0}, {"pga_g": 8.0, "period_s": 0.005}, {"pga_g": 0.01}, {"pga_g": 5.0, "vertical": 8.0},
@@ -28,7 +29,7 @@ CASES = [
 def make(seed, kind, fast):
     """A small wall with an opening and scattered strengths, at rest and without weight."""
     joint, options = KINDS[kind]
-    wall = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], joint=Joint(**joint))
+    wall = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=Joint(**joint))
     layout = lay_out(wall, ModelOptions(**OPTIONS | options, strength_seed=seed))
     return ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, fast=fast)
 

@@ -48,7 +48,9 @@ def is_there(name, document):
 
 
 def is_command(name):
-    """Whether `python3 -m damage NAME --help` gives its help."""
+    """Whether `python3 -m damage NAME --help` gives its help; `study` would turn this process into its program."""
+    if name == "study":
+        return True
     try:
         return main([name, "--help"]) == 0
     except SystemExit as end:

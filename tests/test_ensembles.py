@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -92,8 +92,8 @@ class TestGrid:
         (f'[[runs]]\n{WALL}{SINE}members = true', "members = True"),
         (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9', "perturb without members"),
         (f'[[runs]]\n{WALL}{SINE}perturb = -1\nmembers = 2', "perturb = -1"),
-        (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9\nscatter = 0.1\nmembers = 2', "choose one kind"),
-        (f'[[runs]]\n{WALL}{SINE}samples = 2\nmembers = 2', "choose one kind"),
+        (f'[[runs]]\n{WALL}{SINE}perturb = 1e-9\nscatter = 0.1\nmembers = 2', "expected one kind"),
+        (f'[[runs]]\n{WALL}{SINE}samples = 2\nmembers = 2', "expected one kind"),
         (f'[[runs]]\n{WALL}{SINE}samples = 2', "strengths do not scatter"),
         (f'[[runs]]\n{WALL}options = {{ seed = 3 }}\nmembers = 2', "--seed is set by members"),
         (f'[[runs]]\n{WALL}{SINE}solvers = ["udec"]', "solvers = ['udec']"),
@@ -161,16 +161,16 @@ class Reference:
         self.folder, self.out = folder, folder / "out"
 
     def command(self, study, *words):
-        return [str(REPOSITORY / "run_all.sh"), str(study), "--solver", "reference", "-j2", *words]
+        return [*BATCH, str(study), "--solver", "reference", "-j2", *words]
 
     def run(self, study, *words):
         return subprocess.run(self.command(study, "--out", self.out, *words), timeout=300, capture_output=True,
-                              text=True, env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
+                              text=True, env={**os.environ, **BATCH_ENVIRONMENT})
 
     def start(self, study):
         return subprocess.Popen(self.command(study, "--out", self.out), stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL,
-                                env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
+                                env={**os.environ, **BATCH_ENVIRONMENT})
 
     def run_all(self, *words):
         """All studies of the folder, by the program that ./run_all.sh all starts."""

@@ -12,6 +12,8 @@ from conftest import REPOSITORY
 
 TOOLS = ("bash", "cat", "dirname", "env", "grep", "mktemp", "rm", "tail")
 NO_PACKAGES = f'exec {sys.executable} -I -S "$@"'  # a Python as it comes, without any package
+MODULES = ("numpy", "scipy", "pandas", "h5py", "matplotlib", "numba", "snakemake", "pytest", "xdist", "hypothesis",
+           "jinja2", "obspy")
 
 
 class Machine:
@@ -26,18 +28,22 @@ class Machine:
             (self.bin / tool).symlink_to(shutil.which(tool))
         self.system_python = folder / "system" / "python3"
         self.system_python.parent.mkdir()
+        self.modules = folder / "modules"  # empty: the real ones take seconds to import
+        self.modules.mkdir()
+        for name in MODULES:
+            (self.modules / f"{name}.py").touch()
 
     def stub(self, name, script, folder=None):
         """Put an executable shell script on the path."""
         return write_script((folder or self.bin) / name, script)
 
-    def python_without(self, *modules):
-        """The script of an interpreter that has everything but these modules."""
-        broken = self.repository.parent / ("without-" + "-".join(modules))
+    def python(self, *without, more=""):
+        """The script of an interpreter that has MODULES but those `without`, behind what is in PYTHONPATH."""
+        broken = self.repository.parent / "-".join(("without", *without))
         broken.mkdir(exist_ok=True)
-        for module in modules:
+        for module in without:
             (broken / f"{module}.py").write_text("raise ImportError('not here')\n")
-        return f'PYTHONPATH={broken} exec {sys.executable} "$@"'
+        return f'PYTHONPATH={broken}:{more}:${{PYTHONPATH:-}}:{self.modules} exec {sys.executable} -S "$@"'
 
     def source(self, group="run", then='echo "$PYTHON"', **variables):
         """Source the script; returns the completed process."""
@@ -60,7 +66,7 @@ def machine(tmp_path):
     pytest.importorskip("snakemake")
     machine = Machine(tmp_path)
     machine.stub("yade", "exit 0")
-    machine.stub("python3", f'exec {sys.executable} "$@"', machine.system_python.parent)
+    machine.stub("python3", machine.python(), machine.system_python.parent)
     return machine
 
 
@@ -80,11 +86,11 @@ class TestInterpreter:
 
     def test_a_python_on_the_path_is_taken_where_the_systems_lacks_packages(self, machine):
         machine.stub("python3", NO_PACKAGES, machine.system_python.parent)
-        machine.stub("python3", f'exec {sys.executable} "$@"')
+        machine.stub("python3", machine.python())
         assert machine.source().stdout.strip() == str(machine.bin / "python3")
 
     def test_the_users_choice_comes_first(self, machine):
-        mine = machine.stub("mine", f'exec {sys.executable} "$@"')
+        mine = machine.stub("mine", machine.python())
         assert machine.source(PYTHON=str(mine)).stdout.strip() == str(mine)
 
     def test_the_users_choice_is_passed_over_where_it_lacks_packages(self, machine):
@@ -131,7 +137,7 @@ class TestMissing:
             "error: missing on this machine: chromium chromium-driver poppler-utils")
 
     def test_only_what_is_missing_is_named(self, machine):
-        machine.stub("python3", machine.python_without("numba", "h5py"), machine.system_python.parent)
+        machine.stub("python3", machine.python("numba", "h5py"), machine.system_python.parent)
         done = machine.source()
         assert done.returncode == 3
         assert done.stderr.splitlines()[0].endswith(": python3-h5py python3-numba")
@@ -168,7 +174,7 @@ class TestInstalling:
         machine.stub("python3", NO_PACKAGES, machine.system_python.parent)
         machine.stub("sudo", '[ "$1" = -n ] && exec "${@:2}"')
         machine.stub("sleep", "exit 0")
-        good = machine.stub("good", f'exec {sys.executable} "$@"', machine.repository)
+        good = machine.stub("good", machine.python(), machine.repository)
         yade = machine.stub("yade", "exit 0", machine.repository)
         machine.stub("apt-get", f"""
             echo "${{DEBIAN_FRONTEND:-}}: $*" >>{machine.repository}/calls
@@ -209,14 +215,14 @@ class TestInstalling:
 class TestObspy:
     def test_without_it_the_tests_go_on_and_the_reason_is_reported(self, machine):
         pytest.importorskip("hypothesis")
-        machine.stub("python3", machine.python_without("obspy"), machine.system_python.parent)
+        machine.stub("python3", machine.python("obspy"), machine.system_python.parent)
         done = machine.source("test")
         assert (done.returncode, done.stdout.strip()) == (0, str(machine.system_python)), done.stderr
         assert "MASONRY_NO_INSTALL" in done.stderr
         assert "tests of miniSEED are skipped: they need obspy" in done.stderr
 
     def test_a_virtual_environment_of_other_making_is_left_alone(self, machine):
-        machine.stub("python3", machine.python_without("obspy"), machine.system_python.parent)
+        machine.stub("python3", machine.python("obspy"), machine.system_python.parent)
         (machine.repository / ".venv").mkdir()
         (machine.repository / ".venv" / "pyvenv.cfg").write_text("include-system-site-packages = false\n")
         done = machine.source("test", MASONRY_NO_INSTALL="")
@@ -224,13 +230,12 @@ class TestObspy:
         assert [path.name for path in (machine.repository / ".venv").iterdir()] == ["pyvenv.cfg"]
 
     def test_one_with_obspy_is_used(self, machine):
-        machine.stub("python3", machine.python_without("obspy"), machine.system_python.parent)
+        machine.stub("python3", machine.python("obspy"), machine.system_python.parent)
         has = machine.repository / "has"
         has.mkdir()
         (has / "obspy.py").write_text("")
         (machine.repository / ".venv" / "bin").mkdir(parents=True)
-        inside = machine.stub("python", f'PYTHONPATH={has} exec {sys.executable} "$@"',
-                              machine.repository / ".venv" / "bin")
+        inside = machine.stub("python", machine.python(more=has), machine.repository / ".venv" / "bin")
         assert machine.source("test").stdout.strip() == str(inside)
 
 
@@ -308,8 +313,10 @@ class TestRunAll:
     ], ids=str)
     def test_quick_starts_with_a_run_in_the_reference_solver(self, tmp_path, words, status, started):
         calls = tmp_path / "calls"
+        for name in MODULES:
+            (tmp_path / f"{name}.py").touch()
         python = write_script(tmp_path / "python", f"""
-            [ "$1" = -c ] && exec {sys.executable} "$@"
+            [ "$1" = -c ] && PYTHONPATH={tmp_path} exec {sys.executable} -S "$@"
             echo "$@" >>{calls}
             case "$*" in *" check "*) exit 1 ;; *" reference "*) exit {status} ;; esac""")
         done = run_all("quick", "--out", tmp_path / "out", *words, PYTHON=str(python))

@@ -12,7 +12,7 @@ from damage.errors import InputError
 from damage.measure.storeys import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
-from damage.wall.floors import Floor, describe_floors
+from damage.wall.floors import SLAB_COURSE, Floor, describe_floors
 from damage.wall.layout import BED, CAP, HEAD, lay_out
 from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
 from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
@@ -23,7 +23,7 @@ DOOR, LOW_DOOR = (Opening(0.8, 0.6, 1.6),), (Opening(0.8, 0.6, 0.7),)
 
 
 def wall(*floors, length=2.0, height=2.4, openings=(), **more):
-    return Wall("w", length, height, openings, precompression=0.0, brick=BRICK, floors=floors, **more)
+    return Wall("w", length, height, openings, precompression=0.0, brick=BRICK, floors=floors, lintel="courses", **more)
 
 
 def base_reaction(layout):
@@ -153,10 +153,10 @@ class TestStoreyDrift:
         assert drift.shape == (len(shaken.snapshot_time_s), 3)
 
     def test_it_is_the_difference_of_the_floors_displacements(self, shaken):
-        """By hand: the slab is the only body without a course, the timber floor lies on the 14th course."""
+        """By hand: the slab has a course of its own, the timber floor lies on the 14th course."""
         _, drift = storey_drifts(shaken)
         course, along = shaken.bodies["course"].to_numpy(), shaken.displacement[:, :, 0].astype(float)
-        slab, floor = along[:, course == -1][:, 0], along[:, course == 13].mean(axis=1)
+        slab, floor = along[:, course == SLAB_COURSE][:, 0], along[:, course == 13].mean(axis=1)
         assert np.abs(slab).max() > 1e-6
         assert_allclose(drift[:, 0], slab / 0.75, rtol=1e-6, atol=1e-12)
         assert_allclose(drift[:, 1], (floor - slab) / 0.6, rtol=1e-5, atol=1e-10)

@@ -13,7 +13,7 @@ from shutil import copytree, ignore_patterns
 import numpy as np
 import pytest
 from conftest import REPOSITORY, one_line_error
-from test_guides import BLOCK, GUIDES
+from test_guides import GUIDES, blocks
 
 import damage
 from damage.__main__ import main
@@ -61,7 +61,7 @@ def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
     environment = {**os.environ, "PATH": f"{installed / 'bin'}:{os.environ['PATH']}",
                    "PYTHONPATH": str(installed / "site")}
     printed = ""
-    for language, text in BLOCK.findall((GUIDES / "from-pip.md").read_text(encoding="utf-8")):
+    for language, text in blocks("from-pip"):
         if language == "sh":
             done = subprocess.run(["bash", "-euc", text], cwd=tmp_path, capture_output=True, text=True, timeout=300,
                                   env=environment)

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import h5py
 import pytest
-from conftest import REPOSITORY
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY
 
 from damage.errors import InputError
 from damage.studies.definition import load_study
@@ -65,7 +65,7 @@ def whole(study):
 
 
 def environment():
-    return {**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1", "PYTHONPATH": str(REPOSITORY)}
+    return {**os.environ, **BATCH_ENVIRONMENT, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"}
 
 
 def run(*words):
@@ -75,7 +75,7 @@ def run(*words):
 
 
 def command(study, out, least=None):
-    program = [sys.executable, "-c", WITH_LEAST] if least else [REPOSITORY / "run_all.sh"]
+    program = [sys.executable, "-c", WITH_LEAST] if least else BATCH
     return [*program, study, "--solver", "reference", "-j2", "--out", out]
 
 
@@ -226,7 +226,7 @@ def test_all_studies_take_with_them_what_they_run(study, tmp_path):
 
 
 def test_a_study_with_too_little_memory_is_reported_in_one_line(study, tmp_path):
-    words = " ".join(map(str, command(study, tmp_path / "out")))
+    words = f"{REPOSITORY}/run_all.sh {study} --solver reference -j2 --out {tmp_path}/out"
     done = run("bash", "-c", f"ulimit -v 300000; {words}")
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "out of memory: ulimit -v is 307 MB" in done.stderr
 

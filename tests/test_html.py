@@ -35,7 +35,7 @@ from damage.html.instants import MOST_INSTANTS, MOST_POINTS, points
 from damage.html.library import plotly_code
 from damage.html.packing import quantised, unpack_arrays
 from damage.html.report import page, write_report
-from damage.html.run_part import still
+from damage.html.run_part import preview, still
 from damage.html.study_part import figures
 from damage.html.tables import digits_of
 
@@ -92,9 +92,10 @@ def damaged(path, **options):
 
 @pytest.fixture(scope="module", autouse=True)
 def _quick():
-    """Stills and the library are in the pages of few tests: they take most of a page's time."""
+    """Pictures and the library are in the pages of few tests: they take most of a page's time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("damage.html.run_part.still", lambda history: "")
+        patch.setattr("damage.html.run_part.preview", lambda history: "")
         patch.setattr("damage.html.report.plotly_code", lambda: "")
         yield
 
@@ -130,7 +131,7 @@ class TestOneRun:
         for name, values in expected.items():
             assert np.array_equal(arrays[name], values.to_numpy().astype("f4")), name
         assert drawn["settling"] == [[series["time_s"].iloc[16], series["time_s"].iloc[20]]]
-        assert np.flatnonzero(arrays["settles"]).tolist() == [16, 17, 18, 19, 20]
+        assert np.flatnonzero(arrays["settles"]).tolist() == [16, 17, 18, 19, 20] and drawn["settlement"] == []
 
     def test_energies_are_supplied_stored_dissipated_and_damped(self, tmp_path):
         parts = {f"{name}_energy_j": factor * RAMP for factor, name in enumerate(
@@ -196,8 +197,8 @@ class TestOneRun:
         for words in ("digest of the model", "wall.brick.length", "masonry-damage", "loading.amplitude_g"):
             assert words in page_of_one.text
 
-    def test_a_still_is_there_for_who_has_no_scripts(self, one):
-        assert base64.b64decode(still(one))[:4] == b"\x89PNG"
+    def test_pictures_of_the_wall_built_and_damaged_are_there_without_scripts(self, one):
+        assert base64.b64decode(still(one))[:4] == base64.b64decode(preview(one))[:4] == b"\x89PNG"
 
     def test_a_run_that_is_whole_has_nothing_to_be_read_first(self, page_of_one):
         assert not page_of_one.all("aside")
@@ -233,6 +234,7 @@ class TestNothingElse:
     def test_it_stays_small_though_every_joint_is_always_broken(self, tmp_path, monkeypatch):
         monkeypatch.setattr("damage.html.report.plotly_code", plotly_code)
         monkeypatch.setattr("damage.html.run_part.still", still)
+        monkeypatch.setattr("damage.html.run_part.preview", preview)
         layout = lay_out(Wall("large", 4.05, 2.7))
         n_times, random = MOST_INSTANTS + 1, np.random.default_rng(1)
         opening = random.uniform(0, 2e-3, (n_times, layout.n_joints))

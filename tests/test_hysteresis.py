@@ -14,7 +14,18 @@ from damage import Joint, brick_of_masonry, read_history
 from damage.errors import InputError
 from damage.laboratory.pictures import beside_test_picture, save
 from damage.laboratory.pushed import SPECIMENS, TESTS, beside_test, pushed_report, read_test
-from damage.measure.pushed import bilinear, cycles_table, drift_at_first_crack, envelope, hand_capacities, mode_shares
+from damage.measure.pushed import (
+    averaged,
+    backbone,
+    bilinear,
+    capacity_curve,
+    cycles_table,
+    drift_at_first_crack,
+    envelope,
+    hand_capacities,
+    mean_force,
+    mode_shares,
+)
 from damage.wall.file import load_wall
 
 STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
@@ -79,6 +90,33 @@ class TestEnvelope:
         line = bilinear(envelope(plastic), small_layout().drift_height)
         assert_allclose(line["stiffness_n_per_m"], STIFFNESS, rtol=1e-6)
         assert_allclose(line["force_n"], YIELD, rtol=2e-3)
+        assert_allclose(line["elastic_drift"], YIELD / STIFFNESS / small_layout().drift_height, rtol=2e-3)
+
+    def test_of_a_triangle_by_hand(self):
+        """Up to 100 kN at 0.1 %, down to 50 kN at 0.2 %, a wall 2 m high: 80 kN are left at 0.14 %, where the area is
+        (50 + 36) N per unit drift times 2 m; K = 50 kN/mm, and F (d_u - F / 2 K) = 172 N m."""
+        curve = pd.DataFrame({"drift_ratio": [1e-3, 2e-3], "force_n": [100e3, 50e3]})
+        line = bilinear(curve, 2.0)
+        assert_allclose([line["stiffness_n_per_m"], line["ultimate_drift"], line["energy_j"]], [50e6, 1.4e-3, 172.0])
+        force, ultimate = line["force_n"], 2.8e-3
+        assert_allclose(force * (ultimate - force / 50e6 / 2), 172.0)
+        assert_allclose(line["elastic_drift"], force / 50e6 / 2)
+        assert_allclose([mean_force(curve, 1e-3), mean_force(curve, 2e-3)], [50e3, 62.5e3])
+
+    def test_a_mean_over_windows_keeps_area_and_loses_shocks(self):
+        drift = np.linspace(5e-6, 1e-3 - 5e-6, 100)
+        force = 1e3 + 900 * (-1.0) ** np.arange(100)
+        curve = averaged(pd.DataFrame({"drift_ratio": drift, "force_n": force}), 1e-4)
+        assert_allclose(curve["force_n"], 1e3)
+        assert_allclose(curve["drift_ratio"], np.arange(5e-5, 1e-3, 1e-4))
+
+    def test_a_backbone_leaves_out_the_branch_between_two_cycles(self, plastic):
+        """The wall slides: in the negative direction its samples begin near zero drift with all of the force."""
+        for sign in (1, -1):
+            curve = backbone(plastic, sign)
+            assert curve["drift_ratio"].is_monotonic_increasing and (curve["force_n"] > 0.99 * YIELD).all()
+            assert capacity_curve(plastic, sign).equals(curve)
+        assert envelope(plastic, -1)["drift_ratio"].iloc[0] < 0.05 * backbone(plastic, -1)["drift_ratio"].iloc[0]
 
 
 def crack(tmp_path, *, opening=None, slip=None):
@@ -121,6 +159,11 @@ class TestMode:
 
     def test_a_bed_joint_that_opens_is_flexure(self, tmp_path):
         assert mode_shares(crack(tmp_path, opening={0: 2e-3, 1: 1e-3}, slip={7: 2e-4}))["mode"] == "flexure"
+
+    def test_it_is_that_of_the_largest_drift_up_to_a_limit(self, tmp_path):
+        history = crack(tmp_path, opening={0: 2e-3})
+        assert mode_shares(history)["drift_ratio"] == 1e-3
+        assert mode_shares(history, until=6e-4)["drift_ratio"] == 5e-4
 
     def test_no_crack_no_mode(self, tmp_path):
         history = crack(tmp_path, opening={0: 0.9e-4})

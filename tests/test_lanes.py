@@ -11,7 +11,8 @@ from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
 
-WALL = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], joint=Joint(tensile_strength=3e4, cohesion=8e4))
+WALL = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses",
+            joint=Joint(tensile_strength=3e4, cohesion=8e4))
 SAMPLE = 40
 
 
@@ -172,4 +173,5 @@ def test_the_tables_of_a_member_are_views_of_those_of_the_batch():
     run_together(walls, 5)
     for lane, wall in enumerate(walls):
         for name in tables.System._fields:
-            assert np.shares_memory(getattr(wall.system, name), getattr(wall.lanes.tables, name)[lane])
+            one, of_batch = getattr(wall.system, name), getattr(wall.lanes.tables, name)[lane]
+            assert one.size == 0 or np.shares_memory(one, of_batch)

@@ -21,10 +21,10 @@ EVERY_OPTION += [ModelOptions(top=top, cells=cells, contacts="gauss") for top in
 # Walls whose openings ask for cut bricks, for windows, for several openings.
 ODD_WALLS = [
     Wall("odd-length", 2.3, 0.6),
-    Wall("cut-pier", 4.0, 1.2, (Opening(1.03, 2.0, 0.75),)),
-    Wall("sliver", 3.0, 0.9, (Opening(0.9 + 0.03, 1.0, 0.45, 0.15),)),
-    Wall("two-windows", 5.0, 2.7, (Opening(0.7, 0.9, 1.2, 0.9), Opening(2.31, 1.0, 1.2, 0.9))),
-    Wall("storeys", 4.05, 3.0, (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8))),
+    Wall("cut-pier", 4.0, 1.2, (Opening(1.03, 2.0, 0.75),), lintel="courses"),
+    Wall("sliver", 3.0, 0.9, (Opening(0.9 + 0.03, 1.0, 0.45, 0.15),), lintel="courses"),
+    Wall("two-windows", 5.0, 2.7, (Opening(0.7, 0.9, 1.2, 0.9), Opening(2.31, 1.0, 1.2, 0.9)), lintel="courses"),
+    Wall("storeys", 4.05, 3.0, (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8)), lintel="courses"),
 ]
 
 
@@ -65,7 +65,7 @@ STOREYS = Wall("door-below-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2
 def test_the_top_storeys_piers_carry_the_top(wall, piers):
     layout = lay_out(wall)
     assert_allclose(layout.piers, piers, atol=1e-12)
-    caps = slice(layout.n_bricks, None)
+    caps = slice(layout.n_below_caps, None)
     assert_allclose(layout.bodies.x[caps], np.mean(piers, axis=1))
     assert_allclose(layout.bodies.length[caps], np.diff(piers).ravel())
     carried = layout.bodies.mass[caps] * 9.81 / (layout.bodies.length[caps] * 0.1025)
@@ -107,7 +107,7 @@ def test_caps_and_stresses_are_reported(symmetric_wall):
 def test_a_cap_on_half_a_brick_stands_on_two_points():
     wall = Wall("half", 2.025, 1.2, (Opening(BRICK / 2, 0.9, 0.75),))
     layout = lay_out(wall, ModelOptions(contacts="corners"))
-    under = (layout.contacts.kind == CAP) & (layout.contacts.second == layout.n_bricks)
+    under = (layout.contacts.kind == CAP) & (layout.contacts.second == layout.n_below_caps)
     assert_allclose(layout.contacts.x[under], [0.0, BRICK / 2])
     assert_allclose(layout.contacts.length[under], BRICK / 4)
 
@@ -200,7 +200,7 @@ def test_a_lintel_of_n_courses_holds_their_joints_and_the_beds_between_them(symm
 
 
 def test_a_lintel_ends_below_the_next_opening_whatever_is_asked_for():
-    wall = Wall("storeys", 4.05, 3.0, (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8)))
+    wall = Wall("storeys", 4.05, 3.0, (Opening(1.0, 1.0, 0.9, 0.3), Opening(1.2, 1.0, 0.9, 1.8)), lintel="courses")
     elastic, many = (lay_out(wall, ModelOptions(lintel=lintel)).contacts.elastic for lintel in ("elastic", 8))
     # Eight courses from z = 1.2 reach the sill at 1.8, and four of them from 2.7 the top at 3.0.
     assert np.array_equal(elastic, many)

@@ -62,7 +62,7 @@ class Boxes:
             interfaces=table(tables.INTERFACE, 0), contacts=table(tables.CONTACT, 0), states=table(tables.STATE, 0),
             readings=np.zeros((4, 0)), energy=np.zeros(4), events=np.zeros((1, 3), np.int64), values=np.zeros((1, 4)),
             n_events=np.zeros(1, np.int64), relaxation=np.zeros(2), turning=np.zeros((0, 2)),
-            last=np.zeros((0, 6)))
+            last=np.zeros((0, 6)), radiation=np.zeros((0, 5)))
         self._law = Law(material_of(Joint()), 1e-4, no_strain(len(place), 0))
         self._controls = Controls(float(self.time_step), 0.0, 0.0, 0.0, 0.0)
         self._scratch = Scratch(np.zeros(0, np.int64), np.zeros((5, step.PARTS)))

@@ -29,7 +29,7 @@ def test_agreement_of_joints(tmp_path):
 
 
 def test_elastic_joints_are_drawn_as_such(tmp_path):
-    layout = lay_out(Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)]))
+    layout = lay_out(Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses"))
     first, second = (make_history(tmp_path / f"{name}.h5", layout) for name in "ab")
     figure = compare_picture(first, second)
     drawn, = (lines for lines in figure.axes[1].collections if lines.get_label() == "elastic")

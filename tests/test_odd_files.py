@@ -325,6 +325,16 @@ def test_an_interrupt_while_a_library_is_imported_is_quiet(library, words, tmp_p
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
+def test_pictures_where_the_home_folder_takes_no_cache_are_drawn_without_a_word_of_matplotlib(tmp_path):
+    make_history(tmp_path / "small.h5")
+    (tmp_path / "file").touch()
+    odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"), str(tmp_path / "file"))
+    done = subprocess.run([sys.executable, "-m", "damage", "plot", "small.h5", "--out", "o"], capture_output=True,
+                          text=True, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(REPOSITORY), **odd})
+    assert done.returncode == 0 and (tmp_path / "o" / "wall_max.png").is_file()
+    assert "atplotlib" not in done.stderr, done.stderr
+
+
 def test_compiled_code_finds_a_place_where_none_can_be_written(tmp_path):
     """The folder beside the sources, the home folder's and numba's own are files."""
     package, file = tmp_path / "damage", tmp_path / "file"

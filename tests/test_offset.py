@@ -125,7 +125,7 @@ def test_a_bond_that_softens_and_its_fibres(number):
 
 
 def test_a_joint_of_the_lintel_has_no_offset():
-    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),))
+    wall = Wall("w", 1.8, 0.9, openings=(Opening(0.6, 0.5, 0.3, 0.15),), lintel="courses")
     solver = ReferenceSolver(lay_out(wall), 1e-6)
     random = np.random.default_rng(1)
     solver.shift(random.normal(0, 2e-4, (len(solver.layout.bodies), 2)))

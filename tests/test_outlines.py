@@ -71,11 +71,11 @@ class TestByHand:
     def test_openings_in_a_gable(self):
         """A door below and a window whose right upper corner the slope cuts: what is right of it is less than half a
         brick, and nothing lies on it."""
-        made = lay_out(wall(1.6, GABLE, openings=(Opening(0.6, 0.4, 0.3),)))
+        made = lay_out(wall(1.6, GABLE, openings=(Opening(0.6, 0.4, 0.3),), lintel="courses"))
         assert built_runs(made.wall, 1) == [(0.0, 0.6), (1.0, 1.6)]
         assert built_runs(made.wall, 3) == [(0.0, 1.6)]
         with pytest.raises(InputError, match="course 9 .* nothing below"):
-            wall(1.6, GABLE, openings=(Opening(0.7, 0.5, 0.2, 0.6),))
+            wall(1.6, GABLE, openings=(Opening(0.7, 0.5, 0.2, 0.6),), lintel="courses")
 
 
 class TestDrift:

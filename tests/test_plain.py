@@ -21,13 +21,15 @@ ACTIONS = {
 KINDS = {
     "brittle": (WEAK, {}, {}), "softening": (SOFT, {}, {}), "parallel elements": (SOFT, {}, {"fibres": 4}),
     "crushing": (WEAK | CRUSHING, {}, {}), "splitting": (WEAK, SPLITTING, {}),
-    "all of it": (SOFT | CRUSHING, SPLITTING, {"strength_cov": 0.3, "strength_seed": 2, "contacts": "corners"})}
+    "all of it": (SOFT | CRUSHING | {"compressive_fracture_energy": 10.0}, SPLITTING,
+                  {"strength_cov": 0.3, "strength_seed": 2, "contacts": "corners"})}
 
 
 def make(kind, fast, **more):
     """A small wall with an opening, at rest and still without its weight."""
     joint, brick, options = KINDS[kind]
-    wall = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], joint=Joint(**joint), brick=Brick(**brick))
+    wall = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=Joint(**joint),
+                brick=Brick(**brick))
     layout = lay_out(wall, ModelOptions(**options))
     return ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, fast=fast, **more)
 

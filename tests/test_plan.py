@@ -9,6 +9,7 @@ from conftest import REPOSITORY, run_command
 from numpy.testing import assert_allclose
 from small_history import make_history
 
+from damage.run.options import parse_run
 from damage.studies.definition import load_study
 
 sys.path.insert(0, str(REPOSITORY / "workflow"))
@@ -46,7 +47,7 @@ def known(monkeypatch):
 def test_an_estimate_by_hand(study, known):
     """0.2 s of motion, 0.3 s of rest, 0.5 s of settling; 0.4 s of gravity before; a sample every 2 ms or so."""
     run = study.runs[0]
-    _, n_joints, critical_s, _ = plan._wall(run.wall, plan.parse_run([], "plan", "reference").model)
+    _, n_joints, critical_s, _ = plan._wall(run.wall, parse_run([], "plan", "reference").model)
     steps = 1.4 / (0.643 * critical_s)
     alone, together, yade = (plan.estimate(run, way, known) for way in ("alone", "together", "yade"))
     assert_allclose(alone.seconds, 2 * 0.75 + 1.5 * steps * n_joints * 5.2e-9, rtol=1e-2)
@@ -60,7 +61,7 @@ def test_a_run_with_deformable_bricks_takes_longer_by_its_steps_and_their_time(s
     run = replace(study.runs[0], words=(*study.runs[0].words, "--bricks", "deformable"))
     rigid, deformable = (plan.estimate(one, "alone", known) for one in (study.runs[0], run))
     assert_allclose(plan.estimate(run, "together", known).seconds - 2 * 0.25, deformable.seconds - 2 * 0.75)
-    critical_s = [plan._wall(run.wall, plan.parse_run(words, "plan", "reference").model)[2]
+    critical_s = [plan._wall(run.wall, parse_run(words, "plan", "reference").model)[2]
                   for words in ([], ["--bricks", "deformable"])]
     assert_allclose((deformable.seconds - 1.5) / (rigid.seconds - 1.5), 16 * critical_s[0] / critical_s[1], rtol=0.05)
 

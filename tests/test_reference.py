@@ -15,7 +15,7 @@ from damage.wall.layout import GROUND, lay_out
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
 
-SMALL = Wall(name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)])
+SMALL = Wall(name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)], lintel="courses")
 WEAK = Joint()
 STRONG = Joint(tensile_strength=1e12, cohesion=1e12)
 
@@ -167,7 +167,7 @@ def shaken_mirror_image(sign, perturb=0.0, seed=0):
     """Drifts times sign and broken joints of a small wall with its door left or right of the middle, shaken
     forwards or backwards: both change with sign (1 or -1)."""
     left = 0.225 if sign > 0 else 0.675
-    solver = small_solver(wall=Wall("door", 1.35, 0.9, [Opening(left, 0.45, 0.6)]), factor=0.6)
+    solver = small_solver(wall=Wall("door", 1.35, 0.9, [Opening(left, 0.45, 0.6)], lintel="courses"), factor=0.6)
     solver.displacement += np.outer(perturb * np.random.default_rng(seed).normal(size=len(solver.layout.bodies)),
                                     [1, 0, 0])
     settle(solver)

@@ -8,8 +8,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 import damage
+from damage.draw.run import energy_picture, hysteresis_picture
 from damage.errors import InputError, RunError
 from damage.history.reader import read_history
+from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, ground_measures
 from damage.motion.loading import AtRest
 from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
@@ -28,7 +30,7 @@ from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
 from damage.wall.supports import Supports
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
-PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], joint=STRONG)
+PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=STRONG)
 N, LENGTH, HEIGHT = 21, 0.3, 0.5
 BEAM = Wall("beam", N * LENGTH, HEIGHT, brick=Brick(length=LENGTH, height=HEIGHT), joint=STRONG, precompression=0.0)
 """A single course of bricks side by side: a beam."""
@@ -196,7 +198,7 @@ def test_reactions_of_a_wall_that_bridges_settled_supports_are_those_of_statics(
 
 # --- runs ---------------------------------------------------------------------------------------------
 
-SMALL = Wall("small", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)])
+SMALL = Wall("small", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], lintel="courses")
 
 
 @pytest.fixture(scope="module")
@@ -231,7 +233,8 @@ def test_the_energy_balance_includes_the_work_of_the_ground(cracked):
     stored = settlement[["kinetic_energy_j", "elastic_energy_j", "gravity_energy_j"]].iloc[-1].sum()
     lost = settlement[["friction_energy_j", "fracture_energy_j", "damping_energy_j"]].iloc[-1].sum()
     assert given < -1.0
-    assert given == pytest.approx(stored + lost, rel=1e-3)
+    assert given == pytest.approx(stored + lost, rel=2e-4)
+    assert energy_error_of(cracked) < 2e-4
 
 
 def test_without_a_motion_the_run_ends_at_time_zero():
@@ -241,6 +244,14 @@ def test_without_a_motion_the_run_ends_at_time_zero():
     assert history.loading.name == "at_rest"
     assert history.series["base_rotation_rad"].iloc[-1] == pytest.approx(-1 / 500, rel=0.02)
     assert abs(history.series["drift_ratio"].iloc[-1]) < 1e-5  # the tilt itself is none
+
+
+def test_pictures_of_ground_that_settles_alone():
+    """Energies without a motion; base shear against drift needs one."""
+    history = damage.run(SMALL, settle="hogging", distortion=1 / 500, lintel=2)
+    assert "imbalance" in energy_picture(history).axes[1].get_ylabel()
+    with pytest.raises(InputError, match="has no motion"):
+        hysteresis_picture(history)
 
 
 def test_a_settlement_that_topples_the_wall_is_one_line(tmp_path):

@@ -14,7 +14,7 @@ from types import SimpleNamespace
 
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, contents
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, contents
 from small_history import make_history
 
 from damage.errors import InputError
@@ -224,9 +224,8 @@ def study(tmp_path):
 
 def run(study, out, *words):
     """A batch of the reference solver to its end; returns the names of histories that stay."""
-    done = subprocess.run([REPOSITORY / "run_all.sh", study, "--solver", "reference", "-j2", "--out", out, *words],
-                          timeout=300, capture_output=True, text=True,
-                          env={**os.environ, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"})
+    done = subprocess.run([*BATCH, study, "--solver", "reference", "-j2", "--out", out, *words],
+                          timeout=300, capture_output=True, text=True, env={**os.environ, **BATCH_ENVIRONMENT})
     assert done.returncode == 0, done.stdout + done.stderr
     assert not list((out / "runs").glob("*.part.h5"))
     return {path.stem for path in (out / "runs").glob("*.h5")}

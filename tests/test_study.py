@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -259,7 +259,7 @@ sys.exit(3 if rest == 2 else 0)
 
 
 class Batches:
-    """Runs run_all.sh on studies in a folder, with a yade that writes small histories.
+    """Runs batches of studies in a folder, with a yade that writes small histories.
 
     The length of the rest tells it what to do: 2 fails, 3 leaves an unfinished history, 4 takes a
     minute, anything else is done at once.
@@ -280,12 +280,12 @@ class Batches:
         return write_study(self.folder, f'name = "s"\npictures = "{pictures}"\n' + "".join(runs))
 
     def command(self, study, *words):
-        return [str(REPOSITORY / "run_all.sh"), study.name, "--out", self.out.name, "-j2", *words]
+        return [*BATCH, study.name, "--out", self.out.name, "-j2", *words]
 
     def options(self):
         path = f"{self.folder / 'bin'}{os.pathsep}{os.environ['PATH']}"
         return {"cwd": self.folder, "text": True, "env": {
-            **os.environ, "PATH": path, "PYTHON": sys.executable, "MASONRY_NO_INSTALL": "1"}}
+            **os.environ, **BATCH_ENVIRONMENT, "PATH": path}}
 
     def run(self, study, *words):
         """Run a batch to its end; returns the completed process and the rests that yade was run with."""
@@ -375,24 +375,20 @@ class TestBatch:
         _, printed = process.communicate(timeout=300)
         assert process.returncode == 130 and "continues from here" in printed
         assert running(batches.folder) == []
-        done, calls = batches.run(batches.study(a=1.2, b=1))
-        assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
+        if name == "SIGINT":  # what is left does not depend on the signal
+            done, calls = batches.run(batches.study(a=1.2, b=1))
+            assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
 
-    def test_after_a_kill_the_next_call_goes_on_at_once(self, batches):
+    def test_a_second_batch_in_the_same_folder_is_refused_and_after_a_kill_the_next_call_goes_on(self, batches):
         process = batches.start(batches.study(a=4))
+        second = subprocess.run(batches.command(batches.folder / "study.toml"), capture_output=True,
+                                **batches.options())
         process.kill()
         process.communicate(timeout=300)
         done, calls = batches.run(batches.study(a=1.2))
         assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
         assert running(batches.folder) == []
-
-    def test_a_second_batch_in_the_same_folder_is_refused(self, batches):
-        process = batches.start(batches.study(a=4))
-        done = subprocess.run(batches.command(batches.folder / "study.toml"), capture_output=True,
-                              **batches.options())
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=300)
-        assert done.returncode == 2 and "another batch is at work" in done.stderr
+        assert second.returncode == 2 and "another batch is at work" in second.stderr
 
 
 @pytest.mark.slow
@@ -405,10 +401,10 @@ def test_a_study_with_both_solvers(tmp_path):
         "from damage import Wall\n"
         "def wall():\n    return Wall(name='tiny', length=0.45, height=0.15)\n"
         "if __name__ == '__main__':\n    from yade_scripts.run import main\n    main(wall)\n")
-    study = write_study(tmp_path, 'name = "tiny"\n[[runs]]\nwall = "t{in}y.py"\n'
+    study = write_study(tmp_path, 'name = "tiny"\npictures = "none"\n[[runs]]\nwall = "t{in}y.py"\n'
                         'options = { harmonic = [0.05, 0.05], cycles = 1, rest = 0.05 }\n')
     done = subprocess.run([REPOSITORY / "run_all.sh", study, "--solver", "both", "--out", tmp_path / "out"],
-                          timeout=300,
+                          timeout=900,
                           capture_output=True, text=True, env={**os.environ, "PYTHON": sys.executable})
     assert done.returncode == 0, done.stderr
     summary = pd.read_csv(tmp_path / "out" / "tables" / "summary.csv")

@@ -55,12 +55,14 @@ def lines(wall, folder, count=8):
                       "--no-pictures"] for k in range(1, count + 1)}
 
 
-@pytest.fixture
-def alone(tiny, tmp_path):
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
     """Contents of the histories of runs by themselves."""
-    for words in lines(tiny, tmp_path / "alone").values():
+    folder = tmp_path_factory.mktemp("alone")
+    (folder / "tiny.py").write_text(TINY)
+    for words in lines(folder / "tiny.py", folder / "runs").values():
         assert run_reference(words) == 0
-    return {path.stem: contents(path) for path in (tmp_path / "alone").glob("*.h5")}
+    return {path.stem: contents(path) for path in (folder / "runs").glob("*.h5")}
 
 
 @pytest.fixture

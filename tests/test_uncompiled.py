@@ -23,7 +23,8 @@ from damage.wall.layout import lay_out
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
 
-WALL = Wall("pier", 0.675, 0.3, [Opening(0.225, 0.225, 0.15)], joint=Joint(tensile_strength=5e3, cohesion=5e4))
+WALL = Wall("pier", 0.675, 0.3, [Opening(0.225, 0.225, 0.15)], lintel="courses",
+            joint=Joint(tensile_strength=5e3, cohesion=5e4))
 
 
 def shaken(solver):

@@ -148,7 +148,7 @@ class TestPreview:
         said = [text.get_text() for text in figure.axes[0].texts]
         assert said == ["0.9 t (8.83 kN)", "P1", "P2", "S1"]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
-        assert labels == ["bricks", "support", "rigid masses", "elastic joints (lintel)", "outline"]
+        assert labels == ["bricks", "support", "concrete floors", "elastic joints (lintel)", "outline"]
 
     @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
     def test_the_command_writes_it(self, house, tmp_path, capsys, ending):

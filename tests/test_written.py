@@ -235,9 +235,10 @@ class TestSignals:
 
     @pytest.mark.slow
     @pytest.mark.yade
-    @pytest.mark.parametrize(("name", "status"), [("SIGINT", "interrupted"), ("SIGTERM", "interrupted"),
-                                                  ("SIGHUP", "interrupted"), ("SIGKILL", "unfinished")])
+    @pytest.mark.parametrize(("name", "status"), [("SIGTERM", "interrupted"), ("SIGHUP", "interrupted"),
+                                                  ("SIGKILL", "unfinished")])
     def test_yade_too(self, name, status, tmp_path):
+        """SIGINT: `test_yade_run.py`."""
         if shutil.which("yade") is None:
             pytest.skip("YADE is not installed")
         out = tmp_path / "a.h5"

@@ -1,4 +1,4 @@
-"""A gable with a slab and a timber floor, as data, in YADE and in the reference solver: one layout, one answer."""
+"""A gable with a slab, a timber floor and a lintel, as data, in YADE and in the reference solver: one answer."""
 
 import numpy as np
 import pytest
@@ -15,6 +15,11 @@ height = 0.8
 precompression = 0
 outline = [[0, 0.4], [0.4, 0.8], [0.8, 0.4]]
 brick = { length = 0.2, height = 0.1, thickness = 0.1 }
+lintel = { kind = "stone", modulus = 1e10, height = 0.1 }
+[[openings]]
+left = 0.2
+width = 0.4
+height = 0.1
 [[floors]]
 level = 0.3
 mass = 50
@@ -43,11 +48,13 @@ def runs(tmp_path_factory, yade_command, damage_command):
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])
 def test_at_rest_the_base_carries_bricks_and_floors(runs, solver):
-    """Three whole courses beside the slab's, then the gable's of 0.7, 0.5, 0.3 and 0.1 m."""
+    """A course of 0.4 m, one of 0.2 m beside the lintel of 0.6 m, a whole one above the slab, then the gable's of 0.7,
+    0.5, 0.3 and 0.1 m."""
     history = runs[solver]
     assert len(history.masonry_wall.floors) == 2 and history.parameters["wall_file"]["file"] == "gable.toml"
-    area = 3 * 0.8 * 0.1 + 0.7 * 0.1 + 0.5 * 0.1 + 0.3 * 0.1 + 0.1 * 0.1
-    assert_allclose(history.static["base_reaction_n"], 9.81 * (area * 0.1 * 1900 + 60), rtol=1e-9)
+    area = (0.4 + 0.2 + 0.8 + 0.7 + 0.5 + 0.3 + 0.1) * 0.1
+    assert_allclose(history.static["base_reaction_n"], 9.81 * (area * 0.1 * 1900 + 0.6 * 0.1 * 0.1 * 2700 + 60),
+                    rtol=1e-9)
 
 
 def test_both_solvers_agree_before_the_first_failure(runs):

@@ -125,6 +125,27 @@ def test_joints_that_soften_do_so_alike(tmp_path, yade_command, damage_command):
     assert np.array_equal(yade.broken[-1], reference.broken[-1])
 
 
+BLOCK = PANEL.replace("import Wall", "import Brick, Wall").replace("length=0.9, height=0.9, precompression=0.3e6", (
+    "length=0.6, height=1.2, precompression=0.0, brick=Brick(0.6, 1.2, 0.2)"))
+
+
+def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command):
+    """A block on soil: springs of sway and rocking, the top's, and the weight's moment (tests/test_soil.py)."""
+    path, spring = tmp_path / "block.py", 2e6
+    path.write_text(BLOCK.format(repository=str(REPOSITORY)))
+    done = yade_command(*SHORT, path, "--pushover", 0.005, "--speed", 1e-4, "--top-rotation", spring, "--contacts",
+                        "gauss", "--soil", 1e8, "--footing", 0.4, "--dt", 5e-5, "--no-pictures", "--out",
+                        tmp_path / "a.h5")
+    assert done.returncode == 0, done.stdout + done.stderr
+    history = damage.read_history(tmp_path / "a.h5")
+    up, along = (history.joints[f"{name}_stiffness_pa_m"][0] * 0.2 for name in ("normal", "shear"))
+    rock = up * 0.6**3 / 12 + spring - 9.81 * history.bodies["mass_kg"].sum() * 0.6
+    last = history.series.iloc[-1]
+    expected = 1 / (1 / (along * 0.6) + 0.6**2 / rock)
+    assert_allclose(last["top_force_n"] / last["top_displacement_m"], expected, rtol=5e-3)
+    assert_allclose(last["input_energy_j"], last["elastic_energy_j"] + last["gravity_energy_j"], rtol=0.02)
+
+
 TOE = PANEL.replace("import Wall", "import Joint, Wall").replace("length=0.9, height=0.9, precompression=0.3e6", (
     "length=0.45, height=0.9, precompression=0.3e6, joint=Joint(compressive_strength=1e6, "
     "mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)"))

@@ -7,7 +7,9 @@ about a toe on which the stress is f_c: a stress block of length N / (f_c t), so
 
 Contact points of length l crush one by one; that shifts the resultant by up to l / 8 over the toe's length in points.
 A column bears no more than f_c A.  A joint that is pressed further each time, and unloaded between, dissipates f_c
-times its closure, whatever its bond; pulled apart then, its bond's energy besides.
+times its closure, whatever its bond; pulled apart then, its bond's energy besides.  With a fracture energy G_c of
+crushing it dissipates G_c (1 - exp(-f_c d / G_c)) over a closure d, where k_n (u - d) = f_c exp(-f_c d / G_c) at the
+deepest closing displacement u.
 """
 
 import json
@@ -17,6 +19,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import brentq
 
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
@@ -37,8 +40,11 @@ PRESSED = (2.0, 3.0, 4.0)
 """How far, over the depth at which it crushes, the joint is pressed each time."""
 DRY, OPENED = "without a bond, to 1.2 mm", 10.0
 """The form whose bond is broken first, and how far it is opened for that and pressed then, over the others."""
+SOFTENS, ENERGY = "softening in compression, without a bond", 1000.0
+"""The form whose crushing has a fracture energy [J/m2]."""
 _BRITTLE = {"mode_i_fracture_energy": None, "mode_ii_fracture_energy": None}
 FORMS = {"brittle": (0, _BRITTLE), DRY: (0, {"tensile_strength": 0.0, "cohesion": 0.0, **_BRITTLE}),
+         SOFTENS: (0, {"tensile_strength": 0.0, "cohesion": 0.0, "compressive_fracture_energy": ENERGY, **_BRITTLE}),
          "softening": (0, {}), "softening, 8 fibres": (8, {})}
 """Name -> fibres, what is changed of JOINT beside its compressive strength."""
 
@@ -106,8 +112,9 @@ def cycles(form, steps=400):
     """Path (n, 2) of opening and shear displacement [m]: pressed further each time and unloaded, at last to nothing."""
     layout = pair()
     depth = STRENGTH / layout.contacts.normal_stiffness[between(layout)]
-    further = OPENED if form == DRY else 1.0
-    corners = [0.0, depth, 0.0] if form == DRY else [0.0]
+    dry = form in (DRY, SOFTENS)
+    further = OPENED if dry else 1.0
+    corners = [0.0, depth, 0.0] if dry else [0.0]
     for pressed in PRESSED:
         corners += [-further * pressed * depth, -(further * pressed - 1) * depth]
     parts = [np.linspace(a, b, steps, endpoint=False) for a, b in zip(corners[:-1], corners[1:])]
@@ -115,9 +122,15 @@ def cycles(form, steps=400):
     return np.column_stack([opening, np.zeros_like(opening)])
 
 
-def closure(form):
-    """By how much the cycles close the joint for good [m]."""
-    return -float(cycles(form)[-1, 0])
+def lost(form):
+    """What the joint dissipates in the cycles [J/m2]."""
+    path = cycles(form)
+    if form != SOFTENS:
+        return -STRENGTH * float(path[-1, 0])
+    layout, deepest = pair(), -float(path[:, 0].min())
+    stiffness = layout.contacts.normal_stiffness[between(layout)]
+    closed = brentq(lambda d: stiffness * (deepest - d) - STRENGTH * np.exp(-STRENGTH * d / ENERGY), 0.0, deepest)
+    return ENERGY * -np.expm1(-STRENGTH * closed / ENERGY)
 
 
 @cache
@@ -149,7 +162,8 @@ def problems():
         in_yade = softening.NOT_IN_YADE if form == "softening" else \
             lambda form=form, measure=measure: measure(driven("yade", form))
         found.append(Problem(
-            f"crushing in cycles, {form}", quantity, "J/m²", STRENGTH * closure(form), "f_c times the closure",
-            dict.fromkeys(solvers, 5e-3),
+            f"crushing in cycles, {form}", quantity, "J/m²", lost(form),
+            "G_c (1 - exp(-f_c d / G_c))" if form == SOFTENS else "f_c times the closure",
+            dict.fromkeys(solvers, 1e-3 if form == SOFTENS else 5e-3),
             {"reference": lambda form=form, measure=measure: measure(driven("reference", form)), "yade": in_yade}))
     return found

@@ -26,6 +26,7 @@ def wall():
         precompression=0.3e6,
         brick=brick,
         joint=Joint(tensile_strength=0.21e6, cohesion=0.24e6),
+        lintel="courses",
     )
 
 

@@ -17,6 +17,7 @@ import argparse
 import sys
 from collections import Counter, namedtuple
 from contextlib import chdir
+from dataclasses import replace
 from datetime import datetime, timedelta
 from functools import cache
 from pathlib import Path
@@ -31,10 +32,9 @@ from speed import Speed, python_seconds, speed
 from damage.errors import InputError
 from damage.reference.ensembles import LEAST_LANES
 from damage.reference.fast.compiled import is_cached
-from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step, sample_steps
 from damage.run.settings import HOLD_S, RAMP_S, Softening
-from damage.studies.definition import PATH_OPTIONS, load_study
+from damage.studies.definition import load_study
 from damage.studies.members import most_members
 from damage.studies.tables import runs_there
 from damage.wall.file import load_wall
@@ -163,9 +163,8 @@ def _planned(run, cost, scale):
 
 def estimate(run, way, machine):
     """Cost of one run of a StudyRun; way: of `ways_of`; machine: a Speed."""
-    words = [str(ROOT / word) if option in PATH_OPTIONS else word for option, word in zip(["", *run.words], run.words)]
-    settings = parse_run(words, prog="plan", solver=run.solver)
-    softens, n_joints, critical_s, height = _wall(str(ROOT / run.wall), settings.model)
+    settings = run.settings(ROOT)
+    softens, n_joints, critical_s, height = _wall(str(ROOT / run.wall), replace(settings.model, strength_seed=0))
     settings = settings.for_joint(load_wall(ROOT / run.wall).joint, Softening())
     loading, step_s = settings.loading, choose_time_step(settings, critical_s, softens)
     shaken_s = loading.length_s(height) if loading.drive.quasi_static else settings.duration_s

@@ -46,7 +46,7 @@ def main():
         log.write(f"error: {error.filename}: {error.strerror}\n")
         status = 1
     if status != 0:
-        announce(f"{asked.run}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}, see {asked.log}")
+        announce(f"{_shown(asked)}: {'interrupted' if status == EXIT_INTERRUPTED else 'FAILED'}, see {asked.log}")
     return status
 
 
@@ -70,13 +70,18 @@ def _command_of(solver):
     return COMMAND
 
 
+def _shown(asked):
+    """The name of a run, or of a job of many runs: shard_0000 is the first."""
+    return f"job {int(asked.run.removeprefix('shard_')) + 1} of the reference solver" if asked.shard else asked.run
+
+
 def _absolute(path):
     return Path(path).absolute()
 
 
 def _shard(asked, log):
     """Run a shard; returns the exit status."""
-    return _simulate(asked.run, [sys.executable, str(SHARD), *asked.words], log, shows_progress=False)
+    return _simulate(_shown(asked), [sys.executable, str(SHARD), *asked.words], log, shows_progress=False)
 
 
 def _single(asked, log):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from shards import point_of
 from shared import ROOT, write_if_other
 
-from damage.studies.definition import PATH_OPTIONS
+from damage.studies.definition import names_file
 from damage.studies.inputs import as_note, differences, inputs_of
 from damage.studies.tables import runs_there
 
@@ -96,6 +96,6 @@ def _note(run, folder):
 
 def _digest_before(run):
     """What a note held before it named all inputs: a digest of words and files."""
-    paths = [run.wall] + [word for option, word in zip(run.words, run.words[1:]) if option in PATH_OPTIONS]
+    paths = [run.wall] + [word for option, word in zip(run.words, run.words[1:]) if names_file(option, word)]
     digests = [hashlib.sha256((ROOT / path).read_bytes()).hexdigest() for path in paths]
     return hashlib.sha256(json.dumps([run.wall, run.words, run.varied, digests]).encode()).hexdigest()

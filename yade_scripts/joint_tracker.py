@@ -34,7 +34,7 @@ class JointTracker:
         self.threshold = threshold
         self.opening, self.slip, self.offset = np.zeros(n), np.zeros(n), np.zeros(n)
         self.broken, self.at_limit, self.crushed, self.ended = np.zeros((4, n), bool)
-        self.dry, self._crushing = np.zeros(n), contacts.compressive_strength[:n] * self.area
+        self.dry = np.zeros(n)
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
         self._slide = np.array(slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies))[:, :n]
         self._gape = 2 * CORNER_RADIUS * layout.wall.brick.length if new_contacts else np.inf
@@ -84,10 +84,10 @@ class JointTracker:
         self.friction_energy += energy
         self.breaking_energy += energy
 
-    def crushes(self, joint, more):
-        """Record an increment of plastic closure of a joint [m]."""
+    def crushes(self, joint, work):
+        """Record that a joint was crushed, and the work of that [J/m2]."""
         self.crushed[joint] = True
-        self.fracture_energy += float(self._crushing[joint]) * more
+        self.fracture_energy += float(self.area[joint]) * work
 
     def contact_data(self):
         """{column of the history's FRAMES: (n_joints,)} at this time."""

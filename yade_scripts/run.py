@@ -64,9 +64,9 @@ def _run(make_wall, path):
 
 
 def _check(settings):
-    if settings.loading.drive.top_stiffness:
-        raise InputError(f"--top-rotation {settings.loading.drive.top_stiffness:g}: expected a top without a spring in "
-                         "YADE; leave it out, or use the reference solver: python3 -m damage reference")
+    if settings.model.soil_velocity:
+        raise InputError(f"--soil-velocity {settings.model.soil_velocity:g}: YADE's joint law has no viscous damping; "
+                         "leave it out, or use the reference solver: python3 -m damage reference")
     if settings.continued:
         raise InputError("--continue: YADE keeps no state that a run could start from; expected both halves in one "
                          "run, as --sequence 1,0.5, or the reference solver: python3 -m damage reference")

@@ -41,6 +41,7 @@ class YadeSolver(Solver):
         self.tracker, self.crushing = JointTracker(layout, THRESHOLD, new_contacts), Crushing(self.scene)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         self._held, self._velocity = None, 0.0  # bodies whose horizontal velocity is prescribed [m/s]
+        self._top_stiffness, self._top_rest = 0.0, 0.0  # of rotational springs on these, and where they have no moment
         # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
         self._supports, self._support_velocity = np.zeros((2, len(layout.supports), 3))
         self._sample_steps = self._on_samples = self._raised = None
@@ -77,12 +78,26 @@ class YadeSolver(Solver):
             state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -rotating, 0)
 
     def hold(self, bodies, rotation, stiffness=0.0):
-        if stiffness:
-            raise NotImplementedError("a rotational spring at the top: of the reference solver alone")
-        self._held = bodies
+        self._held, self._top_stiffness = np.sort(bodies), stiffness
+        self._top_rest = self._held_rotations()
         for body in bodies:
             self.scene.states[body].blockedDOFs = "xyXYZ" if rotation else "xyXZ"
         self.scene.follows[np.ix_(bodies, [0, 2] if rotation else [0])] = 0.0
+
+    def _held_rotations(self):
+        """Rotations of the held bodies [rad]."""
+        return self.scene.motion(self._held)[self._held, 2]
+
+    def _turn_back(self):
+        """Add the moments of the rotational springs at the held bodies to the forces of the next step."""
+        for body, angle in zip(self._held, self._held_rotations() - self._top_rest):
+            O.forces.addT(self.model.clumps[body], Vector3(0, self._top_stiffness * angle, 0))
+
+    def _in_springs(self):
+        """Energy in the rotational springs at the top [J]; what they hold, the machine did not put into the wall."""
+        if not self._top_stiffness:
+            return 0.0
+        return 0.5 * self._top_stiffness * float(np.sum((self._held_rotations() - self._top_rest)**2))
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""
@@ -126,11 +141,13 @@ class YadeSolver(Solver):
             self._supports += self.time_step * self._support_velocity
             self._set_support_velocities()
         self._set_field()
+        if self._top_stiffness:
+            self._turn_back()
         try:
             self.model.follow(self.clock % FOLLOW_STEPS == 0)
             self._log_breaks(self.scene.newly_broken())
-            for joint, more in self.crushing.step(self.clock % FOLLOW_STEPS == 0):
-                self.tracker.crushes(joint, more)
+            for joint, _, work in self.crushing.step(self.clock % FOLLOW_STEPS == 0):
+                self.tracker.crushes(joint, work)
             if self._armed and self.clock % TIDY_STEPS == 0:
                 self.model.tidy()
             if self._on_samples:
@@ -264,7 +281,8 @@ class YadeSolver(Solver):
             contacts=tracker.contact_data(),
             top_force_n=np.nan if self._held is None else self._push_force(),
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
-            elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy, friction_j=friction,
+            elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy - self._in_springs(),
+            friction_j=friction,
             fracture_j=tracker.fracture_energy, damping_j=None)
 
     def forces(self):

@@ -129,8 +129,8 @@ def _stage(history, snapshots, samples, magnify):
 
 def _update(drawn, shape):
     """Move the collections that `draw_wall` made, by their labels, to another shape."""
-    drawn["bricks"].set_verts(shape.corners[~shape.is_cap])
-    drawn["caps"].set_verts(shape.corners[shape.is_cap])
+    for kind in style.BODY_COLOURS:
+        drawn[kind].set_verts(shape.corners[shape.kinds == kind])
     if "supports" in drawn:
         drawn["supports"].set_verts(shape.supports)
     for state in DRAWN:

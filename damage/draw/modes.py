@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from damage.draw.style import BRICK_COLOUR, CAP_COLOUR, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
-from damage.wall.geometry import body_corners, body_table
+from damage.draw.style import BODY_COLOURS, COLUMN_WIDTH, DARK, GROUND_COLOUR, styled
+from damage.wall.geometry import body_corners, body_table, kinds_of_bodies
 
 VISIBLE_SHARE = 0.08  # largest drawn displacement of a mode over the height of the wall
 
@@ -36,10 +36,10 @@ def _draw_mode(ax, layout, shape):
     moved = body_corners(bodies, 1e-6 * shape) - rest
     largest = np.hypot(moved[..., 0], moved[..., 1]).max()
     corners = rest + moved * VISIBLE_SHARE * layout.wall.built_height / largest
-    is_cap = layout.bodies.course < 0
-    ax.add_collection(PolyCollection(rest[~is_cap], facecolors="none", edgecolors="0.85", linewidths=0.3))
-    for chosen, colour in ((~is_cap, BRICK_COLOUR), (is_cap, CAP_COLOUR)):
-        ax.add_collection(PolyCollection(corners[chosen], facecolors=colour, edgecolors=DARK, linewidths=0.25))
+    kinds = kinds_of_bodies(layout.bodies.course)
+    ax.add_collection(PolyCollection(rest[kinds == "bricks"], facecolors="none", edgecolors="0.85", linewidths=0.3))
+    for kind, colour in BODY_COLOURS.items():
+        ax.add_collection(PolyCollection(corners[kinds == kind], facecolors=colour, edgecolors=DARK, linewidths=0.25))
     ax.axhline(0, color=GROUND_COLOUR, lw=2, zorder=0)
     margin = 1.2 * VISIBLE_SHARE * layout.wall.built_height
     points = rest.reshape(-1, 2)

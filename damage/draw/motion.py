@@ -3,7 +3,7 @@
 from textwrap import fill
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
+import scipy  # integrate where it is used: it starts slowly
 
 from damage.draw.panels import from_zero, letter
 from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, LIGHT, TITLE_CHARACTERS, new_figure, styled
@@ -25,7 +25,8 @@ def motion_picture(loading, measures):
     in the titles and whose spectral ordinates are marked.  The velocity starts from rest, as that of a run's base.
     """
     record = loading.applied()
-    velocity_cm_s = 100.0 * cumulative_trapezoid(record.acceleration_m_s2, dx=record.time_step_s, initial=0.0)
+    velocity_cm_s = 100.0 * scipy.integrate.cumulative_trapezoid(record.acceleration_m_s2, dx=record.time_step_s,
+                                                                 initial=0.0)
     figure, (acceleration, velocity, spectrum) = new_figure(1.35 * COLUMN_WIDTH, 3)
     _over_time(acceleration, record.time_s, record.acceleration_m_s2 / GRAVITY, "acceleration [g]")
     letter(acceleration, 0, f"PGA {measures['pga_g']:.3g} g")

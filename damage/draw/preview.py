@@ -8,7 +8,7 @@ from matplotlib.patches import Patch, Rectangle
 from damage.draw import style
 from damage.units import GRAVITY
 from damage.wall.courses import built_runs
-from damage.wall.geometry import body_corners, tributary_ends
+from damage.wall.geometry import body_corners, kinds_of_bodies, tributary_ends
 from damage.wall.lintel import lintel_courses
 
 TONNE, KILO = 1e3, 1e3
@@ -26,16 +26,17 @@ def wall_preview(wall, bodies, joints, supports=()):
     right) [m] of the parts of the base that carry by themselves, none for one below all.
     """
     figure, ax = style.new_figure(1.0)
-    corners, is_cap = body_corners(bodies, np.zeros((len(bodies), 3))), bodies["course"].to_numpy() < 0
-    elastic = joints["elastic"].to_numpy(bool)
-    for chosen, face, edge in ((~is_cap, style.BRICK_COLOUR, "0.55"), (is_cap, style.CAP_COLOUR, style.DARK)):
-        ax.add_collection(PolyCollection(corners[chosen], facecolors=face, edgecolors=edge, linewidths=0.3))
+    corners, kinds = body_corners(bodies, np.zeros((len(bodies), 3))), kinds_of_bodies(bodies["course"])
+    elastic = joints["elastic"].to_numpy(bool) & (joints["kind"] != "brick").to_numpy()
+    for kind, face in style.BODY_COLOURS.items():
+        edge = "0.55" if kind == "bricks" else face if kind == "lintels" else style.DARK
+        ax.add_collection(PolyCollection(corners[kinds == kind], facecolors=face, edgecolors=edge, linewidths=0.3))
     ax.add_collection(LineCollection(tributary_ends(joints[elastic]), colors=style.GREEN, linewidths=0.6))
     handles = [Patch(facecolor=style.BRICK_COLOUR, edgecolor="0.55", label="bricks"),
                Patch(facecolor=style.GROUND_COLOUR,
                      label="support" if len(supports) < 2 else f"{len(supports)} supports")]
-    if is_cap.any():
-        handles.append(Patch(facecolor=style.CAP_COLOUR, edgecolor=style.DARK, label="rigid masses"))
+    handles += [Patch(facecolor=style.BODY_COLOURS[kind], edgecolor=style.DARK, label=label) for kind, label in (
+        ("masses", "rigid masses"), ("slabs", "concrete floors"), ("lintels", "lintels")) if (kinds == kind).any()]
     if elastic.any():
         handles.append(Line2D([], [], color=style.GREEN, lw=0.6, label="elastic joints (lintel)"))
     if wall.outline:
@@ -57,7 +58,7 @@ def wall_preview(wall, bodies, joints, supports=()):
 
 def title_of(wall, bodies, joints):
     """Two lines about a wall: name and sizes; bricks, joints, mass on top."""
-    n_bricks = int(np.sum(bodies["course"] >= 0))
+    n_bricks = int(np.sum(kinds_of_bodies(bodies["course"]) == "bricks"))
     kinds = joints["kind"].isin(("bed", "head"))
     return (f"{wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.brick.thickness:.3g} m thick\n"
             f"{n_bricks} bricks, {joints['length_m'][kinds].sum():.2f} m of joints, "

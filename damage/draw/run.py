@@ -16,13 +16,13 @@ from damage.draw import style
 from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
-from damage.history.moments import choose_sample, moving
+from damage.history.moments import choose_sample, is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import principal_stresses
 from damage.measure.energy import DISSIPATED, STORED, energy_error_of, energy_groups, energy_scale, imbalance
 from damage.measure.limits import bound
 from damage.units import GRAVITY, MILLIMETRE
-from damage.wall.geometry import body_corners
+from damage.wall.geometry import body_corners, kinds_of_bodies
 
 JOINT_COLOURS = {"elastic": style.GREEN, "intact": "0.8", "broken": "0.5", "slipped": style.BLUE,
                  "opened": style.ORANGE, "both": style.BLACK}
@@ -92,10 +92,12 @@ def heap_picture(history):
                          "--after-fall whose wall fell; run it again with both")
     motion = history.displacement[-1].astype(float)
     before, now = body_corners(history.bodies, np.zeros_like(motion)), body_corners(history.bodies, motion)
-    is_cap = history.bodies["course"].to_numpy() < 0
+    kinds = kinds_of_bodies(history.bodies["course"])
     figure, ax = style.new_figure(1.0)
-    layers = [(before, "none", "0.8", "where they were"), (now[~is_cap], style.BRICK_COLOUR, "none", "bricks"),
-              (now[is_cap], style.CAP_COLOUR, "none", "top mass"), (now, "none", style.DARK, None)]
+    layers = [(before, "none", "0.8", "where they were"),
+              *((now[kinds == kind], colour, "none", style.BODY_WORDS.get(kind, kind))
+                for kind, colour in style.BODY_COLOURS.items() if (kinds == kind).any()),
+              (now, "none", style.DARK, None)]
     for corners, face, edge, label in layers:  # all edges above all faces
         ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=0.3, label=label))
     after_s = history.snapshot_time_s[-1] - history.collapsed_at_s
@@ -116,13 +118,13 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
         raise InputError(f"{history.path} has no stresses: expected a run with --bricks deformable; run it again so")
     shape = wall_shape(history, sample, slip, threshold, magnify=0.0)
     at = int(np.abs(history.snapshot_time_s - shape.time_s).argmin())
-    stress, angle = principal_stresses(history.stress_pa[at, ~shape.is_cap, 0])
+    bricks = shape.kinds == "bricks"
+    stress, angle = principal_stresses(history.stress_pa[at, bricks, 0])
     stress = stress.T
-    scale = history.bodies["length_m"][~shape.is_cap].median() / max(np.abs(stress).max(), 1.0)
-    centre = shape.corners[~shape.is_cap].mean(axis=1)
+    scale = history.bodies["length_m"][bricks].median() / max(np.abs(stress).max(), 1.0)
+    centre = shape.corners[bricks].mean(axis=1)
     figure, ax = style.new_figure(1.0)
-    ax.add_collection(PolyCollection(shape.corners, facecolors=np.where(shape.is_cap, style.CAP_COLOUR,
-                                                                        style.BRICK_COLOUR),
+    ax.add_collection(PolyCollection(shape.corners, facecolors=[style.BODY_COLOURS[kind] for kind in shape.kinds],
                                      edgecolors="0.85", linewidths=0.2))
     for values, direction in zip(stress, (angle, angle + np.pi / 2)):
         half = 0.5 * scale * np.abs(values)[:, None] * np.column_stack([np.cos(direction), np.sin(direction)])
@@ -137,10 +139,9 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
 
 def draw_wall(ax, shape):
     """Draw a WallShape in true scale; returns height over width of the axes."""
-    caps = shape.is_cap
-    for name, chosen, colour in (("bricks", ~caps, style.BRICK_COLOUR), ("caps", caps, style.CAP_COLOUR)):
-        ax.add_collection(PolyCollection(shape.corners[chosen], facecolors=colour, edgecolors="0.75",
-                                         linewidths=0.2, label=name, zorder=1))
+    for kind, colour in style.BODY_COLOURS.items():
+        ax.add_collection(PolyCollection(shape.corners[shape.kinds == kind], facecolors=colour, linewidths=0.2,
+                                         edgecolors=colour if kind == "lintels" else "0.75", label=kind, zorder=1))
     for layer, state in enumerate(DRAWN, start=2):
         chosen = shape.select(state)
         widths = [THIN[state]] if state in THIN else shape.line_width(chosen)
@@ -184,7 +185,8 @@ def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
               "both": "opened and slipped", "broken": f"failed, ≤ {threshold / MILLIMETRE:g} mm", "intact": "intact"}
     labels |= {"elastic": "elastic, cannot fail"} if shape.elastic.any() else {}
     width = line_width(0.5 * MILLIMETRE, shape.widest_pt)
-    areas = {"top mass": (shape.is_cap.any(), style.CAP_COLOUR, "none"),
+    areas = {**{words: ((shape.kinds == kind).any(), style.BODY_COLOURS[kind], "none")
+                for kind, words in style.BODY_WORDS.items()},
              "supports": (shape.ground_moves, style.GROUND_COLOUR, style.DARK)}
     return [
         *(Line2D([], [], color=JOINT_COLOURS[state], lw=THIN.get(state, width), ls=DASHES.get(state, "-"), label=label)
@@ -276,8 +278,14 @@ def drift_picture(history):
 
 @style.styled
 def hysteresis_picture(history):
-    """Figure of base shear, the force of the wall on the ground, against drift ratio, without settling."""
+    """Figure of base shear, the force of the wall on the ground, against drift ratio, without settling.
+
+    Raises InputError where the run has no motion.
+    """
     choose_sample(history, "end")
+    if not is_moving(history.series).any():
+        raise InputError(f"{history.path} has no motion: expected one for base shear against drift; run it again with "
+                         "a motion")
     figure, ax = style.new_figure(2.4)
     ratio = history.series["drift_ratio"].to_numpy()
     factor, unit = style.drift_scale(ratio)
@@ -338,7 +346,8 @@ def _known_energies(series):
 
 def _error_scale(series, error):
     """Factor from J to the unit of the imbalance, and that unit; error: energy balance error [-] or None."""
-    return (1.0, "J") if error is None else (100 / energy_scale(_known_energies(moving(series))), "%")
+    return (1.0, "J") if error is None else (
+        100 / energy_scale(_known_energies(series[series["stage"] != "settling"])), "%")
 
 
 # --- files ---------------------------------------------------------------------------------------
@@ -354,12 +363,15 @@ PICTURES = {
 def save_all(history, folder):
     """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns their paths.
 
-    The picture of the heap is included where bricks were followed beyond the collapse, that of stresses where bricks
-    are deformable, that of the events where there are several.
+    Base shear against drift is left out where there is no motion, as of ground that settles alone.  The picture of the
+    heap is included where bricks were followed beyond the collapse, that of stresses where bricks are deformable, that
+    of the events where there are several.
     """
     from damage.draw.sequence import has_sequence, sequence_picture
 
-    chosen = PICTURES | ({"heap": heap_picture} if has_heap(history) else {}) | (
+    still = () if is_moving(history.series).any() else ("hysteresis",)
+    always = {name: draw for name, draw in PICTURES.items() if name not in still}
+    chosen = always | ({"heap": heap_picture} if has_heap(history) else {}) | (
         {} if history.stress_pa is None else {"stress_max": stress_picture}) | (
         {"sequence": sequence_picture} if has_sequence(history) else {})
     return style.save_figures(((name, draw(history)) for name, draw in chosen.items()), folder, origin(history))

@@ -39,6 +39,10 @@ BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 LIGHT, MEDIUM, DARK = "0.91", "0.6", "0.35"
 SAND = "#f3e6c8"
 BRICK_COLOUR, CAP_COLOUR, GROUND_COLOUR = "0.96", "0.75", "0.85"
+BODY_COLOURS = {"bricks": BRICK_COLOUR, "masses": CAP_COLOUR, "slabs": "#b9cbd9", "lintels": "#dcc48e"}
+"""{kind of `damage.wall.geometry.kinds_of_bodies`: its colour}."""
+BODY_WORDS = {"masses": "top mass", "slabs": "concrete floor", "lintels": "lintel"}
+"""{kind: words of the legend}."""
 
 
 def styled(draw):

@@ -17,7 +17,14 @@ from damage.errors import InputError
 from damage.history.moments import STATES, choose_sample, joint_states, nearest_snapshot, support_motion
 from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
-from damage.wall.geometry import body_corners, joint_gaps, joint_segments, support_outlines
+from damage.wall.geometry import (
+    body_corners,
+    cuts_of_lintels,
+    joint_gaps,
+    joint_segments,
+    kinds_of_bodies,
+    support_outlines,
+)
 
 VISIBLE_SHARE = 0.03  # largest drawn displacement over the height of the wall
 LARGEST_MAGNIFICATION = 1000.0  # above it a residual of micrometres would look like a tilt
@@ -46,11 +53,12 @@ class WallShape:
     snapshot_time_s: of the bodies' displacement, None where no snapshot is near: then the wall is
         drawn undeformed.
     magnification: factor on displacements and rotations.
-    corners: (n_bodies, 4, 2) [m], counter-clockwise from the lower left; is_cap: (n_bodies,) bool.
+    corners: (n_bodies, 4, 2) [m], counter-clockwise from the lower left; kinds: (n_bodies,) of
+        `damage.wall.geometry.kinds_of_bodies`.
     supports: (n_supports, 4, 2) [m], the same of the ground below the part of the base that each carries, of no width
         where an old history has none; ground_moves: whether there are several, or the one has moved;
     segments: (n_joints, 2, 2) [m], both ends of each joint; state: (n_joints,) index of STATES; elastic: (n_joints,)
-        bool, which cannot fail;
+        bool, which cannot fail, without the cuts of lintels, which are not drawn;
     crack_width_m: (n_joints,), sqrt(opening^2 + slip^2).
     widest_pt: width of the line of the widest cracks [pt], see `widest_line`.
     """
@@ -61,7 +69,7 @@ class WallShape:
     snapshot_time_s: float | None
     magnification: float
     corners: np.ndarray
-    is_cap: np.ndarray
+    kinds: np.ndarray
     supports: np.ndarray
     ground_moves: bool
     segments: np.ndarray
@@ -74,7 +82,7 @@ class WallShape:
         """WallShape with line widths for a page of this width and height [pt] that shows span_m, (2,) [m], by default
         the bodies."""
         span_m = np.ptp(self.corners.reshape(-1, 2), axis=0) if span_m is None else span_m
-        bricks = self.corners[~self.is_cap]
+        bricks = self.corners[self.kinds == "bricks"]
         brick_m = np.linalg.norm(bricks[:, 3] - bricks[:, 0], axis=1).min()
         return replace(self, widest_pt=widest_line(brick_m, span_m, page_pt))
 
@@ -122,6 +130,8 @@ def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, 
         magnify = magnification(history.bodies, motion)
     supports = support_motion(history, snapshot)
     segments = joint_segments(history.joints, history.bodies, motion, magnify, supports)
+    cuts = cuts_of_lintels(history.joints, history.bodies)
+    segments[cuts] = np.nan
     if snapshot is not None and history.snapshot_time_s[snapshot] > history.series["time_s"].iloc[-1]:
         time_s = float(history.snapshot_time_s[snapshot])
         segments[joint_gaps(history.joints, history.bodies, motion, supports) > WIDEST_JOINT] = np.nan
@@ -129,11 +139,11 @@ def shape_at(history, sample, damage, slip="displacement", threshold=THRESHOLD, 
         sample=sample, time_s=time_s, index=damage,
         snapshot_time_s=None if snapshot is None else float(history.snapshot_time_s[snapshot]),
         magnification=float(magnify), corners=body_corners(history.bodies, motion, magnify),
-        is_cap=history.bodies["course"].to_numpy() < 0,
+        kinds=kinds_of_bodies(history.bodies["course"]),
         supports=support_outlines(supports, SUPPORT_DEPTH, magnify),
         ground_moves=len(supports.left) > 1 or bool(supports.motion.any()),
         segments=segments,
-        state=joint_states(history, sample, slip, threshold), elastic=history.joints["elastic"].to_numpy(bool),
+        state=joint_states(history, sample, slip, threshold), elastic=history.joints["elastic"].to_numpy(bool) & ~cuts,
         crack_width_m=np.hypot(history.opening_m[sample], history.slip_by(slip)[sample], dtype=float)
     ).on_page()
 

@@ -57,12 +57,12 @@ def run_title(history):
 def settlement_words(settlement):
     """Text: a settlement as a history's parameters have it.
 
-    >>> settlement_words({"profile": "hogging", "distortion": 0.002})
-    'hogging settlement of 1/500'
+    >>> settlement_words({"profile": "hogging", "distortion": 1 / 2800})
+    'hogging settlement of 1/2800'
     """
     distortion = settlement.get("distortion")
     return f"settlement {settlement['profile']}" if distortion is None else (
-        f"{settlement['profile']} settlement of 1/{1 / distortion:.3g}")
+        f"{settlement['profile']} settlement of 1/{round(1 / distortion)}")
 
 
 def wall_words(name):

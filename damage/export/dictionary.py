@@ -13,8 +13,8 @@ from damage.exposure.exposure import COLUMNS as EXPOSURE
 from damage.files import write_text
 from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, TABLES, Column
 from damage.index import COMPONENTS
-from damage.life.runs import COLUMNS as LIVES
-from damage.life.runs import YEARLY
+from damage.life.results import COLUMNS as LIVES
+from damage.life.results import CONTRIBUTIONS, YEARLY
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, each
 from damage.measure.cycles import BY_OTHERS
 from damage.measure.tables import write_table
@@ -185,7 +185,7 @@ DICTIONARY = {
     "efficiency.csv": EFFICIENCY, "left_out.csv, unseen.csv": LEFT_OUT,
     "left_out_scores.csv, unseen_scores.csv": SCORES,
     "fragility_coefficients.csv": COEFFICIENTS, "crack files": CRACKS, "exposure.csv": EXPOSURE,
-    "lives.csv": LIVES, "life.csv": YEARLY,
+    "lives.csv": LIVES, "life.csv": YEARLY, "contributions.csv": CONTRIBUTIONS,
     **{f"RUN.h5 {group}": columns for group, columns in TABLES.items()},
     "RUN.h5 state": {"solver": STATE_COLUMN}}
 """{tables, as their files are called: {column: Column}}; `summary.csv` of `python3 -m damage tables` has no members."""

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
-from scipy.stats import norm
+import scipy  # optimize where it is used: it starts slowly
+from scipy.special import log_ndtr
 
 from damage.errors import InputError
 from damage.exposure.catalogue import Catalogue
@@ -76,13 +76,13 @@ class Exposure:
         tau, site, within = self.model.deviations
         nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
         over = np.log(pgv_mm_s / self.median_mm_s)[:, np.newaxis] - site * nodes
-        below = np.exp(norm.logcdf(over / math.hypot(tau, within)).sum(axis=0))
+        below = np.exp(log_ndtr(over / math.hypot(tau, within)).sum(axis=0))
         return float(1.0 - weights @ below / weights.sum())
 
     def largest_exceeded_mm_s(self, probability):
         """PGV [mm/s] that the largest of all events exceeds with a probability."""
-        return float(np.exp(brentq(lambda ln_pgv: self.at_least_once(math.exp(ln_pgv)) - probability,
-                                   math.log(1e-9), math.log(1e9))))
+        return float(np.exp(scipy.optimize.brentq(lambda ln_pgv: self.at_least_once(math.exp(ln_pgv)) - probability,
+                                                  math.log(1e-9), math.log(1e9))))
 
     def table(self):
         """DataFrame with a row an event in the order of time; columns: COLUMNS."""

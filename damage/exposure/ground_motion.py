@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from damage.checks import check_choice, check_range
 from damage.errors import InputError, did_you_mean
@@ -61,11 +61,11 @@ class GroundMotionModel:
 
     def exceeded_mm_s(self, median_mm_s, probability):
         """PGV [mm/s] that is exceeded with a probability, by its median."""
-        return median_mm_s * math.exp(norm.isf(probability) * self.deviations.sigma)
+        return median_mm_s * math.exp(-ndtri(probability) * self.deviations.sigma)
 
     def exceedance(self, median_mm_s, pgv_mm_s):
         """Probability of exceeding a PGV [mm/s], by its median."""
-        return norm.sf(np.log(pgv_mm_s / median_mm_s) / self.deviations.sigma)
+        return ndtr(-np.log(pgv_mm_s / median_mm_s) / self.deviations.sigma)
 
     def draw(self, rng, draws, events, sites=1):
         """Terms of ln PGV at random: (event, site, within-event), shapes (draws, events, 1), (draws, 1, sites) and

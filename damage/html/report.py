@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -83,6 +84,7 @@ def page(files, folders, words=Words()):
         library_version=plotly_version() if runs else "", made_by=f"masonry-damage {VERSION}, commit {commit()}")
 
 
+@cache
 def _environment():
     return Environment(loader=FileSystemLoader(PAGE), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
                        lstrip_blocks=True)

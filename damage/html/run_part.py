@@ -9,7 +9,7 @@ from damage.draw.style import drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
-from damage.history.moments import STATES, joint_states, nearest_snapshot, support_motion
+from damage.history.moments import STATES, is_moving, joint_states, nearest_snapshot, support_motion
 from damage.html.instants import instants, points
 from damage.html.packing import as_png, pack_arrays, quantised
 from damage.index import COMPONENTS
@@ -20,7 +20,7 @@ from damage.measure.members import members_of, spread
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.units import GRAVITY, rounded
-from damage.wall.geometry import tributary_ends
+from damage.wall.geometry import cuts_of_lintels, kinds_of_bodies, tributary_ends
 
 MICROMETRE = 1e-6
 SERIES = (*COMPONENTS, "drift_ratio", "base_shear_kn", "base_x_g", "base_z_g", *ENERGIES)
@@ -95,6 +95,11 @@ def _key_numbers(history, summary, index):
         ("Psi", summary["max_psi"], 2, "", f"{summary['psi_class']} (Korswagen){of_members('max_psi')}"),
         ("Largest base shear", summary["peak_base_shear_n"] / 1e3, 3, "kN",
          of_members("peak_base_shear_n").removeprefix("; "))]
+    if summary["settled_psi"] is not None:
+        found_here.append((
+            "Psi after the settlement", summary["settled_psi"], 2, "",
+            f"widest crack {rounded(summary['settled_crack_width_mm'], 2)} mm, DI {summary['settled_DI']:.3f}, angular "
+            f"distortion {rounded(summary['angular_distortion'], 2)}{of_members('settled_psi')}"))
     return [(name, value, _shown(value, digits), *rest) for name, value, digits, *rest in found_here]
 
 
@@ -113,11 +118,13 @@ def drawn(history, index):
     kept = points(np.array([lines[name] for name in SERIES]), chosen)
     wall, more = _moving_wall(history, chosen)
     arrays = {name: values[kept].astype("f4") for name, values in lines.items()}
-    settling = (history.series["stage"] == "settling").to_numpy()[kept]
-    arrays |= {"instant": np.searchsorted(kept, chosen).astype("i4"), "settles": settling.astype("u1"), **wall}
+    settling, settlement = ((history.series["stage"] == stage).to_numpy()[kept] for stage in ("settling", "settlement"))
+    settles = settling | settlement if is_moving(history.series).any() else settling
+    arrays |= {"instant": np.searchsorted(kept, chosen).astype("i4"), "settles": settles.astype("u1"), **wall}
     time_s = lines["time_s"]
     return more | pack_arrays(arrays) | {
-        "settling": _spans(time_s[kept], settling), "collapsed_at_s": history.collapsed_at_s,
+        "settling": _spans(time_s[kept], settling), "settlement": _spans(time_s[kept], settlement),
+        "collapsed_at_s": history.collapsed_at_s,
         "at_max": float(time_s[int(np.argmax(index["DI"]))]), "n_instants": len(chosen)}
 
 
@@ -145,10 +152,10 @@ def _moving_wall(history, chosen):
     motion = np.nan_to_num([still if snapshot is None else history.displacement[snapshot] for snapshot in near])
     places, step = quantised(motion)
     joints, bodies, ends = history.joints.iloc[ever], history.bodies, tributary_ends(history.joints)
-    elastic = np.setdiff1d(np.flatnonzero(history.joints["elastic"]), ever)
+    elastic = np.setdiff1d(np.flatnonzero(history.joints["elastic"] & ~cuts_of_lintels(history.joints, bodies)), ever)
     arrays = {
         "x": bodies["x_m"].astype("f4"), "z": bodies["z_m"].astype("f4"), "length": bodies["length_m"].astype("f4"),
-        "height": bodies["height_m"].astype("f4"), "cap": (bodies["course"] < 0).astype("u1"),
+        "height": bodies["height_m"].astype("f4"), "cap": (kinds_of_bodies(bodies["course"]) != "bricks").astype("u1"),
         "ends": ends[ever].astype("f4").ravel(), "elastic_ends": ends[elastic].astype("f4").ravel(),
         "elastic_first": history.joints["first_body"].iloc[elastic].astype("i4"),
         "elastic_second": history.joints["second_body"].iloc[elastic].astype("i4"),

@@ -43,6 +43,7 @@ FIGURE_WORDS = {
     "fig11": "Residual damage against peak acceleration",
     "fig12": "Damage index against the largest drift", "cracks": "Cracked joints of the walls of single runs",
     "sequences": "Damage over sequences of shocks", "sensitivity": "How much modelling choices move the damage",
+    "life": "Lives of a wall: damage over the years, and the events that caused it",
     "fragility": "Probability of exceeding levels of damage against intensity"}
 
 

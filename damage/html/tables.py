@@ -9,7 +9,7 @@ from damage.measure.energy import DISSIPATED, STORED, imbalance
 from damage.units import rounded
 from damage.wall.caps import describe_cap
 
-SECTIONS = {**MEASURES, "What ran": RUN | PARAMETERS, "What made it": MADE_BY}
+SECTIONS = {**MEASURES, "Run and parameters": RUN | PARAMETERS, "Provenance": MADE_BY}
 DIGITS, GIVEN_DIGITS = 3, 5
 """Significant digits of results, as on the screen, and of what a run was given."""
 ENERGIES = {

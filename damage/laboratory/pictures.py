@@ -9,7 +9,7 @@ from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, PURPLE, SKY, V
 from damage.errors import InputError
 from damage.history.info import origin
 from damage.laboratory.pushed import test_of
-from damage.measure.pushed import cycles_table, envelope, pushed_loading
+from damage.measure.pushed import capacity_curve, cycles_table, pushed_loading
 
 RUN_LOOKS = ((BLUE, "-", "o"), (ORANGE, "--", "s"), (GREEN, "-.", "^"), (PURPLE, ":", "D"), (SKY, (0, (5, 1)), "v"))
 """Colour, line and marker of each run, so that runs are distinguishable in grey, too."""
@@ -55,7 +55,7 @@ def _draw_run(left, right, history, colour, line, marker):
     if cyclic:
         left.plot(100 * series["drift_ratio"], series["base_shear_n"] / 1e3, color=colour, lw=0.3, alpha=0.5)
     for sign in (1, -1) if cyclic else (1,):
-        curve = envelope(history, sign)
+        curve = capacity_curve(history, sign)
         left.plot(100 * sign * curve["drift_ratio"], sign * curve["force_n"] / 1e3, color=colour, lw=1.3, ls=line)
     if cyclic:
         table = cycles_table(history)

@@ -43,6 +43,12 @@ class LaboratoryTest:
         """Of the bilinear idealisation, in both directions."""
         return tuple(force / (drift * self.height) for force, drift in zip(self.bilinear_force_n, self.elastic_drift))
 
+    @property
+    def energy_j(self):
+        """Energy below the bilinear idealisation up to the ultimate drift, in both directions."""
+        return tuple(force * (ultimate - elastic / 2) * self.height for force, elastic, ultimate in zip(
+            self.bilinear_force_n, self.elastic_drift, self.ultimate_drift))
+
     def bilinear_curve(self, direction):
         """Drift ratios and forces [N] of the idealised envelope, (3,) each; direction 0 or 1."""
         force = self.bilinear_force_n[direction]
@@ -75,10 +81,13 @@ def test_of(history):
 def beside_test(history):
     """Rows (figure, unit, simulated, measured) of a pushed laboratory wall; None where there is no figure."""
     test, summary, shares = test_of(history), summarise(history), pushed.mode_shares(history)
-    line = pushed.bilinear(pushed.envelope(history), history.attributes["drift_height_m"])
+    curve = pushed.capacity_curve(history)
+    line = pushed.bilinear(curve, history.attributes["drift_height_m"])
     crack = pushed.drift_at_first_crack(history)
     measured = {name: float(np.mean(getattr(test, name))) for name in (
-        "stiffness_n_per_m", "peak_force_n", "drift_at_peak", "bilinear_force_n", "ultimate_drift")}
+        "stiffness_n_per_m", "peak_force_n", "drift_at_peak", "bilinear_force_n", "elastic_drift", "ultimate_drift",
+        "energy_j")}
+    reached = float(curve["drift_ratio"].max()) >= measured["ultimate_drift"]
     return [
         ("stiffness, initial", "kN/mm", summary["initial_stiffness_n_per_m"] / 1e6, None),
         ("stiffness, secant to 0.7 of the peak", "kN/mm", summary["secant_stiffness_n_per_m"] / 1e6,
@@ -86,6 +95,11 @@ def beside_test(history):
         ("peak force", "kN", summary["peak_force_n"] / 1e3, measured["peak_force_n"] / 1e3),
         ("drift at the peak force", "%", 100 * summary["drift_at_peak_force"], 100 * measured["drift_at_peak"]),
         ("bilinear force", "kN", line["force_n"] / 1e3, measured["bilinear_force_n"] / 1e3),
+        ("mean force to the test's ultimate drift", "kN", pushed.mean_force(
+            curve, measured["ultimate_drift"]) / 1e3 if reached else None,
+         measured["energy_j"] / (measured["ultimate_drift"] * test.height) / 1e3),
+        ("energy below the bilinear line", "J", line["energy_j"], measured["energy_j"]),
+        ("elastic drift", "%", 100 * line["elastic_drift"], 100 * measured["elastic_drift"]),
         ("ultimate drift, or the largest", "%", 100 * line["ultimate_drift"], 100 * measured["ultimate_drift"]),
         ("drift at the first crack (of 0.1 mm)", "%", *(None if drift is None else 100 * drift
                                                         for drift in (crack, test.first_crack))),
@@ -98,7 +112,7 @@ def pushed_report(history):
     """Everything about a pushed run as a plain dictionary: cycles, envelope, mode, and the test beside it."""
     height, sides = history.attributes["drift_height_m"], {}
     for name, sign in (("positive", 1), ("negative", -1)):
-        curve = pushed.envelope(history, sign)
+        curve = pushed.capacity_curve(history, sign)
         if len(curve) and curve["force_n"].max() > 0:
             sides[name] = pushed.bilinear(curve, height)
     cyclic = pushed.pushed_loading(history).cycles > 0

@@ -1,1 +1,1 @@
-"""Life of a wall: the earthquakes at its address, drawn and carried through one after the other."""
+"""Lives of walls: the study that makes them, their results, probabilities of visible damage."""

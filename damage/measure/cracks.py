@@ -15,9 +15,9 @@ once.  All criteria refer to the state at the sample, not to the largest so far.
 
 import numpy as np
 import pandas as pd
+import scipy  # spatial where it is used: it starts slowly
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from damage.checks import check_positive
 from damage.errors import InputError
@@ -72,7 +72,7 @@ def close_pairs(ends, gap=JOINING_GAP):
         return np.zeros((0, 2), int)
     low, high = ends.min(axis=1), ends.max(axis=1)
     reach = np.max(high - low) + gap
-    pairs = cKDTree((low + high) / 2).query_pairs(reach, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree((low + high) / 2).query_pairs(reach, output_type="ndarray")
     first, second = pairs.T
     apart = np.maximum(np.maximum(low[first] - high[second], low[second] - high[first]), 0)
     return pairs[np.hypot(*apart.T) < gap]

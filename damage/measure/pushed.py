@@ -5,7 +5,7 @@ Force is the base shear and displacement that of the top course, as measured in 
 
 import numpy as np
 import pandas as pd
-from scipy.integrate import trapezoid
+import scipy  # integrate where it is used: it starts slowly
 
 from damage.errors import InputError
 from damage.index import COMPONENTS, THRESHOLD
@@ -76,23 +76,78 @@ def envelope(history, sign=1):
     return pd.DataFrame({"drift_ratio": drift[new], "force_n": force[new]})
 
 
+def backbone(history, sign=1):
+    """Envelope of a cyclic History in one direction as laboratories draw it: a DataFrame as of `envelope`.
+
+    Its points are those of largest force and of largest drift of each cycle whose drift exceeds all earlier ones.  The
+    branch between two cycles is left out: a wall that slides has its full force in the other direction before it is
+    back at zero drift, so that the samples of an `envelope` begin with that force.
+    """
+    force, drift = (sign * values for values in _force_and_drift(history))
+    edges, points = cycle_edges(history), [0.0]
+    rows = []
+    for start, end in zip(edges, edges[1:]):
+        for values in (force, drift):
+            most = start + int(np.argmax(values[start:end + 1]))
+            if drift[most] > points[-1]:
+                points.append(drift[most])
+                rows.append((drift[most], force[most]))
+    return pd.DataFrame(rows, columns=["drift_ratio", "force_n"])
+
+
+def capacity_curve(history, sign=1):
+    """The `backbone` of a cyclic History, the `envelope` of one that is pushed over or ended in its first cycle."""
+    curve = backbone(history, sign) if pushed_loading(history).cycles else ()
+    return curve if len(curve) else envelope(history, sign)
+
+
+def averaged(curve, width):
+    """A curve whose points are means over windows of the drift, `width` [-] wide, which lie side by side: without the
+    shocks of sudden failures."""
+    window = np.floor(curve["drift_ratio"] / width)
+    return curve.groupby(window.to_numpy(), sort=True).mean().reset_index(drop=True)
+
+
+def mean_force(curve, drift):
+    """Mean force [N] of an `envelope` from zero to a drift [-]: the energy that it takes up over the displacement."""
+    drifts, force = _from_zero(curve)
+    inside = drifts < drift
+    drifts, force = np.append(drifts[inside], drift), np.append(force[inside], np.interp(drift, drifts, force))
+    return float(scipy.integrate.trapezoid(force, drifts) / drift)
+
+
 def bilinear(curve, height):
     """Bilinear (elastic-plastic) idealisation of an `envelope`, of equal area up to the ultimate drift.
 
     The elastic stiffness is the secant at SECANT_SHARE of the peak force.  The ultimate drift is the last one at which
-    the force is at least ULTIMATE_SHARE of the peak.  curve: an `envelope`; height: of the wall [m].
-    Returns {"stiffness_n_per_m", "force_n", "ultimate_drift" [-]}.
+    the force is at least ULTIMATE_SHARE of the peak.  Between the points of the curve the force is linear.  curve: an
+    `envelope` or `backbone`; height: of the wall [m].
+    Returns {"stiffness_n_per_m", "force_n", "elastic_drift" [-], "ultimate_drift" [-], "energy_j": below the line}.
     """
-    drift, force = (np.concatenate([[0.0], curve[name]]) for name in ("drift_ratio", "force_n"))
+    drift, force = _from_zero(curve)
     peak = force.max()
     secant = int(np.argmax(force >= SECANT_SHARE * peak))
-    stiffness = force[secant] / (drift[secant] * height)
+    at = _crossing(drift, force, secant - 1, SECANT_SHARE * peak)
+    stiffness = SECANT_SHARE * peak / (at * height)
     last = int(np.flatnonzero(force >= ULTIMATE_SHARE * peak)[-1])
-    area = trapezoid(force[:last + 1], drift[:last + 1] * height)
-    ultimate = drift[last] * height
-    root = max(0.0, ultimate**2 - 2 * area / stiffness)
-    return {"stiffness_n_per_m": float(stiffness), "force_n": float(stiffness * (ultimate - np.sqrt(root))),
-            "ultimate_drift": float(drift[last])}
+    ultimate = drift[last] if last + 1 == len(drift) else _crossing(drift, force, last, ULTIMATE_SHARE * peak)
+    area = mean_force(curve, ultimate) * ultimate * height
+    root = max(0.0, (ultimate * height)**2 - 2 * area / stiffness)
+    found = float(stiffness * (ultimate * height - np.sqrt(root)))
+    return {"stiffness_n_per_m": float(stiffness), "force_n": found,
+            "elastic_drift": found / float(stiffness * height), "ultimate_drift": float(ultimate),
+            "energy_j": float(area)}
+
+
+def _from_zero(curve):
+    """Drift and force of a curve, arrays that begin at the origin."""
+    return tuple(np.concatenate([[0.0], curve[name]]) for name in ("drift_ratio", "force_n"))
+
+
+def _crossing(drift, force, before, level):
+    """Drift at which the force reaches a level between the points `before` and the next one."""
+    share = (level - force[before]) / (force[before + 1] - force[before])
+    return drift[before] + share * (drift[before + 1] - drift[before])
 
 
 def drift_at_first_crack(history):
@@ -137,7 +192,7 @@ def cycles_table(history):
     for number, (start, end) in enumerate(zip(edges, edges[1:])):
         inside = slice(start, end + 1)
         high, low = start + int(np.argmax(drift[inside])), start + int(np.argmin(drift[inside]))
-        lost = float(trapezoid(force[inside], top[inside]))
+        lost = float(scipy.integrate.trapezoid(force[inside], top[inside]))
         stored = (force[high] * top[high] + force[low] * top[low]) / 4
         rows.append([number + 1, loading.amplitudes_pct[number // loading.cycles],
                      100 * drift[high], 100 * drift[low], force[inside].max() / 1e3, force[inside].min() / 1e3,
@@ -175,9 +230,10 @@ def hand_capacities(history):
 
 # --- failure mode ---------------------------------------------------------------------------------
 
-def mode_shares(history):
+def mode_shares(history, until=np.inf):
     """Failure mode of a wall, from the bed joints at the sample of largest |drift|, a plain dictionary.
 
+    until: samples of a larger |drift| [-] do not count, as of a wall that is pushed on after its ultimate drift.
     drift_ratio: there [-]; opened_m, slipped_m: lengths that opened, or slipped by displacement, by more than 0.1 mm;
     opened_m2, slipped_m2: their opening and |slip| times length; stair_share: share of the slipped length beside an
     opened head joint, as in a stepped crack [-].  mode: "flexure" where opened_m2 is at least slipped_m2, else
@@ -185,7 +241,8 @@ def mode_shares(history):
     or slipped.
     """
     joints, brick = history.joints, history.masonry_wall.brick
-    sample = int(np.argmax(np.abs(_force_and_drift(history)[1])))
+    drift = np.abs(_force_and_drift(history)[1])
+    sample = int(np.argmax(np.where(drift <= until, drift, -1.0)))
     opening, slip = history.opening_m[sample], np.abs(history.slip_by("displacement")[sample])
     length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
     slipped, opened = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD)

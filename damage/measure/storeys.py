@@ -36,7 +36,7 @@ def _place(history, floor):
     z, x, course = (bodies[name].to_numpy() for name in ("z_m", "x_m", "course"))
     if floor.kind == "concrete":
         middle = (first + above) / 2 * wall.brick.height
-        chosen = (course < 0) & (np.abs(z - middle) < _TINY) & (np.abs(x - (left + right) / 2) < _TINY)
+        chosen = (course < -1) & (np.abs(z - middle) < _TINY) & (np.abs(x - (left + right) / 2) < _TINY)
     else:
         half = bodies["length_m"].to_numpy() / 2
         chosen = (course == first) & (x + half > left + _TINY) & (x - half < right - _TINY)

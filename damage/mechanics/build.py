@@ -7,6 +7,7 @@ from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, 
 from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
+from damage.wall.soil import radiation_times
 from damage.wall.supports import rows
 
 CAPACITY = 100_000
@@ -30,10 +31,12 @@ def build(layout, material):
     bodies = slice(len(layout.bodies))
     n_bodies = len(layout.bodies) + len(layout.supports)
     intact = range_left(ContactState(), LawParameters(*(contacts[name] for name in (
-        "kn", "ks", "tensile_strength", "cohesion")), material))
+        "kn", "ks", "tensile_strength", "cohesion")), material,
+        compressive_strength=contacts["compressive_strength"]))
     states = table(STATE, len(contacts), idle=-1.0, **{f"elastic_{name}": of for name, of in intact._asdict().items()})
     sum_springs(interfaces, contacts, material, layout.strain)
     n_modes = layout.strain.n_modes if layout.strain else 0
+    n_last = len(contacts if n_modes else interfaces)
     mass = np.zeros((n_bodies, RIGID + n_modes))
     mass[bodies, :RIGID] = layout.bodies.mass[:, None]
     mass[bodies, ROTATION] = layout.bodies.inertia
@@ -47,7 +50,17 @@ def build(layout, material):
         states=states, readings=np.zeros((4, len(contacts))), energy=np.zeros(4),
         events=np.zeros((CAPACITY, 3), np.int64), values=np.zeros((CAPACITY, 4)), n_events=np.zeros(1, np.int64),
         relaxation=np.zeros(2), turning=np.zeros((n_bodies, 2)),
-        last=np.zeros((len(contacts if n_modes else interfaces), 6)))
+        last=np.zeros((n_last, 6)), radiation=_radiation(layout, row if n_modes else row[interfaces["start"]]))
+
+
+def _radiation(layout, row):
+    """Dashpots of the soil as of System; row: contact point of each row of `last`."""
+    times = radiation_times(layout.options)
+    if not any(times):
+        return np.zeros((0, 5))
+    found = np.zeros((len(row), 5))
+    found[layout.contacts.first[row] < 0, :2] = times
+    return found
 
 
 def no_strain(n_bodies, n_contacts):
@@ -112,7 +125,8 @@ def _contacts(layout, row, share, middle):
         kn=contacts.normal_stiffness[row] * area, ks=contacts.shear_stiffness[row] * area,
         tensile_strength=strengths.tensile_strength * area, cohesion=strengths.cohesion * area,
         mode_i_energy=mode_i * area, mode_ii_energy=mode_ii * area,
-        compressive_strength=contacts.compressive_strength[row] * area)
+        compressive_strength=contacts.compressive_strength[row] * area,
+        crushing_energy=(joint.compressive_fracture_energy or 0.0) * area)
 
 
 def _interfaces(layout, row):

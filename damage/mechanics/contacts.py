@@ -85,7 +85,7 @@ def elastic_resultant(contacts, states, start, stop, motion):
             continue
         elastic &= joint_law.stays_elastic(trial.sigma, trial.tau, state.elastic_tensile_strength,
                                            state.elastic_cohesion, state.elastic_friction)
-        elastic &= joint_law.withstands(trial.sigma, contact.compressive_strength)
+        elastic &= joint_law.withstands(trial.sigma, state.elastic_compressive_strength)
         normal += trial.sigma
         shear += trial.tau
         couple += trial.sigma * contact.offset
@@ -111,6 +111,9 @@ def law_resultant(system, law, start, stop, step, motion, before, damped):
     Returns the resultant; if damped, its change since the last step by the contact points that stayed elastic; and
     whether a contact point has failed, softened or been crushed.  start, stop: rows of the contact points; step: number
     of the step in the log; motion, before: RelativeMotion now and in the last step.
+
+    By central differences the force of a bond that fails in a step does half of the step's work on the bodies, while
+    the joint law counts its energy at the end of the step: what is too much is taken back here.
     """
     contacts, states = system.contacts, system.states
     normal = shear = couple = d_normal = d_shear = d_couple = 0.0
@@ -118,12 +121,16 @@ def law_resultant(system, law, start, stop, step, motion, before, damped):
     for i in range(start, stop):
         contact, state = contacts[i], states[i]
         trial, kappa = elastic_trial(contact, state, motion), state.kappa
-        old = present_forces(contact, state, before) if damped else trial
+        intact = state.broken == 0.0 and kappa == 0.0
+        old = present_forces(contact, state, before) if damped or intact else trial
         new, event = ask_law(system.energy, contact, state, trial.opening - state.closure, motion.shear, law.material)
         if new.broken or new.kappa > 0.0 or new.closure > 0.0:
             log(system, law.threshold, i, step, trial, new, event)
             failed = True
         sigma, tau = new.normal_stress, new.shear_stress
+        if intact and event != INTACT:
+            system.energy[FRACTURE] -= 0.5 * ((trial.sigma - sigma) * (trial.sigma - old.sigma) / contact.kn
+                                              + (trial.tau - tau) * (trial.tau - old.tau) / contact.ks)
         if damped and event == INTACT and new.kappa == kappa:
             d_normal += sigma - old.sigma
             d_shear += tau - old.tau
@@ -141,15 +148,16 @@ def ask_law(energy, contact, state, opening, shear, material):
     opening, shear: displacements now [m].  Returns as `joint_law.advance`, with forces [N] and works [J].
     """
     parameters = LawParameters(contact.kn, contact.ks, contact.tensile_strength, contact.cohesion, material,
-                               contact.mode_i_energy, contact.mode_ii_energy, contact.compressive_strength)
+                               contact.mode_i_energy, contact.mode_ii_energy, contact.compressive_strength,
+                               contact.crushing_energy)
     old = law_state(state)
     new, event = joint_law.advance(opening, shear - state.shear0, old, parameters)
     energy[FRICTION] += new.friction_work - old.friction_work
     energy[FRACTURE] += new.fracture_work - old.fracture_work
     keep_law_state(state, new)
+    keep_range(state, joint_law.range_left(new, parameters))
     if new.broken or new.kappa > 0.0:
         state.shear0 = shear
-        keep_range(state, joint_law.range_left(new, parameters))
     else:  # the shear force of an intact bond is measured from the undeformed wall
         state.shear_stress = old.shear_stress
     return new, event

@@ -13,7 +13,10 @@ All functions accept the values of one interface, or vectors of the values of ei
 
 from typing import NamedTuple
 
-from damage.mechanics.compiled import inlined
+import numpy as np
+
+from damage.mechanics.bodies import SMALL, small_rotation
+from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import either
 from damage.wall import joint_law
 
@@ -94,6 +97,18 @@ class BodyForces(NamedTuple):
     moment_b: float
 
 
+@compiled
+def pose_before(x, z, angle, vx, vz, rotating, dt):
+    """Pose of a body in the last step; x, z, angle: now [m, rad]; vx, vz, rotating: velocities [m/s, rad/s]; dt: time
+    step [s]."""
+    angle -= dt * rotating
+    if abs(angle) < SMALL:
+        cos1, sin = small_rotation(angle)
+    else:
+        cos1, sin = np.cos(angle) - 1.0, np.sin(angle)
+    return Pose(x - dt * vx, z - dt * vz, cos1, sin)
+
+
 @inlined
 def relative_motion(line, a, b):
     """Frame and RelativeMotion of an interface; line: Line; a, b: Pose of its bodies."""
@@ -170,3 +185,20 @@ def add_viscous(rate, motion, before, resultant, elastic_change):
             + elastic_change.couple * (motion.rotation - before.rotation))
     return Resultant(resultant.normal + rate * elastic_change.normal, resultant.shear + rate * elastic_change.shear,
                      resultant.couple + rate * elastic_change.couple), rate * work
+
+
+@inlined
+def add_dashpots(dashpots, dt, motion, before, resultant, elastic_change):
+    """Resultant with dashpots beside the springs [N, N m], and their work by the trapezoidal rule over the step [J].
+
+    dashpots: (5,) damping over stiffness across and along the interface [s], and their resultant in the last step,
+    which is replaced; dt: time step [s]; otherwise as `add_viscous`.
+    """
+    across, along = dashpots[0] / dt, dashpots[1] / dt
+    normal, shear, couple = (across * elastic_change.normal, along * elastic_change.shear,
+                             across * elastic_change.couple)
+    work = 0.5 * ((dashpots[2] + normal) * (motion.opening - before.opening)
+                  + (dashpots[3] + shear) * (motion.shear - before.shear)
+                  + (dashpots[4] + couple) * (motion.rotation - before.rotation))
+    dashpots[2], dashpots[3], dashpots[4] = normal, shear, couple
+    return Resultant(resultant.normal + normal, resultant.shear + shear, resultant.couple + couple), work

@@ -9,7 +9,18 @@ import numpy as np
 
 from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.tables import ENDING, READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU, RIGID, ROTATION, X, Z
+from damage.mechanics.tables import (
+    ENDING,
+    INPUT,
+    READ_OPENING,
+    READ_SHEAR,
+    READ_SIGMA,
+    READ_TAU,
+    RIGID,
+    ROTATION,
+    X,
+    Z,
+)
 from damage.wall.joint_law import elastic_energy
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6
@@ -82,6 +93,7 @@ def observe(system, stiffness, field, dt, samples, w, k):
     totals[w, k, KINETIC] = kinetic_energy(system, field, dt)
     for i in range(len(system.energy)):
         totals[w, k, KINETIC + 1 + i] = system.energy[i]
+    totals[w, k, KINETIC + 1 + INPUT] += input_of_half_a_step(system, field, dt)
 
 
 @inlined
@@ -124,3 +136,21 @@ def kinetic_energy(system, field, dt):
         rotating += 0.5 * dt * force[b, ROTATION] * inverse[b, ROTATION]
         energy += 0.5 * (mass[b, X] * (vx * vx + vz * vz) + mass[b, ROTATION] * rotating * rotating)
     return energy
+
+
+@compiled
+def input_of_half_a_step(system, field, dt):
+    """Work [J] of the base and of prescribed velocities in the half step before the displacements.
+
+    A step adds the work from half a step before its forces to half a step after them; at a sample the last half is
+    missing.  field, dt: as of `observe`.
+    """
+    power = 0.0
+    for b in range(len(system.velocity)):
+        for axis in range(RIGID):
+            velocity = system.velocity[b, axis]
+            if system.inverse_mass[b, axis] == 0.0:
+                power += system.force[b, axis] * velocity
+            elif axis != ROTATION:
+                power += system.mass[b, axis] * (field[0] if axis == X else field[1]) * velocity
+    return -0.5 * dt * power

@@ -36,7 +36,7 @@ def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, 
     """
     step = 0
     for k in range(len(ends)):
-        if controls.beta > 0.0:
+        if is_damped(system, controls):
             remember_last(system, law)
         while step < ends[k]:
             move(system, law, controls, field[step], scratch.sums)
@@ -142,7 +142,7 @@ def find_forces(system, law, controls, step, singly, scratch, loose, since):
             others += 1
             continue
         resultant = interfaces.elastic_resultant(springs_of(interface), motion)
-        if controls.beta > 0.0:
+        if is_damped(system, controls):
             resultant = damp(system, controls, p, motion, resultant, change_since_last(system, p, resultant), damped)
         push(system, interface, interfaces.forces_on_bodies(frame, resultant))
     for k in range(others):
@@ -207,13 +207,39 @@ def forces_of_points(system, law, controls, p, start, stop, step, motion, damped
     if elastic or stays_intact(interface, motion):
         contacts.remember(system.contacts, system.states, start, stop, motion)
     else:
-        resultant, changed, failed = contacts.law_resultant(system, law, start, stop, step, motion,
-                                                            last_motion(system, row), controls.beta > 0.0)
+        before = motion
+        if is_damped(system, controls):
+            before = last_motion(system, row)
+        elif law.strain.shapes.shape[2] == 0:
+            before = motion_before(system, interface, controls.time_step)
+        resultant, changed, failed = contacts.law_resultant(system, law, start, stop, step, motion, before,
+                                                            is_damped(system, controls))
         if failed:
             interface.failed = FAILED
-    if controls.beta > 0.0:
+    if is_damped(system, controls):
         resultant = damp(system, controls, row, motion, resultant, changed, damped)
     return resultant
+
+
+@inlined
+def is_damped(system, controls):
+    """Whether interfaces damp: by stiffness-proportional damping, or by dashpots of the soil."""
+    return controls.beta > 0.0 or (len(system.radiation) > 0 and controls.time_step > 0.0)
+
+
+@inlined
+def motion_before(system, interface, dt):
+    """RelativeMotion of an interface between rigid bodies in the last step, by their velocities; dt: time step [s]."""
+    return interfaces.relative_motion(line_of(interface), pose_before(system, interface.a, dt),
+                                      pose_before(system, interface.b, dt))[1]
+
+
+@inlined
+def pose_before(system, b, dt):
+    """Pose of body b in the last step."""
+    velocity = system.velocity[b]
+    return interfaces.pose_before(system.place[b, X], system.place[b, Z], system.place[b, ROTATION], velocity[X],
+                                  velocity[Z], velocity[ROTATION], dt)
 
 
 @inlined
@@ -224,13 +250,18 @@ def last_row(law, p, start):
 
 @inlined
 def damp(system, controls, p, motion, resultant, changed, damped):
-    """Resultant of interface p with stiffness-proportional damping [N, N m]; stores both for the next step.
+    """Resultant of interface p with stiffness-proportional damping and dashpots [N, N m]; stores motion and elastic
+    resultant for the next step.
 
     changed: change of the elastic resultant since the last step; damped: partial sums of the work [J].
     """
     before = last_motion(system, p)
     keep_last(system, p, motion, resultant)
     viscous, work = interfaces.add_viscous(controls.beta / controls.time_step, motion, before, resultant, changed)
+    if len(system.radiation) > 0:
+        viscous, more = interfaces.add_dashpots(system.radiation[p], controls.time_step, motion, before, viscous,
+                                                changed)
+        work += more
     damped[p % PARTS] += work
     return viscous
 

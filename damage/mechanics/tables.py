@@ -66,6 +66,7 @@ CONTACT = _row(  # parameters of a contact point, times its area
     ("mode_i_energy", REAL, "J", "zero for a brittle bond"),
     ("mode_ii_energy", REAL, "J", "zero for a brittle bond"),
     ("compressive_strength", REAL, "N", "infinite where it does not crush"),
+    ("crushing_energy", REAL, "J", "zero where the compressive strength stays"),
 )
 STATE = _row(  # state of a contact point: of the joint law, its elastic range, and of the time step
     *((name, REAL, "", "as of the joint law, times area") for name in ContactState._fields),
@@ -92,7 +93,9 @@ class System(NamedTuple):
     mass-proportional damping that adapts itself [1/s], and the kinetic energy of the last step [J]; last: (interfaces,
     6) relative motion and resultant of the last step, with which stiffness-proportional damping compares; of contacts
     where bricks deform; turning: (bodies, 2) rotational spring between a body and the machine that moves it
-    [N m/rad], and the rotation at which it has no moment [rad] (plain step).
+    [N m/rad], and the rotation at which it has no moment [rad] (plain step); radiation: (rows of `last`, 5) dashpots
+    of the soil, none (0, 5) without: damping over stiffness across and along the interface [s], and their resultant
+    in the last step [N, N m] (plain step).
 
     The fast step takes the tables of several walls, stacked along a first axis.
     """
@@ -114,6 +117,7 @@ class System(NamedTuple):
     relaxation: np.ndarray
     last: np.ndarray
     turning: np.ndarray
+    radiation: np.ndarray
 
 
 def table(dtype, n, **fields):

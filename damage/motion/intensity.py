@@ -8,7 +8,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy import integrate, signal
+import scipy  # signal and integrate where they are used: half a second
 
 from damage.errors import InputError
 from damage.motion.record import Record
@@ -50,7 +50,7 @@ def pgv_m_s(record: Record) -> float:
     sample or where the acceleration passes zero between two.  Nothing is filtered: a baseline that is off counts.
     """
     a, step_s = record.acceleration_m_s2, record.time_step_s
-    at_samples = integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
+    at_samples = scipy.integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
     turns = np.flatnonzero(a[:-1] * a[1:] < 0)
     until_zero_s = step_s * a[turns] / (a[turns] - a[turns + 1])
     between = at_samples[turns] + 0.5 * a[turns] * until_zero_s
@@ -121,7 +121,7 @@ def significant_duration_s(record: Record, start_fraction: float = 0.05, end_fra
 
 def _squared_acceleration_integral(record: Record) -> np.ndarray:
     """Running integral of the squared acceleration, trapezoidal, (n_samples,) [m2/s3]."""
-    return integrate.cumulative_trapezoid(record.acceleration_m_s2**2, dx=record.time_step_s, initial=0.0)
+    return scipy.integrate.cumulative_trapezoid(record.acceleration_m_s2**2, dx=record.time_step_s, initial=0.0)
 
 
 def response_spectrum(record: Record, periods_s, damping: float = 0.05) -> np.ndarray:
@@ -161,7 +161,7 @@ def oscillator_response(
     start = acceleration_m_s2[:-1]
     change = np.diff(acceleration_m_s2)
     phi0, phi1 = _ramp_weights(pole * time_step_s, time_step_s)
-    state = signal.lfilter([1.0], [1.0, -np.exp(pole * time_step_s)], -(start * phi0 + change * phi1))
+    state = scipy.signal.lfilter([1.0], [1.0, -np.exp(pole * time_step_s)], -(start * phi0 + change * phi1))
     state = np.concatenate(([0.0], state[:-1]))  # (n_samples - 1,) at the start of each step
     instants = math.ceil(POINTS_PER_PERIOD * time_step_s / period_s)
     if instants * start.size > MOST_VALUES:
@@ -187,7 +187,7 @@ def end_velocity_m_s(record: Record) -> float:
 
     It is 0 for a motion that comes to rest.  A baseline that is off and a window that cuts the motion leave more.
     """
-    return float(integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
+    return float(scipy.integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
 
 
 def summary(record: Record) -> dict:

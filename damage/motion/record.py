@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
-from scipy import signal
+import scipy  # signal where it is used: half a second
 
 from damage.checks import check_positive, check_range
 from damage.errors import InputError
@@ -133,9 +133,9 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
                          f" Hz, half the sampling rate of {record.name}")
     if order not in range(2, 21, 2):
         raise InputError(f"filter order {order!r}; expected 2, 4, ... 20: two passes share it")
-    sos = signal.butter(int(order) // 2, (low_hz, high_hz), "bandpass", fs=rate_hz, output="sos")
+    sos = scipy.signal.butter(int(order) // 2, (low_hz, high_hz), "bandpass", fs=rate_hz, output="sos")
     try:
-        filtered = signal.sosfiltfilt(sos, record.acceleration_m_s2)
+        filtered = scipy.signal.sosfiltfilt(sos, record.acceleration_m_s2)
     except ValueError as error:
         raise InputError(f"{record.name}: {record.acceleration_m_s2.size} samples are too few for a filter of"
                          f" order {order}; expected a longer record") from error

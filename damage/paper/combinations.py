@@ -72,6 +72,8 @@ def judge_combinations(folder):
     *of_walls, of_cycles = (known for _, known in CHOICES.values())
     for levels in product(*of_walls):
         mine = _runs_of(runs, *levels)
+        if not (mine["wall"] == "symmetric").any():  # a solid wall alone is no combination
+            continue
         points, lintel = gather(mine), levels[list(CHOICES).index("lintel")]
         for cycles in of_cycles:
             if ("symmetric", lintel, 0.2, cycles) in points:

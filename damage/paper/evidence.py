@@ -100,9 +100,9 @@ class Point:
 
     def stood(self):
         """Raises Fell if half of the runs or more fell."""
-        fallen = self.rows["collapsed_at_s"]
-        if 2 * fallen.notna().sum() >= len(fallen):
-            raise Fell(f"fell at {fallen.median():.2f} s ({self.label})")
+        fallen = self._known("collapsed_at_s")
+        if 2 * len(fallen) >= len(self.rows):
+            raise Fell(f"fell at {np.median(fallen):.2f} s ({self.label})")
 
     def value(self, name):
         """The median of a column; raises Fell if the wall fell, NotThere without a value."""
@@ -111,14 +111,19 @@ class Point:
 
     def plain(self, name):
         """The median of a column, whether the wall fell or not."""
-        if name not in self.rows or self.rows[name].isna().all():
+        if name not in self.rows or not len(known := self._known(name)):
             raise NotThere(f"no {name} ({self.label})")
-        return float(self.rows[name].median())
+        return float(np.median(known))
 
     def spread(self, name):
         """Smallest and largest value of a column, None for a single run."""
-        values = self.rows[name].dropna()
-        return None if len(values) < 2 else (float(values.min()), float(values.max()))
+        known = self._known(name)
+        return None if len(known) < 2 else (float(known.min()), float(known.max()))
+
+    def _known(self, name):
+        """The values of a column that are not missing, an array: on the few rows of a point much faster than pandas."""
+        values = self.rows[name].to_numpy(float)
+        return values[~np.isnan(values)]
 
     def cycles(self, name):
         """A column of the cycle tables by driven cycle, (n_cycles,): the median over the members."""
@@ -242,6 +247,8 @@ def _chosen(points, keys, complaint):
 
 def _least_damped(rows):
     """Of the runs of a point those without viscous damping, or else all; of these those with the longest rest."""
+    if len(rows) == 1:
+        return rows
     undamped = rows[rows["beta_s"].fillna(0) == 0]
     rows = undamped if len(undamped) else rows
     longest = rows["rest_s"].fillna(0).max()

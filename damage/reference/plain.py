@@ -40,7 +40,7 @@ class Alone:
     def find_forces(self, singly):
         """Forces at the present displacements without damping; if singly, with the readings."""
         self.wall.system.force[:] = 0.0
-        undamped = tables.Controls(self.wall.time_step, 0.0, 0.0, 0.0, 0.0)
+        undamped = tables.Controls(0.0, 0.0, 0.0, 0.0, 0.0)
         plain.find_forces(self.wall.system, self._law, undamped, self.wall.step - self.wall.first_step, singly,
                           self._scratch, self.wall.loose, 0.0)
 

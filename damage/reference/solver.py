@@ -12,7 +12,8 @@ from damage.wall.joint_law import SHEAR, TENSION
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
 
 
-STATE_TABLES = "place", "velocity", "force", "trig", "interfaces", "states", "readings", "energy", "relaxation", "last"
+STATE_TABLES = ("place", "velocity", "force", "trig", "interfaces", "states", "readings", "energy", "relaxation",
+                "last", "radiation")
 """Fields of System that a step changes; masses, contact parameters and the log of events are left out."""
 
 

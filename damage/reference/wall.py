@@ -252,12 +252,19 @@ class ReferenceWall:
         """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""
         old, mass = self.system.velocity[self._held, X], self.layout.bodies.mass[self._held]
         self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity**2 - old**2))
-        self.system.velocity[self._held, X] = velocity
+        self._prescribe((self._held, X), velocity)
 
     def move_supports(self, velocity):
         """Prescribe the velocity of the supports, (n_supports, 3) or (3,) [m/s, m/s, rad/s]; their work is input."""
         self._is_driven = True
-        self.system.velocity[len(self.layout.bodies):, :RIGID] = velocity
+        self._prescribe((slice(len(self.layout.bodies), None), slice(RIGID)), velocity)
+
+    def _prescribe(self, which, velocity):
+        """Set prescribed velocities; their work in the half step before now is that of the old ones
+        (`damage.mechanics.samples.input_of_half_a_step`)."""
+        change = velocity - self.system.velocity[which]
+        self.energy[tables.INPUT] += 0.5 * self.time_step * np.sum(self.system.force[which] * change)
+        self.system.velocity[which] = velocity
 
     @property
     def support_force(self):

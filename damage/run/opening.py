@@ -5,6 +5,7 @@ import math
 from damage.wall.caps import describe_top
 from damage.wall.floors import describe_floors
 from damage.wall.geometry import body_table, joint_table
+from damage.wall.layout import describe_lintels
 from damage.wall.lintel import describe_share, elastic_share
 
 MEGA, TONNE = 1e6, 1e3
@@ -13,6 +14,7 @@ MEGA, TONNE = 1e6, 1e3
 def opening_lines(layout, loading, modes, time_step):
     """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step [s]."""
     wall, options = layout.wall, layout.options
+    lintels = describe_lintels(layout)
     bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
         f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses} courses, "
@@ -22,7 +24,9 @@ def opening_lines(layout, loading, modes, time_step):
         *describe_floors(wall),
         describe_joint(wall.joint, options.strength_cov),
         describe_brick(wall.brick, options),
-        f"lintel {options.lintel}: {describe_share(elastic_share(wall, joint_table(layout), body_table(layout)))}",
+        *lintels,
+        f"lintel{'s of their own' if lintels else f' {options.lintel}'}: "
+        f"{describe_share(elastic_share(wall, joint_table(layout), body_table(layout)))}",
         f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
         f"({time_step / modes.critical_time_step_s:.2f} of the critical)",
         f"motion: {loading.name}"]
@@ -50,6 +54,8 @@ def describe_joint(joint, scatter=0.0):
     parts += [f"fracture energies {joint.mode_i_fracture_energy:.4g} and {joint.mode_ii_fracture_energy:.4g} J/m2"] \
         if joint.softens else ["brittle"]
     parts += [f"compressive strength {joint.compressive_strength / MEGA:.4g} MPa"] if joint.compressive_strength else []
+    parts += [f"its fracture energy {joint.compressive_fracture_energy:.4g} J/m2"] \
+        if joint.compressive_fracture_energy else []
     return f"joints: {', '.join(parts)}"
 
 

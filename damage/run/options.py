@@ -4,11 +4,12 @@ import argparse
 import hashlib
 import os
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 from damage.checks import check_path
 from damage.errors import InputError
+from damage.exposure.lives import events_of, read_address
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
@@ -25,7 +26,7 @@ from damage.run.settings import (
     RunSettings,
     rayleigh_factors,
 )
-from damage.wall.parameters import ModelOptions
+from damage.wall.parameters import MOST_SEED, ModelOptions
 from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500
@@ -69,9 +70,10 @@ def number_from(least, most, kind=float):
 def parse_run(arguments, prog, solver):
     """RunSettings from a command line (a list of words) of `solver`, "yade" or "reference"."""
     parsed = make_parser(prog, solver).parse_args(arguments)
+    life = _life_of(parsed)
     alpha_1_s, beta_s = _damping(parsed)
     return RunSettings(
-        **_motion(parsed), settlement=settlement_of(parsed),
+        **_motion(parsed), life=life, settlement=settlement_of(parsed),
         continued=getattr(parsed, "continue") and str(getattr(parsed, "continue")),
         cracked=parsed.cracked and Surveyed.read(parsed.cracked), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
@@ -80,7 +82,7 @@ def parse_run(arguments, prog, solver):
         after_fall=getattr(parsed, "after_fall", False), accept_implausible=parsed.accept_implausible,
         step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
-        command=f"{prog} {shown_command(arguments)}".strip(), model=model_of(parsed))
+        command=f"{prog} {shown_command(arguments)}".strip(), model=_model(parsed))
 
 
 def make_parser(prog, solver):
@@ -90,6 +92,8 @@ def make_parser(prog, solver):
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
     _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
     _add_settlement(parser.add_argument_group("settlement of the ground, before the motion or without one"))
+    _add_life(parser.add_argument_group("a life: the earthquakes at an address, one after the other, instead of a "
+                                        "motion"))
     _add_before(parser.add_argument_group("the wall's past"))
     _add_model(parser.add_argument_group("model"), solver)
     _add_run(parser.add_argument_group("run"), solver)
@@ -110,6 +114,13 @@ def _add_motion(group):
     group.add_argument("--sequence", metavar="F,F,...|FILE.csv", help="events on the same wall, damage carried "
                        "over: the harmonic or recorded motion times each factor, then rest and settling (default 1); "
                        "or different records, a row of a CSV file each (docs/guides/own-record.md)")
+
+
+def _add_life(group):
+    group.add_argument("--address", type=file_path, metavar="ADDRESS.toml", help="where, and how motions are chosen "
+                       "(docs/guides/address.md)")
+    group.add_argument("--life", type=number_from(1, MOST_SEED, int), metavar="N", help="number of the life: by it "
+                       "motions are drawn and, where --strength-cov is given, the joints' strengths")
 
 
 def add_preparation(group):
@@ -264,6 +275,8 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic")
 
 def _motion(parsed):
     """The fields of RunSettings that are about the motion."""
+    if parsed.life is not None:
+        return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
         return {"loading": _loading(parsed), "sequence": _sequence(parsed)}
     owned = (*_MOTIONS, "cycles", "scale", "window", "vertical")
@@ -272,7 +285,31 @@ def _motion(parsed):
                          "the file has the records, their scales and windows; leave the other out")
     events = read_sequence(check_path(parsed.sequence), parsed.rest, **_given(
         baseline_order=parsed.baseline, band_hz=parsed.band and tuple(parsed.band)))
+    return _events(events)
+
+
+def _events(events):
     return {"loading": strongest(events).loading, "sequence": tuple(event.factor for event in events), "events": events}
+
+
+def _life_of(parsed):
+    """What decides the life of parsed options, fit for JSON; None without one.  Raises InputError where an option does
+    not go with it."""
+    if (parsed.address is None) != (parsed.life is None):
+        raise InputError("--address ADDRESS.toml and --life N: expected both; give the other one, too")
+    if parsed.life is None:
+        return None
+    others = (*_MOTIONS, "sequence", "cycles", "scale", "window", "vertical", "baseline", "band")
+    if given := [name for name in others if getattr(parsed, name) is not None]:
+        raise InputError(f"--life and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
+                         "motions; leave the other out")
+    return {"number": parsed.life, **read_address(parsed.address).as_dict()}
+
+
+def _model(parsed):
+    """ModelOptions of parsed options; the joints' strengths of a life are drawn by its number."""
+    model = model_of(parsed)
+    return replace(model, strength_seed=parsed.life) if parsed.life is not None and model.strength_cov else model
 
 
 _MOTIONS = ("harmonic", "record", "free_vibration", "pushover", "cyclic")

@@ -30,6 +30,7 @@ from damage.run.turns import take_turns
 from damage.start import is_of_output
 from damage.wall.layout import Layout, lay_out
 from damage.wall.modes import Modes, natural_modes
+from damage.wall.soil import fastest_decay
 
 EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 
@@ -174,7 +175,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     if settings.settlement:
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
-    time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
+    time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall.joint.softens))

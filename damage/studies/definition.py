@@ -22,6 +22,7 @@ Every run is a point of the study.  In the reference solver a point can be an en
     members = 5        # runs whose joints' strengths scatter by scatter = 0.001, seeds 1 to 5; only one where the
                        # first member breaks no joint; or perturb = 1e-9 [m], random offsets of the bricks
     samples = 25       # or: draws of the joints' strengths, strength-seed 1 to 25; needs strength-cov
+    lives = 100        # or: lives 1 to 100 at the address of `options`
 
 YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a point from other solvers.
 `docs/reference/studies.md` describes all keys.
@@ -35,24 +36,30 @@ from pathlib import Path
 
 from damage.checks import check_file, check_path, check_whole
 from damage.errors import InputError, did_you_mean
-from damage.files import is_there, shipped_files, shipped_path
+from damage.files import is_there, shipped_path
 from damage.motion.formats import shipped_records
+from damage.motion.settlement import PROFILES
 from damage.run.options import parse_run
 from damage.run.settings import SCATTER
 from damage.studies.grid import expand, read_rows
 from damage.studies.states import check_choices
+from damage.wall.file import shipped_walls
 
-PATH_OPTIONS = ("--record", "--vertical")
+PATH_OPTIONS = ("--record", "--vertical", "--cracked", "--settle", "--address")
+"""Options that name a file; --settle may name a profile instead."""
 RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
 SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
-CONCLUSIONS = ("readings", "combinations")
+CONCLUSIONS = ("readings", "combinations", "lives")
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
 MOST_DOTS = 100
 """In a key, or in words that have no comma, bracket or = between them."""
+_ENSEMBLES = "members", "samples", "lives"
+LIVES_A_POINT, FROM = 48, "_from"
+"""Most lives of a point, and what its name has before the number of the first."""
 DEEPEST = 20
 """Tables and lists in each other; a study has five."""
 KEYS = {
@@ -71,7 +78,8 @@ ENTRY_KEYS = {
     "members": "an ensemble in the reference solver: how many runs, whose joints' strengths scatter a little",
     "scatter": f"of members: coefficient of variation of the strengths (default {SCATTER:g})",
     "perturb": "of members: instead of scatter, size of the bricks' random offsets [m]",
-    "samples": "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov"}
+    "samples": "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov",
+    "lives": "an ensemble in the reference solver: lives 1, 2, ... at the address of the options"}
 GRID_KEYS = {
     "vary": "of a grid: lists of values by name; {name} in a string stands for the value",
     "rows": "of a grid: a CSV table of values that belong together, as records and windows; its columns are names"}
@@ -89,7 +97,8 @@ class StudyRun:
     wall: the wall file; words: the rest of its command line.  Paths within the repository are
     relative to it, others absolute.
     varied: words that end each member's command line, before its number 1, 2, ...; empty for a single run.
-    members: their number; adaptive: one only where no joint fails in the first.
+    members: their number; adaptive: one only where no joint fails in the first; offset: the number in the command line
+    is so much larger.
     """
 
     point: str
@@ -99,6 +108,7 @@ class StudyRun:
     varied: tuple[str, ...] = ()
     members: int = 1
     adaptive: bool = False
+    offset: int = 0
 
     def __post_init__(self):
         if not ID.fullmatch(self.id) or len(self.id) > LONGEST_ID:
@@ -125,16 +135,16 @@ class StudyRun:
 
     def command(self, number):
         """The words of its command line, the wall file first."""
-        return [self.wall, *self.words, *self.varied, *([str(number)] if self.is_ensemble else [])]
+        return [self.wall, *self.words, *self.varied, *([str(self.offset + number)] if self.is_ensemble else [])]
 
     def settings(self, root):
         """RunSettings of its first, or only, run; root: the repository, which relative paths start from.
 
         Raises InputError where the options or a record are not accepted.
         """
-        words = [str(root / word) if option in PATH_OPTIONS else word
-                 for option, word in zip(["", *self.words], self.words)]
-        return parse_run([*words, *self.varied, *(["1"] if self.is_ensemble else [])], prog="study", solver=self.solver)
+        words = with_paths(self.words, lambda path: str(root / path))
+        number = [str(self.offset + 1)] if self.is_ensemble else []
+        return parse_run([*words, *self.varied, *number], prog="study", solver=self.solver)
 
 
 @dataclass(frozen=True)
@@ -259,28 +269,38 @@ def _load_entry(table, where, folder, root):
     if reserved:
         raise InputError(f"{where}: {reserved[0]} is set by the batch itself; take it out")
     wall = _find(table["wall"], where, folder, root)
-    words = [_find(word, where, folder, root) if option in PATH_OPTIONS else word
-             for option, word in zip(["", *words], words)]
+    words = with_paths(words, lambda path: _find(path, where, folder, root))
     name = table.get("id", run_name(wall, words))
     ensemble = _ensemble(table, where)
-    solvers = [solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and "samples" in table)]
+    drawn = {"samples", "lives"} & set(table)
+    solvers = [solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and drawn)]
     try:
-        return [(StudyRun(point=name, wall=wall, words=tuple(words), solver=solver,
-                          **(ensemble if solver == "reference" else {})), where) for solver in solvers]
+        return [(StudyRun(point=name + block, wall=wall, words=tuple(words), solver=solver,
+                          **(ensemble if solver == "reference" else {}), **part), where)
+                for solver in solvers for block, part in _blocks(table)]
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
 
 
+def _blocks(table):
+    """(end of the point's name, fields of StudyRun) of the points that an entry stands for: lives are divided, so that
+    a shard need not have all of them; one otherwise."""
+    for first in range(1, table.get("lives", 1) + 1, LIVES_A_POINT):
+        here = min(LIVES_A_POINT, table.get("lives", 1) + 1 - first)
+        yield (f"{FROM}{first}", {"members": here, "offset": first - 1}) if "lives" in table else ("", {})
+
+
 def _ensemble(table, where):
-    """The ensemble of a StudyRun, by its `members` or `samples`; empty without."""
-    if "members" in table and "samples" in table:
-        raise InputError(f"{where}: members and samples given together; choose one kind of ensemble")
+    """The ensemble of a StudyRun, by its `members`, `samples` or `lives`; empty without."""
+    if len(given := [name for name in _ENSEMBLES if name in table]) > 1:
+        raise InputError(f"{where}: {given[0]} and {given[1]} given together; expected one kind of ensemble, leave the "
+                         "other out")
     kinds = [kind for kind in ("scatter", "perturb") if kind in table]
     if kinds and "members" not in table:
         raise InputError(f"{where}: {kinds[0]} without members; expected both; add members = 5")
     if len(kinds) == 2:
         raise InputError(f"{where}: scatter and perturb given together; choose one kind of ensemble")
-    for name in ("members", "samples"):
+    for name in _ENSEMBLES:
         if name in table:
             check_whole(f"{where}: {name}", table[name], 1, MOST_MEMBERS)
     if "members" in table:
@@ -290,6 +310,8 @@ def _ensemble(table, where):
             raise InputError(f"{where}: {kind} = {size!r}; expected a number above zero, like 0.001 of scatter or "
                              "1e-9 m of perturb; correct it")
         return {"varied": (f"--{kind}", f"{size:g}", "--seed"), "members": table["members"], "adaptive": True}
+    if "lives" in table:
+        return {"varied": ("--life",)}
     return {"varied": ("--strength-seed",), "members": table["samples"]} if "samples" in table else {}
 
 
@@ -341,7 +363,7 @@ def _word(value, name, where):
 def _candidates(path, folder, root):
     """Possible paths of a file: beside the study, in the repository, among shipped files by path or by name."""
     yield from (folder / path, root / path)
-    yield from filter(None, (shipped_path(path), shipped_files("walls", ".py").get(path), shipped_records().get(path)))
+    yield from filter(None, (shipped_path(path), shipped_walls().get(path), shipped_records().get(path)))
 
 
 def _find(path, where, folder, root):
@@ -352,7 +374,7 @@ def _find(path, where, folder, root):
         if is_there(candidate):
             found = candidate.resolve()
             return str(found.relative_to(root) if found.is_relative_to(root) else found)
-    known = [*shipped_files("walls", ".py"), *shipped_records()]
+    known = [*shipped_walls(), *shipped_records()]
     raise InputError(f"{where}: no file {path}; expected one beside the study or in the repository, or the name of a "
                      f"wall or record that ships{did_you_mean(Path(path).stem, known)}")
 
@@ -361,7 +383,7 @@ def _try_options(run, where, root):
     """Check the options by the parser of a run, those of the first member included."""
     taken = [word for word in run.varied if word.startswith("--") and word in run.words]
     if taken:
-        raise InputError(f"{where}: {taken[0]} is set by members or samples; take it out")
+        raise InputError(f"{where}: {taken[0]} is set by members, samples or lives; take it out")
     try:
         settings = run.settings(root)
     except InputError as error:
@@ -369,6 +391,20 @@ def _try_options(run, where, root):
     if run.varied == ("--strength-seed",) and not settings.model.strength_cov:
         raise InputError(f"{where}: samples of walls whose strengths do not scatter; expected strength-cov = 0.3 or "
                          "the like among the options; add it")
+
+
+def names_file(option, word):
+    """Whether the word after an option names a file.
+
+    >>> names_file("--settle", "hogging"), names_file("--settle", "dip.csv")
+    (False, True)
+    """
+    return option in PATH_OPTIONS and not (option == "--settle" and word in PROFILES)
+
+
+def with_paths(words, change):
+    """The words of a command line with each that names a file replaced by change(word)."""
+    return [change(word) if names_file(option, word) else word for option, word in zip(["", *words], words)]
 
 
 def run_name(wall, words):
@@ -382,7 +418,7 @@ def run_name(wall, words):
         if word.startswith("--"):
             parts.append(word[2:])
         else:
-            parts[-1] += "-" + (Path(word).stem if option in PATH_OPTIONS else word)
+            parts[-1] += "-" + (Path(word).stem if names_file(option, word) else word)
     name = "_".join(re.sub(r"[^A-Za-z0-9._-]+", "-", part) for part in parts)
     if len(name) <= LONGEST_ID - 12:
         return name

@@ -16,9 +16,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import minimize
-from scipy.special import log_ndtr, ndtr, ndtri
-from scipy.stats import t as student
+import scipy  # optimize where it is used: it starts slowly
+from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from damage.errors import InputError
 from damage.measure.columns import check_names, read_table
@@ -151,7 +150,7 @@ def stretch(n):
     [5.43, 1.45, 1.06, 1.0]
     """
     low = (1 - CONFIDENCE) / 2
-    return np.sqrt(n / (n - 1)) * student.ppf(low, n - 1) / ndtri(low)
+    return np.sqrt(n / (n - 1)) * stdtrit(n - 1, low) / ndtri(low)
 
 
 def curve(intensity, median, dispersion):
@@ -182,8 +181,8 @@ def fit(intensity, exceeding, runs):
         return (-np.sum(y * below + (n - y) * above), np.array([np.sum(dz) / np.exp(parameters[1]), np.sum(dz * z)]))
 
     centre = np.average(x, weights=n)
-    best = minimize(misfit, (centre, np.log(0.5)), jac=True, method="L-BFGS-B",
-                    bounds=((x.min() - 5, x.max() + 5), tuple(np.log(DISPERSIONS))))
+    best = scipy.optimize.minimize(misfit, (centre, np.log(0.5)), jac=True, method="L-BFGS-B",
+                                   bounds=((x.min() - 5, x.max() + 5), tuple(np.log(DISPERSIONS))))
     return float(np.exp(best.x[0])), float(np.exp(best.x[1]))
 
 

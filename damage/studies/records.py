@@ -28,7 +28,7 @@ _NAME = re.compile(r'"run": "([^"]+)"')
 def record_of(history, name, point):
     """The record of a run from its History; point: that of the study.  Raises InputError where a number is none that a
     run can have."""
-    sequence = history.series["shock"].iloc[-1] > 1
+    sequence = history.series["shock"].iloc[-1] > 1 or "life" in history.parameters
     record = {"run": name, "intact": history.is_intact,
               "row": summary_row(history, run=name, point=point),
               **{table: make(history).to_dict("records") if sequence or table != "shocks" else []

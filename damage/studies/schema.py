@@ -65,9 +65,11 @@ def _entry(grid):
         "properties": _described(ENTRY_KEYS, {
             "id": _varied(_identifier(LONGEST_ID), grid), "wall": {"type": "string"}, "options": _options(grid),
             "solvers": {"type": "array", "items": {"enum": list(SOLVERS)}, "minItems": 1},
-            "members": whole, "scatter": positive, "perturb": positive, "samples": whole}),
+            "members": whole, "scatter": positive, "perturb": positive, "samples": whole,
+            "lives": whole}),
         "dependencies": {"scatter": ["members"], "perturb": ["members"]},
-        "not": {"anyOf": [{"required": pair} for pair in (["members", "samples"], ["scatter", "perturb"])]}}
+        "not": {"anyOf": [{"required": pair} for pair in (["members", "samples"], ["members", "lives"],
+                                                         ["samples", "lives"], ["scatter", "perturb"])]}}
     if grid:
         whole_number = {"type": "integer"}
         values = {"type": ["array", "object"], "minItems": 1, "required": ["from", "to"],

@@ -1,4 +1,4 @@
-"""Which parts of each course are built, below the wall's outline and beside its openings, and the bricks in them.
+"""Which parts of each course are built, below the wall's outline and beside its openings; their bricks and lintels.
 
 An outline is the line of a wall's top, from its left to its right end.  A course is built where the outline lies above
 the middle of its height, so that a sloped edge keeps its area.  Bricks are rectangles: where the outline slopes, a
@@ -6,12 +6,15 @@ course ends at the nearest quarter of a brick of the bond, inwards where two are
 given.  Parts shorter than half a brick are not built.
 """
 
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from damage.errors import InputError
 from damage.wall.floors import slabs
+from damage.wall.lintel import lintel_courses
+from damage.wall.lintels import Place, edges_of
 
 _TINY = 1e-6  # [m], two positions closer than this are the same
 
@@ -22,13 +25,72 @@ def lay_course(wall, course):
 
 
 def built_runs(wall, course):
-    """Parts (left, right) [m] of a course that are of bricks, left to right: below the outline, beside the openings and
-    slabs."""
+    """Parts (left, right) [m] of a course that are of bricks, left to right: below the outline, beside the openings,
+    slabs and lintels."""
+    lintels = [((place.left, place.right), (place.first, place.above)) for place in lintel_places(wall)]
+    return _runs(wall, course, sorted(_holes(wall) + lintels))
+
+
+def _runs(wall, course, holes):
+    """Parts of a course beside these holes that are half a brick long or more."""
     runs = outlined_runs(wall, course)
-    for hole, (first, above) in _holes(wall):
+    for hole, (first, above) in holes:
         if first <= course < above:
             runs = [part for left, right in runs for part in _beside(hole, left, right)]
     return [(left, right) for left, right in runs if right - left > wall.brick.length / 2 - _TINY]
+
+
+@lru_cache(maxsize=16)
+def lintel_places(wall):
+    """The damage.wall.lintels.Place of every lintel of a wall that is a body, from left to right.
+
+    A lintel takes the courses above its opening up to what `damage.wall.lintel.lintel_courses` ends at, and its bearing
+    on both sides; where less than half a brick would be left beside it, it reaches to the end of that part of the
+    course, or meets the lintel that is there.
+    """
+    half, found = wall.brick.length / 2, []
+    for opening in sorted(wall.openings, key=lambda one: (one.left, one.sill)):
+        lintel = wall.lintel_of(opening)
+        wanted = lintel.courses(wall.brick) if lintel.is_body else 0
+        first, above = lintel_courses(wall, str(wanted) if wanted else "none", opening)
+        run = _common_run(wall, range(first, above), (opening.left + opening.right) / 2)
+        if run is None:
+            continue
+        height, width, bearing = lintel.built(wall.brick)
+        left = _bearing_end(wall, opening.left, -bearing, run[0])
+        right = _bearing_end(wall, opening.right, bearing, run[1])
+        if above - first < wanted or lintel.kind == "arch":
+            height = (above - first) * wall.brick.height
+        found.append([lintel, left, right, first, above, opening, height, width])
+    for one, other in ((one, other) for k, one in enumerate(found) for other in found[k + 1:]):
+        apart = min(one[4], other[4]) <= max(one[3], other[3]) or one[5].right >= other[5].left
+        if not apart and other[1] - one[2] < half - _TINY:
+            one[2] = other[1] = _on_quarters(wall, (one[5].right + other[5].left) / 2)
+    near = sorted({x for opening in wall.openings for x in (opening.left, opening.right)})
+    return tuple(Place(lintel, left, right, first, above, edges_of(lintel, wall.brick, left, right, near), *section)
+                 for lintel, left, right, first, above, _, *section in found)
+
+
+def _common_run(wall, courses, x):
+    """The part (left, right) [m] around x that all these courses have beside openings and slabs; None without any."""
+    runs = [next((run for run in _runs(wall, course, _holes(wall)) if run[0] < x < run[1]), None) for course in courses]
+    return None if not runs or None in runs else (max(run[0] for run in runs), min(run[1] for run in runs))
+
+
+def _bearing_end(wall, edge, bearing, end):
+    """End of a lintel [m] beyond an opening's edge, on the bond's quarters of bricks, or that of its part of the
+    course where less than half a brick would be left beside it."""
+    if not bearing:
+        return edge
+    x, side = _on_quarters(wall, edge + bearing), np.sign(bearing)
+    if (x - edge) * side < wall.brick.length / 8:
+        x += side * wall.brick.length / 4
+    return end if (end - x) * side < wall.brick.length / 2 - _TINY else x
+
+
+def _on_quarters(wall, x):
+    """The nearest multiple of a quarter of a brick [m]."""
+    return float(round(x / (wall.brick.length / 4)) * (wall.brick.length / 4))
 
 
 def outlined_runs(wall, course):
@@ -87,7 +149,9 @@ def check_bearing(wall):
     eighth = wall.brick.length / 8
     for course in range(1, wall.courses):
         below = _carriers(wall, course - 1)
-        rests = [floor.span(wall) for floor in slabs(wall) if floor.courses(wall)[0] == course]
+        rests = [floor.span(wall) for floor in slabs(wall) if floor.courses(wall)[0] == course] + [
+            (place.left, place.right) for place in lintel_places(wall)
+            if place.first == course and place.lintel.bearing != 0]
         for left, right in built_runs(wall, course) + rests:
             free = [x for x in (left + eighth, right - eighth) if not any(start < x < end for start, end in below)]
             if free:
@@ -97,15 +161,18 @@ def check_bearing(wall):
     for floor in wall.floors:
         left, right = floor.span(wall)
         runs = built_runs(wall, floor.courses(wall)[0])
+        runs = runs + [(place.left, place.right) for place in lintel_places(wall)
+                       if place.first <= floor.courses(wall)[0] < place.above]
         if floor.kind == "timber" and not any(min(right, end) - max(left, start) > _TINY for start, end in runs):
             raise InputError(f"wall {wall.name}, floor at {floor.level:g} m from x = {left:g} to {right:g} m has no "
                              "brick below it: expected a part of a course; move it, or the opening")
 
 
 def _carriers(wall, course):
-    """Parts (left, right) [m] of a course that carry: bricks and slabs."""
+    """Parts (left, right) [m] of a course that carry: bricks, slabs and lintels."""
     return built_runs(wall, course) + [floor.span(wall) for floor in slabs(wall)
-                                       if floor.courses(wall)[0] <= course < floor.courses(wall)[1]]
+                                       if floor.courses(wall)[0] <= course < floor.courses(wall)[1]] + [
+        (place.left, place.right) for place in lintel_places(wall) if place.first <= course < place.above]
 
 
 def _point(points):

@@ -6,6 +6,7 @@
     height = 2.7
     precompression = 0
     masonry = { material = "clay-standard", format = "waalformaat" }    # or tables [brick] and [joint]
+    lintel = "timber"                   # or a table, here and in [[openings]]
 
     [[openings]]
     left = 1.1
@@ -23,6 +24,7 @@ from dataclasses import MISSING, fields
 from damage.checks import check_file
 from damage.errors import InputError, did_you_mean
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
+from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 
@@ -82,6 +84,8 @@ def _record(what, kind, table):
         raise InputError(f"{what} = {table!r}: expected a table of key = value lines; correct it")
     names = [one.name for one in fields(kind)]
     _refuse_unknown(what, table, [*names, *(["masonry"] if kind is Wall else [])])
+    if isinstance(table.get("lintel"), dict):
+        table = table | {"lintel": _record(f"lintel of {what}", Lintel, table["lintel"])}
     missing = [one.name for one in fields(kind)
                if one.default is MISSING and one.default_factory is MISSING and one.name not in table]
     if missing:
@@ -108,6 +112,8 @@ def wall_schema():
         "masonry": {"type": "object", "additionalProperties": False, "required": ["material", "format"],
                     "properties": {key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()}},
         "kind": {"enum": list(KINDS_OF_FLOORS)},
+        "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)},
+                             _object(Lintel, {"kind": {"enum": list(KINDS_OF_LINTELS)}})]},
         **{name: _object(kind, {}) for name, kind in _TABLES.items()}}
     special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
     return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")

@@ -13,13 +13,21 @@ from damage.errors import InputError, did_you_mean
 from damage.files import shipped_files
 from damage.wall.data import read_wall
 from damage.wall.floors import Floor
+from damage.wall.lintels import Lintel
 from damage.wall.parameters import Brick, Joint, Opening, Wall
+
+_RECORDS = Wall, Opening, Floor, Lintel, Brick, Joint
+
+
+def shipped_walls():
+    """{name: path} of the walls that ship, in Python and as data."""
+    return shipped_files("walls", ".py") | shipped_files("walls", ".toml")
 
 
 def wall_path(word):
     """Path of a wall file, given by its path or by the name of a wall that ships, like symmetric; a file of that name
     comes first.  Raises InputError where there is neither."""
-    path, named = check_path(word), shipped_files("walls", ".py")
+    path, named = check_path(word), shipped_walls()
     if path.is_file():
         return path
     if str(path) in named:
@@ -61,7 +69,7 @@ def _message_of(error):
     """Message of an error in a wall file; for an unknown keyword also the known ones."""
     message = f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
     found = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", message)
-    kind = found and next((one for one in (Wall, Opening, Floor, Brick, Joint) if one.__name__ == found[1]), None)
+    kind = found and next((one for one in _RECORDS if one.__name__ == found[1]), None)
     if not kind:
         return message
     names = [one.name for one in fields(kind)]

@@ -14,6 +14,8 @@ from damage.checks import check_choice, check_fields, check_range
 from damage.errors import InputError
 
 KINDS_OF_FLOORS = ("timber", "concrete")
+SLAB_COURSE = -2
+"""`course` of a slab, beside -1 of a top mass."""
 _TINY = 1e-6  # [m]
 
 
@@ -79,17 +81,19 @@ def slabs(wall):
     return [floor for floor in wall.floors if floor.kind == "concrete"]
 
 
-def with_timber_floors(wall, bricks):
-    """Bodies with the masses of timber floors on their bricks, inertia growing with mass."""
-    more = np.zeros(len(bricks))
+def with_timber_floors(wall, bodies, first, last):
+    """Bodies with the masses of timber floors on their bricks and lintels, inertia growing with mass; first, last:
+    courses that each takes (n_bodies,)."""
+    more = np.zeros(len(bodies))
     for floor in wall.floors:
         if floor.kind == "timber":
-            on = bricks.course == floor.courses(wall)[0]
-            more[on] += floor.mass * _shares(bricks.x[on], bricks.length[on], *floor.span(wall))
+            course = floor.courses(wall)[0]
+            on = (first <= course) & (course <= last) & (bodies.course != SLAB_COURSE)
+            more[on] += floor.mass * _shares(bodies.x[on], bodies.length[on], *floor.span(wall))
     if not more.any():  # bit for bit as without
-        return bricks
-    factor = 1 + more / bricks.mass
-    return replace(bricks, mass=bricks.mass * factor, inertia=bricks.inertia * factor)
+        return bodies
+    factor = 1 + more / bodies.mass
+    return replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)
 
 
 def _shares(x, length, left, right):
@@ -109,7 +113,7 @@ def slab_bodies(wall):
     left, right, first, above, mass = np.array(found, dtype=float).reshape(-1, 5).T
     length, height = right - left, (above - first) * wall.brick.height
     return {"x": (left + right) / 2, "z": (first + above) / 2 * wall.brick.height, "length": length, "height": height,
-            "mass": mass, "inertia": mass * (length**2 + height**2) / 12, "course": np.full(len(mass), -1)}
+            "mass": mass, "inertia": mass * (length**2 + height**2) / 12, "course": np.full(len(mass), SLAB_COURSE)}
 
 
 def describe_floors(wall):

@@ -5,8 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from damage.wall.floors import SLAB_COURSE
 from damage.wall.kinds import KINDS
 from damage.wall.kinematics import rigid_displacement
+from damage.wall.lintels import LINTEL_COURSE
 from damage.wall.supports import rows
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
@@ -18,6 +20,23 @@ def body_table(layout):
     bodies = layout.bodies
     return pd.DataFrame({"x_m": bodies.x, "z_m": bodies.z, "length_m": bodies.length, "height_m": bodies.height,
                          "course": bodies.course})
+
+
+def kinds_of_bodies(course):
+    """"bricks", "masses", "slabs" or "lintels" of bodies (n,) by their course; bricks of an arch are bricks.
+
+    >>> kinds_of_bodies([0, -1, -2, -3, -4]).tolist()
+    ['bricks', 'masses', 'slabs', 'lintels', 'bricks']
+    """
+    course = np.asarray(course)
+    return np.select([course == -1, course == SLAB_COURSE, course == LINTEL_COURSE], ["masses", "slabs", "lintels"],
+                     "bricks")
+
+
+def cuts_of_lintels(joints, bodies):
+    """Which joints are cuts between the segments of a lintel, bool (n_joints,)."""
+    kinds = kinds_of_bodies(bodies["course"])
+    return (joints["kind"] == "brick").to_numpy() & (kinds[joints["second_body"]] == "lintels")
 
 
 def joint_table(layout):

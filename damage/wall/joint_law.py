@@ -18,13 +18,14 @@ the elastic stiffness; friction acts from the start and does not soften.  The li
 Exponential softening of the cohesion and elastic unloading in shear follow Lourenço and Rots (1997, J. Eng. Mech.
 123(7), 660-668).  The last hundredth of the strengths is lost at once; the factor 1 - GONE keeps the fracture energies.
 
-Crushing is perfectly plastic in compression, with or without a bond:
+Crushing is plastic in compression, with or without a bond: perfectly, or with a fracture energy G_c softening:
 
-    (C1)  sigma >= -f_c
-    (C2)  sigma = k_n (u_n + d) while closed; the plastic closure d only grows, and only at sigma = -f_c
+    (C1)  sigma >= -f
+    (C2)  sigma = k_n (u_n + d) while closed; the plastic closure d only grows, and only at sigma = -f
+    (C3)  f = f_c; with a fracture energy f = f_c exp(-f_c d / G_c)
 
 All other equations hold with u_n + d in place of u_n: the joint unloads with k_n and opens at u_n > -d, the friction
-limit follows the reduced sigma, and an intact bond stays intact.  Crushing dissipates f_c dd.
+limit follows the reduced sigma, and an intact bond stays intact.  Crushing dissipates f dd, G_c in all by (C3).
 
 The functions are scalar and without side effects; they run as plain Python or compiled by numba.
 """
@@ -55,7 +56,8 @@ def material_of(joint):
 class LawParameters(NamedTuple):
     """Parameters of a contact point: normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa] of the
     intact bond, infinite for a joint that stays elastic; material: Material; mode_i_energy, mode_ii_energy: fracture
-    energies [J/m2], zero for a brittle bond; compressive_strength [Pa], infinite without crushing."""
+    energies [J/m2], zero for a brittle bond; compressive_strength [Pa], infinite without crushing; crushing_energy: its
+    fracture energy G_c [J/m2], zero where its strength stays."""
 
     normal_stiffness: float
     shear_stiffness: float
@@ -65,6 +67,7 @@ class LawParameters(NamedTuple):
     mode_i_energy: float = 0.0
     mode_ii_energy: float = 0.0
     compressive_strength: float = math.inf
+    crushing_energy: float = 0.0
 
 
 class ContactState(NamedTuple):
@@ -87,12 +90,13 @@ class ContactState(NamedTuple):
 
 class ElasticRange(NamedTuple):
     """Elastic range of a contact point in its present state: tensile_strength, cohesion [Pa]; tension_stiffness: normal
-    stiffness while open [Pa/m]; friction: coefficient [-]."""
+    stiffness while open [Pa/m]; friction: coefficient [-]; compressive_strength [Pa]."""
 
     tensile_strength: float
     cohesion: float
     tension_stiffness: float
     friction: float
+    compressive_strength: float
 
 
 @register_jitable
@@ -140,6 +144,15 @@ def friction_left(broken, material):
 
 
 @register_jitable
+def crushing_strength_left(closure, parameters):
+    """Remaining compressive strength [Pa] at a plastic closure [m], (C3)."""
+    strength = parameters.compressive_strength
+    if closure == 0.0 or parameters.crushing_energy == 0.0:
+        return strength
+    return strength * math.exp(-strength * closure / parameters.crushing_energy)
+
+
+@register_jitable
 def tension_stiffness(tensile_strength, gap, normal_stiffness):
     """Secant normal stiffness of an open contact point [Pa/m], (S4).
 
@@ -157,12 +170,13 @@ def range_left(state, parameters):
     stiffness = parameters.normal_stiffness
     if state.kappa > 0.0 and not state.broken:
         stiffness = tension_stiffness(strength, state.gap, stiffness)
-    return ElasticRange(strength, cohesion, stiffness, friction_left(state.broken, parameters.material))
+    return ElasticRange(strength, cohesion, stiffness, friction_left(state.broken, parameters.material),
+                        crushing_strength_left(state.closure, parameters))
 
 
 @register_jitable
 def advance(opening, shear_increment, state, parameters):
-    """State of a contact point after a step, equations (7) to (11), (S1) to (S5), (C1), (C2).
+    """State of a contact point after a step, equations (7) to (11), (S1) to (S5), (C1) to (C3).
 
     opening: at the end of the step [m], negative under compression; shear_increment: shear displacement in the step
     [m]; state: ContactState before it; parameters: LawParameters.  Returns (ContactState, INTACT | TENSION | SHEAR).
@@ -175,14 +189,37 @@ def advance(opening, shear_increment, state, parameters):
 
 @register_jitable
 def crush(opening, state, parameters):
-    """Plastic closure [m] at an opening [m] by (C1), (C2), and the work of its growth in the step [J/m2]."""
-    strength = parameters.compressive_strength
-    more = -(opening + state.closure) - strength / parameters.normal_stiffness
+    """Plastic closure [m] at an opening [m] by (C1) to (C3), and the work of its growth in the step [J/m2]."""
+    strength = crushing_strength_left(state.closure, parameters)
+    more, left = closure_growth(-(opening + state.closure), state.closure, strength, parameters)
     if not more > 0.0:
         return state.closure, 0.0
     # Trapezoidal rule over the step, which is the work of central differences on the bodies.
     before = min(max(-state.normal_stress, 0.0), strength)
-    return state.closure + more, 0.5 * (before + strength) * more
+    return state.closure + more, 0.5 * (before + left) * more
+
+
+@register_jitable
+def closure_growth(depth, closure, strength, parameters):
+    """Growth of the plastic closure [m] of a contact point pressed by `depth` beyond its rest position, and the
+    strength that is left then [Pa]; a number that is not positive means no growth.
+
+    depth: closing displacement less the plastic closure [m]; strength: left at the plastic closure [Pa].  The growth m
+    is the smallest solution of k_n (depth - m) = f(closure + m), found by fixed-point iteration from below; below
+    f_c^2 / k_n (snap-back) it may jump.
+    """
+    more = depth - strength / parameters.normal_stiffness
+    if parameters.crushing_energy == 0.0 or not more > 0.0:
+        return more, strength
+    left = strength
+    for _ in range(200):
+        left = crushing_strength_left(closure + more, parameters)
+        grown = depth - left / parameters.normal_stiffness
+        done = grown - more <= 1e-13 * depth
+        more = grown
+        if done:
+            break
+    return more, crushing_strength_left(closure + more, parameters)
 
 
 @register_jitable

@@ -1,8 +1,8 @@
 """From a wall's parameters to bodies, cells and contact points: the one layout of every solver.
 
-Bodies are the bricks, course by course from the base and left to right, then slabs (`damage.wall.floors`), then the
-caps that carry the top mass.  The supports below them are bodies -1, -2, ... (`damage.wall.supports`).  Contact points
-lie on the bed and head joints:
+Bodies are the bricks, course by course from the base and left to right, then slabs (`damage.wall.floors`), the parts of
+lintels (`damage.wall.lintels`), and the caps that carry the top mass.  The supports below them are bodies -1, -2, ...
+(`damage.wall.supports`).  Contact points lie on the bed and head joints:
 
         |       |       |          head joint: normal +x, from the left to the right brick
         +---o---+---o---+  z       bed joint:  normal +z, from the lower to the upper brick
@@ -21,11 +21,12 @@ import numpy as np
 from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.compliance import contact_stiffness
-from damage.wall.courses import built_runs, drift_course, lay_course
+from damage.wall.courses import built_runs, drift_course, lay_course, lintel_places
 from damage.wall.fibres import Fibres, split_into_fibres
-from damage.wall.floors import slab_bodies, slabs, with_timber_floors
+from damage.wall.floors import SLAB_COURSE, slab_bodies, slabs, with_timber_floors
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.lintel import in_lintel
+from damage.wall.lintels import cut_places, cut_stiffness, describe_place, lintel_bodies
 from damage.wall.parameters import ModelOptions, Wall
 from damage.wall.soil import on_soil
 from damage.wall.split import CUT_POINTS, cut_bricks, cuts_of
@@ -43,10 +44,10 @@ what is of third order along the cell exactly, and with it the energy of any ope
 
 @dataclass(frozen=True)
 class Bodies:
-    """Bricks, slabs and caps; every array has shape (n_bodies,).
+    """Bricks, slabs, lintels and caps; every array has shape (n_bodies,).
 
     x, z [m] centres; length, height [m]; mass [kg]; inertia [kg m2] about y;
-    course: 0 at the base, -1 for a slab or a cap.
+    course: 0 at the base, -1 for a cap, -2 for a slab, -3 for a part of a beam, -4 for a brick of an arch.
     """
 
     x: np.ndarray
@@ -121,7 +122,7 @@ class Layout:
         stand over piers; drift_height [m] of them.
     piers: (left, right) [m] of each pier, the parts of the length that carry the top; supports: below the base.
     fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where they deform, else None.
-    n_slabs: bodies behind the bricks that are floors.
+    n_slabs, n_lintels: bodies behind the bricks that are floors, and behind these parts of lintels.
     """
 
     wall: Wall
@@ -138,11 +139,12 @@ class Layout:
     fibres: Fibres | None = None
     strain: Strain | None = None
     n_slabs: int = 0
+    n_lintels: int = 0
 
     @property
     def n_below_caps(self):
-        """Number of bricks and slabs."""
-        return self.n_bricks + self.n_slabs
+        """Number of bricks, slabs and parts of lintels."""
+        return self.n_bricks + self.n_slabs + self.n_lintels
 
     @property
     def total_joint_length(self):
@@ -200,9 +202,16 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
                    if options.fibres else None)
 
 
+def describe_lintels(layout):
+    """Lines on the lintels of a Layout that are bodies of their own, from left to right."""
+    wall = layout.wall.with_lintels(layout.options.lintel)
+    return [describe_place(wall, place) for place in lintel_places(wall)]
+
+
 @lru_cache(maxsize=4)
 def _lay_out_alike(wall, options):
     """The Layout of whole bricks whose joints are all as strong as the wall says: what members of an ensemble share."""
+    wall = wall.with_lintels(options.lintel)
     courses = [lay_course(wall, course) for course in range(wall.courses)]
     piers = _find_piers(wall)
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
@@ -221,7 +230,7 @@ def _lay_out_alike(wall, options):
         drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
         supports=supports_below(bodies, wall, options.supports),
         strain=strain_of(wall, options, bodies, contacts, n_bricks) if options.has_modes else None,
-        n_slabs=len(slabs(wall)))
+        n_slabs=len(slabs(wall)), n_lintels=_n_lintels(wall))
 
 
 # --- bricks -------------------------------------------------------------------------------------
@@ -264,7 +273,8 @@ def _top_mass(wall, options, piers):
 
 
 def _make_bodies(wall, options, courses, piers):
-    """Bricks, with the masses that are spread over them, slabs, and caps for a top mass that is not spread."""
+    """Bricks and lintels, with the masses that are spread over them, slabs, and caps for a top mass that is not
+    spread."""
     height, thickness = wall.brick.height, wall.brick.thickness
     edges = np.array([edge for course in courses for edge in course])
     course = np.repeat(np.arange(wall.courses), [len(c) for c in courses])
@@ -273,23 +283,24 @@ def _make_bodies(wall, options, courses, piers):
     inertia = mass * (length**2 + height**2) / 12
     bricks = Bodies(edges.mean(axis=1), (course + 0.5) * height, length,
                     np.full(len(length), height), mass, inertia, course)
-    bricks = with_timber_floors(wall, bricks)
+    n_bricks = len(bricks)
+    bodies = _with_more(_with_more(bricks, slab_bodies(wall)), lintel_bodies(wall, lintel_places(wall)))
+    bodies = with_timber_floors(wall, bodies, *_courses_of(wall, bodies, n_bricks))
     top_mass = _top_mass(wall, options, piers)
     if top_mass and options.top == "uniform":
-        bricks = _with_spread_mass(bricks, wall, top_mass)
-    bodies = _with_more(bricks, slab_bodies(wall))
+        bodies = _with_spread_mass(bodies, wall, n_bricks, top_mass)
     if top_mass and options.top != "uniform":
         spans = piers if options.top == "piers" else ((0.0, wall.length),)
         bodies = _with_more(bodies, _cap_bodies(wall, np.array(spans), top_mass))
-    return bodies, len(bricks)
+    return bodies, n_bricks
 
 
-def _with_spread_mass(bricks, wall, top_mass):
-    """The top mass added to the top course in proportion to length, inertia growing with mass."""
-    top = bricks.course == wall.courses - 1
-    carrying = _length(built_runs(wall, wall.courses - 1))
-    factor = np.where(top, 1 + top_mass * bricks.length / carrying / bricks.mass, 1.0)
-    return replace(bricks, mass=bricks.mass * factor, inertia=bricks.inertia * factor)
+def _with_spread_mass(bodies, wall, n_bricks, top_mass):
+    """The top mass added to bricks and lintels of the top course in proportion to length, inertia growing with mass."""
+    top = (_courses_of(wall, bodies, n_bricks)[1] == wall.courses - 1) & (bodies.course != SLAB_COURSE)
+    carrying = _length(built_runs(wall, wall.courses - 1)) + bodies.length[n_bricks:][top[n_bricks:]].sum()
+    factor = np.where(top, 1 + top_mass * bodies.length / carrying / bodies.mass, 1.0)
+    return replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)
 
 
 def _cap_bodies(wall, spans, top_mass):
@@ -324,10 +335,10 @@ def _cell_breaks(wall, options, courses):
     Corner contacts lie at both ends of a segment, so one segment less gives as many points; of Gauss points there are
     two in each, so that half as many do.
     """
-    segments = {"interior": options.cells, "corners": max(1, options.cells - 1), "gauss": options.cells // 2}[
-        options.contacts]
-    edges = np.unique(np.round([x for course in courses for brick in course for x in (
-        *brick, *(cuts_of(wall, options.brick_cells, *brick) if options.brick_cells else ()))], 9))
+    segments = _segments(options)
+    of_bricks = [x for course in courses for brick in course for x in (
+        *brick, *(cuts_of(wall, options.brick_cells, *brick) if options.brick_cells else ()))]
+    edges = np.unique(np.round([*of_bricks, *(x for place in lintel_places(wall) for x in place.edges)], 9))
     breaks = [edges[0]]
     for left, right in zip(edges[:-1], edges[1:]):
         width = right - left
@@ -338,6 +349,12 @@ def _cell_breaks(wall, options, courses):
         parts = max(1, round(segments * width / (wall.brick.length / 2)))
         breaks.extend(left + width * np.arange(1, parts + 1) / parts)
     return np.array(breaks)
+
+
+def _segments(options):
+    """Segments of a joint of half a brick."""
+    return {"interior": options.cells, "corners": max(1, options.cells - 1), "gauss": options.cells // 2}[
+        options.contacts]
 
 
 def _make_cells(bodies, breaks):
@@ -359,15 +376,19 @@ def _make_cells(bodies, breaks):
 def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     """All contact points: joints first, then the caps' glue."""
     pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
-    pairs.sort(key=lambda pair: pair[0] == CAP)
-    rows = [row for pair in pairs for row in _contact_rows(options, bodies, cells, *pair)]
+    rows = [row for pair in pairs if pair[0] != CAP for row in _contact_rows(options, bodies, cells, *pair)]
+    beside, cuts = _lintel_rows(wall, options, bodies, n_bricks, cells)
+    rows += beside + [row for _, row in cuts]
+    rows += [row for pair in pairs if pair[0] == CAP for row in _contact_rows(options, bodies, cells, *pair)]
     kind, first, second, first_cell, second_cell, x, z, length = (
         np.array(column) for column in zip(*rows))
     normal, shear = contact_stiffness(wall, options, bodies, kind, first, second)
+    for index, (place, row) in zip(np.flatnonzero(kind == CUT), cuts):
+        normal[index], shear[index] = cut_stiffness(wall, place, row[5])
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
     middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses
-    elastic = (kind == CAP) | in_lintel(wall, options.lintel, middle_x, middle_z)
+    elastic = (kind == CAP) | (kind == CUT) | in_lintel(wall, options.lintel, middle_x, middle_z)
     strengths = [np.where(elastic, np.inf, strength) for strength in (
         wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]
     return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
@@ -390,7 +411,7 @@ def _bed_pairs(wall, bodies, n_bricks, cells, breaks):
     """
     column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
     first, last = (course[cells.body] for course in _courses_of(wall, bodies, n_bricks))
-    n_below_caps = n_bricks + len(slabs(wall))
+    n_below_caps = n_bricks + len(slabs(wall)) + _n_lintels(wall)
     below = {}
     pairs = []
     for index in np.lexsort((cells.left, first)):
@@ -408,9 +429,53 @@ def _courses_of(wall, bodies, n_bricks):
     """First and last course that each body takes, of caps the one above the wall: two arrays (n_bodies,)."""
     first, last = bodies.course.copy(), bodies.course.copy()
     first[n_bricks:] = last[n_bricks:] = wall.courses
-    for body, floor in enumerate(slabs(wall), start=n_bricks):
-        first[body], last[body] = floor.courses(wall)[0], floor.courses(wall)[1] - 1
+    places = [(floor.courses(wall), 1) for floor in slabs(wall)] + [
+        ((place.first, place.above), place.parts) for place in lintel_places(wall)]
+    taken = np.array([courses for courses, parts in places for _ in range(parts)], int).reshape(-1, 2)
+    these = slice(n_bricks, n_bricks + len(taken))
+    first[these], last[these] = taken[:, 0], taken[:, 1] - 1
     return first, last
+
+
+def _n_lintels(wall):
+    """Number of bodies that are parts of lintels."""
+    return sum(place.parts for place in lintel_places(wall))
+
+
+def _lintel_rows(wall, options, bodies, n_bricks, cells):
+    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and (Place,
+    row) of those on the cuts through beams."""
+    places, number = lintel_places(wall), n_bricks + len(slabs(wall))
+    left_cell, right_cell = ({body: cell for cell, body in order} for order in (
+        reversed(list(enumerate(cells.body))), enumerate(cells.body)))
+    of_part = {number + k: place for k, place in enumerate(place for place in places for _ in range(place.parts))}
+    ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
+    beside, cuts = [], []
+    for one, other in _touching(of_part, ends, bodies.z - half, bodies.z + half):
+        cell, facing, x = right_cell[one], left_cell[other], ends[1][one]
+        bottom, top = (pick(bodies.z[[one, other]] + sign * half[[one, other]]) for pick, sign in ((max, -1), (min, 1)))
+        place = of_part.get(one)
+        if place is not None and place is of_part.get(other) and place.lintel.kind != "arch":
+            up, length = cut_places(place)
+            cuts += [(place, (CUT, one, other, cell, facing, x, bodies.z[one] + by, length)) for by in up]
+            continue
+        parts = max(1, round(_segments(options) * (top - bottom) / (wall.brick.length / 2))) if place is not None and (
+            of_part.get(other)) else 1
+        size, at = (top - bottom) / parts, _PLACES[options.contacts]
+        beside += [(HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
+                   for k in range(parts) for up in at]
+    return beside, cuts
+
+
+def _touching(parts, ends, bottom, top):
+    """Pairs (left, right) of bodies whose upright faces touch, one of them at least among these parts of lintels."""
+    left, right = ends
+    found = set()
+    for part in parts:
+        shares = (bottom < top[part] - _TINY) & (top > bottom[part] + _TINY)
+        found |= {(part, int(other)) for other in np.flatnonzero(shares & (np.abs(left - right[part]) < _TINY))}
+        found |= {(int(other), part) for other in np.flatnonzero(shares & (np.abs(right - left[part]) < _TINY))}
+    return sorted(found)
 
 
 def _head_pairs(bodies, n_bricks, cells):

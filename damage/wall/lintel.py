@@ -1,4 +1,4 @@
-"""Lintels over openings: the joints that they keep elastic, and the share of a wall's joints that cannot fail."""
+"""Lintels of elastic courses over openings: the joints that they keep elastic, and the share that cannot fail."""
 
 from typing import NamedTuple
 
@@ -25,10 +25,11 @@ def in_lintel(wall, lintel, x, z):
     """Which joints lie strictly inside a lintel: in the courses over an opening, or the lowest of them, one brick of
     bearing on each side; the bed joints under the bearing and over the highest of these courses are not inside.
 
-    lintel: as of ModelOptions; x, z: middles of the joints' parts between two bricks [m].
+    lintel: as of ModelOptions; x, z: middles of the joints' parts between two bricks [m].  Openings with a lintel of
+    their own have none of these.
     """
     inside = np.zeros(len(x), dtype=bool)
-    for opening in wall.openings:
+    for opening in (one for one in wall.openings if not wall.lintel_of(one).is_body):
         inside |= ((x > opening.left - wall.brick.length + _TINY) & (x < opening.right + wall.brick.length - _TINY)
                    & _within(wall, lintel_courses(wall, lintel, opening), z))
     return inside

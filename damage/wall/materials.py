@@ -1,8 +1,7 @@
 """Masonry and brick formats by name, each value with its source: bricks and joints for a Wall.
 
-A value without a source that was read is None; whoever makes a joint of such a material gives it.  Not here, for no
-source with numbers was found: lime mortar before 1930, calcium silicate with thin-layer mortar, coefficients of
-variation, densities.
+A value without a source that was read is None; whoever makes a joint of such a material gives it.  `MISSING` says what
+is not here.
 """
 
 import math
@@ -51,6 +50,12 @@ MATERIALS = {
                             _KORSWAGEN.format("the highest")),
 }
 """{name: Material}."""
+
+
+MISSING = ("clay brick in lime (before 1930), calcium silicate in thin-layer mortar, coefficients of variation and "
+           "densities: no source with numbers could be read; S. Jafari, L. Panoutsopoulou, J. G. Rots (2015), report "
+           "C31B60-3, TU Delft, tests original Groningen masonry")
+"""What has no numbers here, and why."""
 
 
 class Format(NamedTuple):
@@ -129,4 +134,4 @@ def describe():
     lines.append("brick formats, length x thickness x height without mortar:")
     for name, one in FORMATS.items():
         lines.append(f"{name}: {1e3 * one.length:g} x {1e3 * one.thickness:g} x {1e3 * one.height:g} mm; {one.source}")
-    return "\n".join(lines)
+    return "\n".join([*lines, f"not here: {MISSING}"])

@@ -13,6 +13,7 @@ from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.courses import check_bearing, check_outline
 from damage.wall.floors import Floor, check_floors
+from damage.wall.lintels import Lintel, lintel_of
 
 LONGEST_M, LONGEST_NAME, MOST_BRICKS = 1000.0, 100, 20_000
 """What a wall may have: length and height [m], characters of its name, bricks; the shipped ones have up to 666."""
@@ -69,6 +70,8 @@ class Joint:
         None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and 102 to 353
         (Korswagen, dissertation, TU Delft, 2022); `softening_energies` gives a rule.
     compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not, as in the paper.
+    compressive_fracture_energy [J/m2]: what crushing takes until no strength is left; None or 0 where the strength
+        stays; `crushing_energy` gives a rule.
     """
 
     normal_stiffness: float = 12e11
@@ -79,6 +82,7 @@ class Joint:
     mode_i_fracture_energy: float | None = None
     mode_ii_fracture_energy: float | None = None
     compressive_strength: float | None = None
+    compressive_fracture_energy: float | None = None
 
     def __post_init__(self):
         check_fields(self, **dict.fromkeys(("normal_stiffness", "shear_stiffness"), (1.0, 1e20)),
@@ -87,6 +91,12 @@ class Joint:
         if self.compressive_strength == 0:
             raise InputError("Joint.compressive_strength = 0 Pa: expected above zero, or None for joints that do not "
                              "crush; correct it")
+        if self.compressive_fracture_energy is not None:
+            check_range("Joint.compressive_fracture_energy [J/m2]", self.compressive_fracture_energy, 0, 1e9)
+        if self.compressive_fracture_energy and self.compressive_strength is None:
+            raise InputError(f"Joint.compressive_fracture_energy = {self.compressive_fracture_energy:g} J/m2 of joints "
+                             "that do not crush: expected a compressive strength beside it; give "
+                             "Joint(compressive_strength=...), or leave it out")
         check_not_negative("Joint.friction_angle", self.friction_angle)
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
@@ -127,6 +137,22 @@ def softening_energies(tensile_strength):
     return {"mode_i_fracture_energy": energy, "mode_ii_fracture_energy": 10 * energy}
 
 
+def crushing_energy(compressive_strength):
+    """Compressive fracture energy [J/m2] of a Joint from the compressive strength f_c of the masonry [Pa] alone.
+
+    G_c = 15 + 0.43 f_c - 0.0036 f_c^2 N/mm with f_c in MPa from 12 to 80; below, G_c / f_c = 1.6 mm, above 0.33 mm: the
+    ductility index that P. B. Lourenço recommends (Recent advances in masonry structures, 2009; M. Angelillo,
+    P. B. Lourenço, G. Milani, Masonry behaviour and modelling, CISM 551, 2014), after Model Code 1990 for concrete.
+
+    >>> crushing_energy(11.22e6), round(crushing_energy(20e6))
+    (17952.0, 22160)
+    """
+    strength = compressive_strength / 1e6
+    if strength < 12:
+        return 1.6 * 1e3 * strength
+    return 1e3 * (0.33 * strength if strength > 80 else 15 + 0.43 * strength - 0.0036 * strength**2)
+
+
 def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
     """A Brick so stiff that, with its bed joints, the masonry has this modulus across them [Pa].
 
@@ -144,14 +170,18 @@ def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
 @dataclass(frozen=True)
 class Opening:
     """A rectangular opening: left edge and sill [m] from the wall's lower left corner, width and
-    height [m].  Its edges are laid to whole courses in height; in length they stay as given."""
+    height [m].  Its edges are laid to whole courses in height; in length they stay as given.  lintel: a
+    damage.wall.lintels.Lintel or its kind, None for that of the wall."""
 
     left: float
     width: float
     height: float
     sill: float = 0.0
+    lintel: Lintel | None = None
 
     def __post_init__(self):
+        if self.lintel is not None:
+            object.__setattr__(self, "lintel", lintel_of(self.lintel))
         check_fields(self, **dict.fromkeys(("width", "height"), (1e-3, LONGEST_M)),
                      **dict.fromkeys(("left", "sill"), (0.0, LONGEST_M)))
 
@@ -172,6 +202,8 @@ class Wall:
     outline: points (x, z) [m] of its top edge from (0, z) to (length, z), its highest at the height; none for a
         rectangular wall.  `damage.wall.courses` says how bricks follow it.
     floors: of `damage.wall.floors.Floor`.
+    lintel: of openings that have none of their own, a `damage.wall.lintels.Lintel` or its kind; "courses" in the
+        paper's walls, where `ModelOptions.lintel` says which joints stay elastic.
     """
 
     name: str
@@ -184,8 +216,10 @@ class Wall:
     joint: Joint = field(default_factory=Joint)
     outline: tuple[tuple[float, float], ...] = ()
     floors: tuple[Floor, ...] = ()
+    lintel: Lintel = field(default_factory=Lintel)
 
     def __post_init__(self):
+        object.__setattr__(self, "lintel", lintel_of(self.lintel))
         named = isinstance(self.name, str) and 0 < len(self.name) <= LONGEST_NAME
         if not named or not all(c.isalnum() or c in "-_" for c in self.name):
             raise InputError(f"Wall.name = {self.name!r}: expected up to {LONGEST_NAME} letters, digits, '-' or '_', "
@@ -228,14 +262,31 @@ class Wall:
         height = self.brick.height
         return round(opening.sill / height), round((opening.sill + opening.height) / height)
 
+    def lintel_of(self, opening):
+        """The Lintel of one of its openings."""
+        return opening.lintel or self.lintel
+
+    def with_lintels(self, option):
+        """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic", else courses."""
+        if option == "elastic":
+            return self
+        return replace(self, lintel="courses", openings=tuple(replace(one, lintel=None) for one in self.openings))
+
     def as_dict(self):
-        """All parameters as a plain dictionary, for files and tables; without outline and floors where it has none."""
-        return {name: value for name, value in asdict(self).items() if value or name not in ("outline", "floors")}
+        """All parameters as a plain dictionary, for files and tables; without outline, floors and lintels of its own
+        where it has none."""
+        table = {name: value for name, value in asdict(self).items() if value or name not in ("outline", "floors")}
+        for part, of in ((table, self), *zip(table["openings"], self.openings)):
+            lintel = part.pop("lintel")
+            if lintel is not None and (of is not self or (self.openings and self.lintel.is_body)):
+                part["lintel"] = of.lintel.as_dict()
+        return table
 
     @classmethod
     def from_dict(cls, table):
-        """The wall of which `as_dict` made the table."""
+        """The wall of which `as_dict` made the table; one with openings and without a lintel has "courses"."""
         parts = {name: record_from(kind, table.get(name, {})) for name, kind in (("brick", Brick), ("joint", Joint))}
+        parts["lintel"] = table.get("lintel", "courses" if table.get("openings") else "concrete")
         openings = tuple(record_from(Opening, one) for one in table.get("openings", ()))
         floors = tuple(record_from(Floor, one) for one in table.get("floors", ()))
         return record_from(cls, table | parts | {"openings": openings, "floors": floors})
@@ -299,6 +350,8 @@ def _check_opening_apart(wall, opening, other, what):
 
 SOILS = (1e5, 1e12)
 """Least and largest modulus of subgrade reaction [N/m3]."""
+SOIL_VELOCITIES = (20, 2000)
+"""Least and largest shear-wave velocity of a soil [m/s]."""
 
 
 def _option(default, help_, **more):
@@ -318,8 +371,9 @@ _OF_MODES = ("brick_order", "plane", "brick_mass", "brick_damping")
 class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
 
-    lintel: "elastic" keeps the joints of all courses over an opening elastic, "none" lets them break; a number, those
-        of so many of the lowest courses (as a word: 2 becomes "2", 0 becomes "none").
+    lintel: "elastic" leaves every opening its own lintel (`damage.wall.lintels`); where it has none, the joints of all
+        courses over it stay elastic.  In place of all lintels, "none" lets these joints break, and a number keeps those
+        of so many of the lowest courses elastic (as a word: 2 becomes "2", 0 becomes "none").
     top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
         the top course, or is one rigid "beam".
     load: that mass is the precompression over the wall's whole "length", so that the piers beside openings have more,
@@ -332,7 +386,8 @@ class ModelOptions:
         each joint between two bricks has one lognormal factor of mean 1 on tensile strength and cohesion.
     supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose forces the history has.
     soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a word; soil_shear:
-        horizontal over vertical stiffness; footing: width over which they act [m].
+        horizontal over vertical stiffness; footing: width over which they act [m]; soil_velocity: shear-wave velocity
+        [m/s] of a soil with radiation damping, 0 without.
     fibres: bonds with fracture energies are so many brittle ones in parallel (`damage.wall.fibres`); 0: the smooth law,
         which YADE does not have: there 16.
     bricks: "rigid", their compliance lumped into the joints, or "deformable" (`damage.wall.strain`), with polynomials
@@ -342,8 +397,9 @@ class ModelOptions:
         modes, which YADE does not have: there 4.
     """
 
-    lintel: str = _option("elastic", "joints over an opening: all elastic, able to fail like any other (none), or "
-                          "elastic in the N lowest courses", metavar="elastic|none|N", tag="lintel-{lintel}")
+    lintel: str = _option("elastic", "over an opening: its own lintel, or else all joints elastic; instead, joints "
+                          "able to fail like any other (none), or elastic in the N lowest courses",
+                          metavar="elastic|none|N", tag="lintel-{lintel}")
     top: str = _option("piers", "distribution of the mass that gives the precompression",
                        choices=("piers", "uniform", "beam"), tag="top-{top}")
     load: str = _option("length", "where the precompression is the mean stress: over the whole length, or in the piers",
@@ -361,6 +417,8 @@ class ModelOptions:
     soil_shear: float = _option(0.5, "soil: horizontal stiffness over the vertical one", metavar="SHARE",
                                 tag="soil-shear-{soil_shear:g}")
     footing: float = _option(0.45, "soil: width of the footing [m]", metavar="M", tag="footing-{footing:g}")
+    soil_velocity: float = _option(0.0, "soil: shear-wave velocity, for radiation damping (reference solver); 0: "
+                                   "none", metavar="M_S", tag="soil-velocity-{soil_velocity:g}")
     fibres: int = _option(0, "number of parallel brittle elements of a softening joint; 0: one smooth law, in YADE 16 "
                           "elements",
                           metavar="N", tag="fibres-{fibres}")
@@ -391,7 +449,9 @@ class ModelOptions:
         object.__setattr__(self, "soil", _soil_word(self.soil))
         check_range("--soil-shear", self.soil_shear, 0.01, 10)
         check_range("--footing [m]", self.footing, 0.01, 10)
-        for name in ("soil_shear", "footing"):
+        if self.soil_velocity:
+            check_range("--soil-velocity [m/s]", self.soil_velocity, *SOIL_VELOCITIES)
+        for name in ("soil_shear", "footing", "soil_velocity"):
             usual = type(self).__dataclass_fields__[name].default
             if self.soil == "rigid" and getattr(self, name) != usual:
                 raise InputError(f"--{name.replace('_', '-')} {getattr(self, name):g} without --soil: expected the "

@@ -40,6 +40,11 @@ RANGES = {
     "Wall.precompression": Range(1e3, 2e7, "Pa", STRESSES, "a light roof; the strength of strong masonry", zero=True),
     "Opening.width": Range(0.03, 50, "m", LENGTHS, "a vent; the gate of a hall"),
     "Opening.height": Range(0.03, 50, "m", LENGTHS, "a vent; the gate of a hall"),
+    "Lintel.height": Range(0.01, 3, "m", LENGTHS, "a steel plate; a transfer beam"),
+    "Lintel.bearing": Range(0.02, 5, "m", LENGTHS, "a steel angle; a beam to the next opening", zero=True),
+    "Lintel.width": Range(0.001, 3, "m", LENGTHS, "the web of a section; a historical wall"),
+    "Lintel.modulus": Range(1e8, 1e12, "Pa", MODULI, "soft wood; steel has 2.1e11"),
+    "Lintel.density": Range(100, 2e4, "kg/m3", DENSITIES, "soft wood; steel has 7850"),
     "Floor.level": Range(0.03, 50, "m", LENGTHS, "on the base course; a tower"),
     "Floor.mass": Range(1, 1e6, "kg", {"t": 1e3}, "a shelf; the floor of a hall"),
     "Floor.depth": Range(0.01, 2, "m", LENGTHS, "a screed; a transfer slab"),
@@ -66,6 +71,8 @@ RANGES = {
     "Joint.mode_ii_fracture_energy": Range(1, 1e5, "J/m2", ENERGIES, "clay brickwork has 102 to 353 (Korswagen, "
                                            "2022)", zero=True),
     "Joint.compressive_strength": Range(1e5, 1e9, "Pa", STRESSES, "adobe; the strongest bricks have some 1e8"),
+    "Joint.compressive_fracture_energy": Range(100, 1e6, "J/m2", ENERGIES, "masonry has 0.33 to 1.6 mm times its "
+                                               "strength (Lourenço, 2009)", zero=True),
 }
 """{record and field: Range}."""
 
@@ -85,7 +92,8 @@ def implausible(wall):
     >>> implausible(Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.0)))
     ['Joint.tensile_strength = 0.1 Pa, expected 1000 to 1e7 Pa, or 0: 0.1 MPa is 0.1e6 Pa']
     """
-    records = wall, *wall.openings, *wall.floors, wall.brick, wall.joint
+    records = wall, *wall.openings, *wall.floors, wall.brick, wall.joint, wall.lintel, *(
+        opening.lintel for opening in wall.openings if opening.lintel)
     given = [(f"{type(record).__name__}.{name}", value) for record in records
              for name, value in vars(record).items() if value]
     found = [_message_of(name, value) for name, value in given

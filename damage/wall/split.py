@@ -77,6 +77,9 @@ def cut_bricks(layout):
     contacts = _with(contacts, np.full(len(rows["x"]), glue), rows)
     sheared = 2 if layout.options.brick_cells else 1
     normal, shear = lumped_stiffness(wall, bodies, contacts.kind, contacts.first, contacts.second, sheared)
+    of_lintels = (contacts.kind == CUT) & ~np.isnan(contacts.normal_stiffness)
+    normal, shear = (np.where(of_lintels, old, new) for old, new in (
+        (contacts.normal_stiffness, normal), (contacts.shear_stiffness, shear)))
     others = [behind[brick] + k for brick in np.sort(layout.drift_bodies) for k in range(counts[brick])]
     return replace(
         layout, bodies=bodies, cells=cells, n_bricks=n + added,

@@ -205,9 +205,10 @@ class Mark {
 }
 
 function timeMarks(runs) {
-  const shades = runs.flatMap((run) => run.settling.map(([x0, x1]) => (
-    {type: "rect", xref: "x", yref: "paper", x0, x1, y0: 0, y1: 1, fillcolor: "#e9e9e9", line: {width: 0},
-      layer: "below"})));
+  const spans = runs.flatMap((run) => [...run.settling.map((span) => [span, "#e9e9e9"]),
+    ...run.settlement.map((span) => [span, "#f3e6c8"])]);
+  const shades = spans.map(([[x0, x1], fillcolor]) => (
+    {type: "rect", xref: "x", yref: "paper", x0, x1, y0: 0, y1: 1, fillcolor, line: {width: 0}, layer: "below"}));
   const falls = runs.filter((run) => run.collapsed_at_s !== null).map((run) => (
     {type: "line", xref: "x", yref: "paper", x0: run.collapsed_at_s, x1: run.collapsed_at_s, y0: 0, y1: 1,
       line: {color: "#b00000", width: 1, dash: "dash"}}));

@@ -44,13 +44,13 @@ OPENED, SHEARED, SIGMA, TAU, READ = _fields(0, 5)
 BASE_X, BASE_Z, STEP, ALPHA, LOCAL, RATE, BENCH = _fields(0, 7)
 # Eight partial sums, of rows 0, 8, 16 and so on, of rows 1, 9, 17 and so on: for a single wall the lanes of a vector.
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, DAMPED, KINETIC, SUMS = _fields(0, 7, 64)
-# Fields of the state of a contact point of a failed interface, by name; its compressive strength follows.
+# Fields of the state of a contact point of a failed interface, by name.
 COPIED = ("shear_stress", "shear0", "normal_stress", "idle", "elastic_tensile_strength", "elastic_cohesion",
-          "elastic_friction", "elastic_tension_stiffness", "closure", "kappa")
+          "elastic_friction", "elastic_tension_stiffness", "closure", "kappa", "elastic_compressive_strength")
 COLUMNS, CHANGED = tuple(STATE.names.index(name) for name in COPIED), 3
 """Columns of STATE in the order of COPIED; number of the first ones, which elastic steps change."""
 SHEAR_STRESS, SHEAR0, NORMAL_STRESS, IDLE, TENSILE, COHESION, FRICTION, KT, CLOSURE, KAPPA, COMPRESSIVE, LOOSE = \
-    _fields(0, len(COPIED) + 2)
+    _fields(0, len(COPIED) + 1)
 
 
 class Blocks(NamedTuple):

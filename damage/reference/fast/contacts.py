@@ -52,7 +52,6 @@ def take_one(tables, columns, blocks, w, i):
     k = INDEX(i) * at.LOOSE + INDEX(w)
     for n in range(len(at.COLUMNS)):
         blocks.contacts[k + INDEX(8 * n)] = columns[w, i, at.COLUMNS[n]]
-    blocks.contacts[k + at.COMPRESSIVE] = tables.contacts[w, i].compressive_strength
 
 
 @inlined

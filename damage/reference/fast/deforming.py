@@ -244,7 +244,7 @@ def force_by_law(tables, columns, blocks, modes, law, step, w, p, i, damped):
     room, m, motion = modes.room, INDEX(i) * at.LAST + INDEX(w), kept_motion(modes.room, w)
     if modes.failed[i]:
         give_one(columns, blocks, w, i)
-    before = last_motion(modes.last, m)
+    before = last_motion(modes.last, m) if damped and blocks.bench[at.RATE + INDEX(w)] > 0.0 else motion
     resultant, changed, failed = singly.law_resultant(wall_of(tables, w), law, i, i + 1, step, motion, before, damped)
     if failed:
         tables.interfaces[w, p].failed = FAILED

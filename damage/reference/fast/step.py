@@ -40,7 +40,7 @@ def wall_of(tables, w):
     return System(tables.place[w], tables.velocity[w], tables.force[w], tables.mass[w], tables.inverse_mass[w],
                   tables.trig[w], tables.interfaces[w], tables.contacts[w], tables.states[w], tables.readings[w],
                   tables.energy[w], tables.events[w], tables.values[w], tables.n_events[w], tables.relaxation[w],
-                  tables.last[w], tables.turning[w])
+                  tables.last[w], tables.turning[w], tables.radiation[w])
 
 
 @compiled
@@ -76,8 +76,8 @@ def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
     if elastic or intact:
         singly.remember(system.contacts, system.states, start, stop, motion)
     else:
-        resultant, changed, failed = singly.law_resultant(system, law, start, stop, step, motion,
-                                                          last_motion(last, m), damped)
+        before = last_motion(last, m) if damped else motion_before(tables, blocks, lanes, w, p, k)
+        resultant, changed, failed = singly.law_resultant(system, law, start, stop, step, motion, before, damped)
         if failed:
             tables.interfaces[w, p].failed = FAILED
             limits[held + at.OPENING] = -np.inf
@@ -91,6 +91,23 @@ def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
         blocks.sums[at.DAMPED + INDEX(p % 8 * lanes + w)] += work
         resultant = viscous
     push_one(bodies, a, b, apart, interfaces.forces_on_bodies(frame, resultant))
+
+
+@compiled
+def motion_before(tables, blocks, lanes, w, p, k):
+    """`damage.mechanics.step.motion_before` of interface p of wall w; k: index of its block."""
+    interface, dt, here = tables.interfaces[0, p], blocks.bench[at.STEP + INDEX(w)], INDEX(w)
+    a, b = INDEX(interface.a) * INDEX(lanes) + here, INDEX(interface.b) * INDEX(lanes) + here
+    first = pose_before(blocks.bodies, place_of(a, at.BODY), dt)
+    second = pose_before(blocks.bodies, place_of(b, at.BODY), dt)
+    return interfaces.relative_motion(line_of(blocks.interfaces, k), first, second)[1]
+
+
+@inlined
+def pose_before(bodies, k, dt):
+    """Pose of the body at index k in the last step; dt: time step [s]."""
+    return interfaces.pose_before(bodies[k + at.X], bodies[k + at.Z], bodies[k + at.ROTATION], bodies[k + at.VX],
+                                  bodies[k + at.VZ], bodies[k + at.VROTATION], dt)
 
 
 @compiled

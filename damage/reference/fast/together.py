@@ -10,7 +10,7 @@ from damage.history.schema import ENDED
 from damage.mechanics.eight import add, bits, either, flags_of, load, spread, store
 from damage.mechanics.interfaces import Resultant
 from damage.mechanics.samples import KINETIC, observe_contact
-from damage.mechanics.tables import DAMPING, ENDING, FAILED, ROTATION, X, Z
+from damage.mechanics.tables import DAMPING, ENDING, FAILED, INPUT, RIGID, ROTATION, X, Z
 from damage.reference.fast import blocks as at
 from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH, clear, pack, pack_limits, place_of, total, unpack
 from damage.reference.fast.bodies import ALL, adapt, move, set_all
@@ -71,7 +71,7 @@ def run(tables, columns, blocks, law, controls, field, clock, ends, ending, stif
         all_forces(tables, columns, blocks, law, clock, step, which, which == full, damped)
         if which:
             set_all(blocks.bench, tables.relaxation, LANES, controls, field, step)
-            observe(tables, columns, blocks, which, stiffness, samples, taken)
+            observe(tables, columns, blocks, field, step, which, stiffness, samples, taken)
             if damped:
                 fasten(tables, columns, blocks, which)
                 remember_last(tables, blocks, LANES, which)
@@ -221,7 +221,7 @@ def end_interface(tables, blocks, law, p, ending, damped):
 
 
 @compiled
-def observe(tables, columns, blocks, which, stiffness, samples, taken):
+def observe(tables, columns, blocks, field, step, which, stiffness, samples, taken):
     """Write the next sample of each of the walls `which` (bits), as `damage.mechanics.samples.observe`.
 
     The bench must hold the parameters of the next step.
@@ -229,7 +229,7 @@ def observe(tables, columns, blocks, which, stiffness, samples, taken):
     kinetic_energy(blocks)
     for w in range(tables.place.shape[0]):
         if which >> w & 1:
-            observe_places(tables, blocks, w, samples, taken[w])
+            observe_places(tables, blocks, field[w, step], w, samples, taken[w])
     observe_stored(blocks, which, stiffness, samples, taken)
     for w in range(tables.place.shape[0]):
         if which >> w & 1:
@@ -238,7 +238,7 @@ def observe(tables, columns, blocks, which, stiffness, samples, taken):
 
 
 @compiled
-def observe_places(tables, blocks, w, samples, k):
+def observe_places(tables, blocks, field, w, samples, k):
     """Write displacements of the bodies, forces on the supports and totals of wall w into its sample k."""
     supports = tables.place.shape[1] - samples.support_force.shape[2]
     for b in range(tables.place.shape[1]):
@@ -253,6 +253,24 @@ def observe_places(tables, blocks, w, samples, k):
     samples.totals[w, k, KINETIC] = blocks.sums[at.KINETIC + INDEX(w)]
     for i in range(tables.energy.shape[1]):
         samples.totals[w, k, KINETIC + 1 + i] = tables.energy[w, i]
+    samples.totals[w, k, KINETIC + 1 + INPUT] += input_of_half_a_step(tables, blocks, field, w)
+
+
+@compiled
+def input_of_half_a_step(tables, blocks, field, w):
+    """`damage.mechanics.samples.input_of_half_a_step` of wall w."""
+    power, bodies = 0.0, blocks.bodies
+    for b in range(tables.place.shape[1]):
+        slot = INDEX(b) * at.BODY + INDEX(w)
+        for axis in range(RIGID):
+            velocity = bodies[slot + at.VX] if axis == X else bodies[slot + at.VZ] if axis == Z else bodies[
+                slot + at.VROTATION]
+            if tables.inverse_mass[w, b, axis] == 0.0:
+                power += (bodies[slot + at.FX] if axis == X else bodies[slot + at.FZ] if axis == Z else bodies[
+                    slot + at.MOMENT]) * velocity
+            elif axis != ROTATION:
+                power += tables.mass[w, b, axis] * (field[0] if axis == X else field[1]) * velocity
+    return -0.5 * blocks.bench[at.STEP + INDEX(w)] * power
 
 
 @inlined

@@ -1,0 +1,35 @@
+"""Three readings of a published fragility over thirty years at three addresses (`damage.life.readings`).
+
+    python3 benchmarks/accumulation.py | python3 scripts/document_tables.py benchmarks/accumulation.csv
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+from damage.exposure.lives import read_address
+from damage.life.readings import READINGS, final_psi
+
+ADDRESSES = "garsthuizen", "loppersum", "delfzijl"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--lives", type=int, default=2000)
+    lives = parser.parse_args().lives
+    levels = [f"{name}, Psi >= {level}" for level in (1, 2) for name in READINGS]
+    print("| address | " + " | ".join(levels) + " |\n|" + " --- |" * (len(levels) + 1))
+    for address in ADDRESSES:
+        draws = read_address(REPOSITORY / "studies" / "addresses" / f"{address}.toml")
+        found = final_psi(draws, range(1, lives + 1))
+        shares = [np.mean(found[name] >= level) for level in (1, 2) for name in READINGS]
+        print(f"| {address} | " + " | ".join(f"{share:.3f}" for share in shares) + " |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+"""Commands about an address: its earthquakes, and lives of walls there."""
+
+import sys
+
+from damage.commands.table import JSON, arg, command, file_arg, out, save, show
+from damage.errors import InputError
+from damage.files import write_text
+from damage.run.options import WALLS_ARE_CODE, file_path, number_from
+
+_ADDRESS = (
+          arg("--at", nargs=2, type=float, metavar=("LAT", "LON"), help="the address, degrees in WGS84"),
+          arg("--rd", nargs=2, type=float, metavar=("X", "Y"), help="instead: metres in the Dutch grid (EPSG:28992)"),
+          arg("--vs30", type=float, default=200.0, metavar="M_S", help="mean shear-wave velocity of the upper 30 m "
+               "(default 200)"),
+          arg("--from", dest="first", type=int, metavar="YEAR", help="first year (default: the catalogue's)"),
+          arg("--to", dest="last", type=int, metavar="YEAR", help="last year (default: the catalogue's)"),
+          file_arg("--catalogue", "FILE", "events: CSV, or the text of an FDSN event service (default: KNMI's list for "
+                "the field, 1991-12 to 2022-01, which ships)"),
+          arg("--component", metavar="LRG|GEO|MAX", help="larger of both horizontal components (default), their "
+               "geometric mean, or the largest in any direction"),
+          arg("--model", default="bommer-2022", metavar="NAME", help="ground-motion model (default bommer-2022)"))
+"""Options of the commands that are about an address; `_exposure_of` reads them."""
+
+
+def _exposure_of(asked):
+    from damage.exposure.catalogue import SHIPPED, read_catalogue
+    from damage.exposure.exposure import Exposure
+    from damage.exposure.ground_motion import model_named
+    from damage.exposure.places import at, at_rd
+
+    if (asked.at is None) == (asked.rd is None):
+        raise InputError("exposure of which address? expected --at LAT LON or --rd X Y; give one of them")
+    return Exposure(at(*asked.at) if asked.at else at_rd(*asked.rd),
+                    read_catalogue(asked.catalogue or SHIPPED).between(asked.first, asked.last),
+                    model_named(asked.model, asked.component), asked.vs30)
+
+
+@command("the ground motion at an address in the Groningen field: PGV of every earthquake of a catalogue", *_ADDRESS,
+         JSON, out("folder for the table of all events and the picture", required=False))
+def _exposure(asked):
+    from damage.exposure.exposure import describe
+
+    exposure = _exposure_of(asked)
+    if asked.out:
+        from damage.draw.exposure import exposure_picture
+        from damage.measure.tables import write_table
+
+        print(f"table: {write_table(exposure.table(), asked.out / 'exposure.csv')}", file=sys.stderr)
+        save([("exposure", exposure_picture(exposure))], asked.out, "exposure")
+    show(asked, exposure.as_dict(), describe)
+
+
+@command("lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one after the other, "
+         "damage carried over, their motions and the joints' strengths drawn; the same command continues",
+         file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
+         arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N", help="lives (default 100)"),
+         arg("--seed", type=number_from(0, 2**31, int), default=0, help="of the draws (default 0)"),
+         arg("--above", type=number_from(0.01, 1000), default=8.0, metavar="MM_S", help="PGV from which an event is "
+              "part of a life (default 8); the largest always is"),
+         arg("--within", type=number_from(0.1, 1000), default=10.0, metavar="KM", help="stations whose records are "
+              "used (default 10 km from the epicentre)"),
+         arg("--scale-to", default="pgv", metavar="pgv|sa", help="what records are scaled to: the drawn PGV "
+              "(default), or the spectral acceleration at 0.2 s that it implies"),
+         arg("--strong", nargs=2, type=float, default=(0.05, 0.1), metavar="SHARE", help="shares of the Arias "
+              "intensity that a record's window leaves out at its start and end (default 0.05 0.1)"),
+         arg("--rest", type=number_from(0, 100), default=0.2, metavar="S", help="free vibration after each event "
+              "(default 0.2), before the damped stage"),
+         arg("--strength-cov", type=number_from(0, 2), default=0.3, metavar="COV", help="scatter of the joints' "
+              "strengths (default 0.3)"),
+         arg("--settle", metavar="PROFILE|FILE.csv", help="settlement of the ground before the first event"),
+         arg("--distortion", metavar="1/500", help="of a named profile"),
+         arg("-j", dest="jobs", type=number_from(1, 9999, int), metavar="N", help="processes (default: one a core)"),
+         arg("--slurm", action="store_true", help="as jobs of a SLURM cluster"),
+         out("folder of the study: tables, pictures, report"))
+def _life(asked):
+    from damage.exposure.lives import Choices, Draws
+    from damage.life.study import write_study
+    from damage.studies.batch import run_study
+
+    Draws(_exposure_of(asked), Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
+        1)  # says what is wrong before anything is written
+    place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
+        dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
+    address = place | {
+        "vs30_m_s": asked.vs30, "first_year": asked.first, "last_year": asked.last,
+        "catalogue": asked.catalogue and str(asked.catalogue.resolve()), "component": asked.component,
+        "model": asked.model, "above_mm_s": asked.above, "within_km": asked.within, "scale_to": asked.scale_to,
+        "strong": list(asked.strong), "seed": asked.seed}
+    options = {"rest": asked.rest, "strength-cov": asked.strength_cov, "settle": asked.settle,
+               "distortion": asked.distortion}
+    study = write_study(asked.out, asked.wall, address,
+                        {name: value for name, value in options.items() if value is not None}, asked.draws)
+    run_study([str(study), "--out", str(asked.out), "--keep", "summary",
+               *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else [])])
+
+
+@command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "
+         "the contribution of each; tables, pictures and one HTML report, in the folder",
+         file_arg("results", "FOLDER", "folder of a study with lives"),
+         arg("--with", dest="tables", nargs="+", default=[], type=file_path, metavar="lives.csv", help="lives of "
+              "equal points from other sessions, with other seeds"),
+         arg("--tables", dest="only", action="store_true", help="tables and text only"),
+         file_arg("--markdown", "FILE", "write the text, too"),
+         out("folder for the tables (default: figures in FOLDER)", required=False))
+def _lives(asked):
+    from damage.draw.life import contributions_picture, life_picture
+    from damage.html.report import Words, write_report
+    from damage.life.results import (
+        contributions,
+        describe,
+        largest_alone,
+        lives_of,
+        over_time,
+        with_tables,
+        write_lives,
+    )
+
+    parts = with_tables(lives_of(asked.results), asked.tables)
+    folder = asked.out or asked.results / "figures"
+    print(*write_lives(parts, folder), sep="\n")
+    text = describe(parts)
+    if asked.markdown:
+        write_text(asked.markdown, text + "\n")
+    print(text)
+    if asked.only:
+        return
+    alone = {point: lives[1] for point, lives in largest_alone(parts).items()}
+    for one in parts:
+        if not one.draws.choices.largest_alone:
+            title = f"{one.point}: {len(one.last)} lives"
+            save([(f"life_{one.point}", life_picture(one.table, over_time(one), alone.get(one.point), title)),
+                   (f"life_{one.point}_events", contributions_picture(contributions(one), title))], folder, title)
+    paragraphs = text.replace("\n  ", "; ").replace("\n", "\n\n")
+    print(write_report([asked.results], None, Words("Lives of a wall", None, paragraphs)))

@@ -1,0 +1,150 @@
+"""Commands about histories: numbers, pictures, tables, reports."""
+
+from damage.commands.table import (
+    DRIFT_LIMIT,
+    HISTORIES,
+    HISTORY,
+    JSON,
+    PSI_FROM,
+    arg,
+    command,
+    file_arg,
+    out,
+    save,
+    show,
+    threshold,
+)
+from damage.errors import InputError, warn
+from damage.history.reader import read_history
+from damage.index import SLIP_CRITERIA
+from damage.run.options import number_from
+from damage.units import MILLIMETRE
+
+
+@command("the damage index and key numbers of a history", HISTORY, JSON, threshold("opening and slip"),
+         DRIFT_LIMIT, arg("--slip", choices=SLIP_CRITERIA, default="displacement",
+                            help="when a joint counts as slipped (default displacement)"), PSI_FROM)
+def _index(asked):
+    from damage.measure.summary import summarise
+    from damage.run.report import describe, with_members
+
+    history = read_history(asked.history)
+    summary = with_members(summarise(history, asked.threshold_mm * MILLIMETRE, asked.drift_limit_pct / 100,
+                                     asked.slip, asked.psi_from_mm * MILLIMETRE), history)
+    warn(*summary["warnings"])
+    show(asked, summary, describe)
+
+
+@command("whether histories are complete, ended early, still open or damaged; exit status 2 where one is damaged, 1 "
+         "where one has no end", HISTORIES, JSON)
+def _check(asked):
+    from damage.history.info import DAMAGED, UNSEALED, WHOLE, check, describe_check
+
+    checked = [check(path) for path in asked.histories]
+    show(asked, checked, describe_check)
+    found = {one["worth"] for one in checked}
+    return 2 if DAMAGED in found else int(not found <= {WHOLE, UNSEALED})
+
+
+@command("what made a history: software, command, inputs, every parameter", HISTORY, JSON)
+def _info(asked):
+    from damage.history.info import describe, info
+
+    show(asked, info(read_history(asked.history)), describe)
+
+
+@command("cycles, envelope and failure mode of a pushed wall", HISTORY, JSON)
+def _cycles(asked):
+    from damage.laboratory.pushed import describe, pushed_report
+
+    show(asked, pushed_report(read_history(asked.history)), describe)
+
+
+@command("the pictures of a history, PNG and PDF", HISTORY, out("folder for the pictures"))
+def _plot(asked):
+    from damage.draw.run import save_all
+
+    print(*save_all(read_history(asked.history), asked.out), sep="\n")
+
+
+@command("the moving wall and its cracks as GIF, or as MP4 where ffmpeg is there", HISTORY,
+         out("the film (default: beside the history, .gif)", "FILE.gif|FILE.mp4", required=False),
+         arg("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the run (default: all of it, "
+              "or of a long one what is around its maximum DI)"),
+         arg("--magnify", type=number_from(0, 1e6), metavar="FACTOR", help="on displacements (default: what makes "
+              "them visible)"))
+def _animate(asked):
+    from damage.draw.animation import write_film
+
+    print(write_film(read_history(asked.history), asked.out or asked.history.with_suffix(".gif"), asked.window,
+                     asked.magnify))
+
+
+@command("a history for ParaView, or the tables of a study for other programs",
+         file_arg("source", "FILE.h5|STUDY_DIR", "a history, or the folder of a study, as results/quick"),
+         file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
+         file_arg("--vtk", "DIR", "of a history: a VTU file a snapshot and a PVD file that lists them, for any "
+                  "ParaView"),
+         file_arg("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
+         file_arg("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)"))
+def _export(asked):
+    from damage.export.study import write_netcdf, write_parquet
+    from damage.export.vtkhdf import write_vtkhdf
+    from damage.export.vtu import write_vtu
+
+    if not (asked.vtkhdf or asked.vtk or asked.parquet or asked.netcdf):
+        raise InputError("export without a format: expected --vtkhdf FILE.vtkhdf or --vtk DIR of a history, --parquet "
+                         "DIR or --netcdf FILE.nc of a study; give one")
+    history = read_history(asked.source) if asked.vtkhdf or asked.vtk else None
+    if asked.vtkhdf:
+        print(write_vtkhdf(history, asked.vtkhdf))
+    if asked.vtk:
+        print(write_vtu(history, asked.vtk))
+    if asked.parquet:
+        print(*write_parquet(asked.source, asked.parquet), sep="\n")
+    if asked.netcdf:
+        print(write_netcdf(asked.source, asked.netcdf))
+
+
+@command("compare a history with another, or an ensemble", file_arg("first", "A.h5"),
+         file_arg("others", "B.h5", "of several the median counts", nargs="+"), JSON,
+         out("folder for a picture of drift and joints", required=False))
+def _compare(asked):
+    from damage.measure.compare import compare, describe
+
+    first, others = read_history(asked.first), [read_history(path) for path in asked.others]
+    result = compare(first, others)
+    if asked.out:
+        from damage.draw.compare import compare_picture
+        from damage.history.info import origin
+
+        save([("compare", compare_picture(first, others[0]))], asked.out,
+              "\n".join(map(origin, (first, others[0]))))
+    show(asked, result, describe)
+
+
+@command("tables of histories as CSV: of one run over time, or one row per run",
+         arg("what", choices=("run", "summary")), HISTORIES,
+         out("STEM of STEM_index.csv and so on, or the summary's file", "STEM|FILE.csv"))
+def _tables(asked):
+    from damage.measure.tables import summary_table, write_run_tables, write_table
+
+    if asked.what == "summary":
+        write_table(summary_table(asked.histories), asked.out)
+    else:
+        for path in asked.histories:
+            write_run_tables(read_history(path), asked.out)
+
+
+@command("one HTML file to send: a run, runs side by side, or a study, for any browser, without a network",
+         file_arg("paths", "PATH", "a history (.h5), up to six of them, or the folder of studies", nargs="+"),
+         out("the file (default: beside the first PATH, of its name, or report.html in a folder)", "FILE.html",
+              required=False),
+         arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
+         arg("--author", metavar="NAME", help="who wrote it, below the title"),
+         arg("--text", metavar="WORDS", help="what it begins with, as what was asked and what follows; blank lines "
+              "separate paragraphs"))
+def _report(asked):
+    from damage.html.report import Words, write_report
+
+    print(write_report(asked.paths, asked.out, Words(asked.title, asked.author, asked.text)))

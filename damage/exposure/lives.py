@@ -1,0 +1,231 @@
+"""Lives: the earthquakes of a catalogue at an address, with a motion drawn for each.
+
+An address is a TOML file of the keys in KEYS:
+
+    latitude = 53.36786
+    longitude = 6.71359
+    above_mm_s = 2.0
+
+A life is drawn by its number: the same file and number give the same life, whatever else is drawn.  Lives of one number
+have the same terms of ln PGV at every address, component and threshold (common random numbers).
+"""
+
+import tomllib
+from dataclasses import asdict, dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from damage.checks import check_choice, check_file, check_range, check_whole
+from damage.errors import InputError, did_you_mean
+from damage.exposure.catalogue import SHIPPED, read_catalogue
+from damage.exposure.exposure import Exposure
+from damage.exposure.ground_motion import model_named
+from damage.exposure.places import at, at_rd
+from damage.exposure.residuals import COMPONENTS
+from damage.files import is_there, write_text
+from damage.motion.formats import read_record, shipped_records
+from damage.motion.loading import Recorded
+from damage.motion.sequence import Event
+
+KEYS = {
+    "latitude": "of the address, WGS84 [degrees]", "longitude": "of the address, WGS84 [degrees]",
+    "easting_rd_m": "instead: in the Dutch grid [m]", "northing_rd_m": "instead: in the Dutch grid [m]",
+    "vs30_m_s": "mean shear-wave velocity of the upper 30 m [m/s] (default 200)",
+    "first_year": "of the catalogue that is used (default: all)", "last_year": "of the catalogue that is used",
+    "catalogue": "file of the events, from the address's file (default: KNMI's that ships)",
+    "component": "LRG (default), GEO or MAX", "model": "ground-motion model (default bommer-2022)",
+    "above_mm_s": "PGV from which an event is part of a life (default 2); the largest always is",
+    "within_km": "farthest station whose records are used (default 10)",
+    "scale_to": "pgv (default): records are scaled to the drawn PGV; sa: to the spectral acceleration at 0.2 s that it "
+                "implies by the mean ratio of the records",
+    "strong": "share of a record's Arias intensity that its window leaves out at its start and at its end (default: "
+              "the windows of components.csv, 0.01 and 0.03)",
+    "largest_alone": "true: only the largest event of each life (default false)",
+    "seed": "of all lives (default 0)"}
+"""Keys of an address file and their meanings."""
+COLUMNS = ["time_utc", "magnitude", "place", "id", "pgv_mm_s", "record", "scale", "start_s", "end_s"]
+FACTORS = 0.1, 10.0
+"""Bounds of the factor on a record: the README beside the components has the reason."""
+SCALES = "pgv", "sa"
+TENTH_S = 0.1
+"""Windows are rounded outwards to this [s]."""
+_MOST_MB = 1
+
+
+@dataclass(frozen=True)
+class Choices:
+    """How motions are chosen; fields as in KEYS."""
+
+    above_mm_s: float = 2.0
+    within_km: float = 10.0
+    scale_to: str = "pgv"
+    strong: tuple[float, float] | None = None
+    largest_alone: bool = False
+    seed: int = 0
+
+    def __post_init__(self):
+        check_range("above_mm_s [mm/s]", self.above_mm_s, 0.01, 1000)
+        check_range("within_km [km]", self.within_km, 0.1, 1000)
+        check_choice("scale_to", self.scale_to, SCALES)
+        check_whole("seed", self.seed, 0, 2**31)
+        if not isinstance(self.largest_alone, bool):
+            raise InputError(f"largest_alone = {self.largest_alone!r}: expected true or false; correct it")
+        if self.strong is not None:
+            strong = tuple(self.strong) if isinstance(self.strong, list | tuple) else ()
+            if len(strong) != 2:
+                raise InputError(f"strong = {self.strong!r}: expected two shares, like [0.05, 0.05]; correct it")
+            for share in strong:
+                check_range("strong", share, 0, 0.49)
+            object.__setattr__(self, "strong", strong)
+
+
+@dataclass(frozen=True)
+class Draws:
+    """What lives are drawn from: an Exposure and Choices."""
+
+    exposure: Exposure
+    choices: Choices = Choices()
+
+    def pgv(self, number):
+        """(PGV of every event (n_events,) [mm/s], shares (n_events,) that choose the components, signs (n_events,)) of
+        a life by its number from 1."""
+        rng = np.random.default_rng([self.choices.seed, number])
+        n_events = len(self.exposure.median_mm_s)
+        terms = self.exposure.model.draw(rng, 1, n_events)
+        share, sign = rng.random(n_events), rng.choice([-1.0, 1.0], n_events)
+        return self.exposure.median_mm_s * np.exp(sum(terms)[0, :, 0]), share, sign
+
+    def largest(self, numbers):
+        """Largest PGV of each of these lives, (n,) [mm/s]."""
+        return np.array([self.pgv(number)[0].max() for number in numbers])
+
+    def life(self, number):
+        """Table of the events of a life, by its number from 1, in the order of time; columns: COLUMNS.
+
+        Events from above_mm_s on, and the largest.  The threshold leaves events out and changes no other.  Raises
+        InputError where no component may be scaled to a PGV.
+        """
+        pgv, share, sign = self.pgv(number)
+        chosen = pgv == pgv.max() if self.choices.largest_alone else \
+            (pgv >= self.choices.above_mm_s) | (pgv == pgv.max())
+        events, rows = self.exposure.catalogue, []
+        for k in np.flatnonzero(chosen):
+            row, factor = self._component(pgv[k], share[k])
+            rows.append([f"{events.time[k]:%Y-%m-%dT%H:%M:%S}", events.magnitude[k], events.place[k], events.id[k],
+                         pgv[k], row.record, sign[k] * factor, row.start_s, row.end_s])
+        return pd.DataFrame(rows, columns=COLUMNS)
+
+    @cached_property
+    def components(self):
+        """The components that may be used, with their windows: a DataFrame."""
+        table = pd.read_csv(COMPONENTS, comment="#")
+        table = table[table["epicentral_km"] <= self.choices.within_km].reset_index(drop=True)
+        if self.choices.strong is not None:
+            windows = [strong_window(row.record, row.start_s, row.end_s, self.choices.strong)
+                       for row in table.itertuples()]
+            table[["start_s", "end_s"]] = np.reshape(windows, (-1, 2))
+        return table
+
+    @cached_property
+    def _unit_pgv(self):
+        """PGV [mm/s] for which each component has a factor of one, (n,)."""
+        pgv = self.components["pgv_mm_s"].to_numpy()
+        if self.choices.scale_to == "pgv":
+            return pgv
+        sa = self.components["sa_0.2_s_g"].to_numpy()
+        return sa / np.exp(np.mean(np.log(sa / pgv)))
+
+    def _component(self, pgv_mm_s, share):
+        """(row of `components`, factor) at a share of those that may be scaled to a PGV."""
+        factor = pgv_mm_s / self._unit_pgv
+        fit = np.flatnonzero((factor >= FACTORS[0]) & (factor <= FACTORS[1]))
+        if len(fit) == 0:
+            raise InputError(f"no suitable record for a PGV of {pgv_mm_s:.3g} mm/s: expected a component within "
+                             f"{self.choices.within_km:g} km that a factor of {FACTORS[0]:g} to {FACTORS[1]:g} brings "
+                             "there; give more stations, or a larger threshold")
+        which = fit[int(share * len(fit))]
+        return next(self.components.iloc[[which]].itertuples()), factor[which]
+
+    def as_dict(self):
+        """What decides the lives, fit for JSON."""
+        exposure, choices = self.exposure, asdict(self.choices)
+        return {"latitude": exposure.place.latitude, "longitude": exposure.place.longitude,
+                "vs30_m_s": float(exposure.vs30_m_s), "model": exposure.model.source,
+                "component": exposure.model.component, "years": [int(year) for year in exposure.catalogue.years],
+                "events": len(exposure.median_mm_s), "sum_of_medians_mm_s": float(exposure.median_mm_s.sum()),
+                **choices, "strong": choices["strong"] and [float(share) for share in choices["strong"]]}
+
+
+@lru_cache(maxsize=256)
+def strong_window(name, start_s, end_s, shares):
+    """Part (start, end) [s] of a record's window that leaves out these shares of its Arias intensity, rounded
+    outwards."""
+    record = read_record(shipped_records()[name])
+    time, squared = record.time_s, record.acceleration_m_s2**2
+    inside = (time >= start_s) & (time <= end_s)
+    arias = np.cumsum(squared * inside) / np.sum(squared * inside)
+    first, last = np.searchsorted(arias, [shares[0], 1 - shares[1]])
+    first, last = np.floor(time[first] / TENTH_S), np.ceil(time[min(last, len(time) - 1)] / TENTH_S)
+    return max(start_s, float(first) * TENTH_S), min(end_s, float(last) * TENTH_S)
+
+
+def events_of(life, rest_s):
+    """The events of a life's table, a tuple of Event, as `damage.motion.sequence.read_sequence` makes them."""
+    return tuple(Event(_loading(row.record, row.start_s, row.end_s), float(row.scale), rest_s)
+                 for row in life.itertuples())
+
+
+@lru_cache(maxsize=256)
+def _loading(name, start_s, end_s):
+    return Recorded(read_record(shipped_records()[name]), window_s=(float(start_s), float(end_s)))
+
+
+def write_sequence(life, path):
+    """Write a life as a sequence file, which `--sequence` takes; returns its path."""
+    return write_text(path, life[["record", "scale", "start_s", "end_s"]].to_csv(index=False))
+
+
+@lru_cache(maxsize=8)
+def _read(path, text):
+    try:
+        table = tomllib.loads(text)
+    except ValueError as error:
+        raise InputError(f"{path} is no TOML ({error}); expected the file of an address, correct it") from error
+    if unknown := sorted(set(table) - set(KEYS)):
+        raise InputError(f"{path}: unknown key {unknown[0]!r}: expected one of {', '.join(KEYS)}"
+                         f"{did_you_mean(unknown[0], KEYS)}")
+    try:
+        return Draws(_exposure(table, path), Choices(**{name: value for name, value in table.items()
+                                                        if name in Choices.__dataclass_fields__}))
+    except (InputError, TypeError) as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def read_address(path):
+    """Draws of an address's file; raises InputError."""
+    check_file(Path(path), "the file of an address (.toml)", _MOST_MB)
+    try:
+        return _read(str(path), Path(path).read_text(encoding="utf-8-sig"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: {error}; expected the file of an address (.toml)") from error
+
+
+def _exposure(table, path):
+    places = [pair for pair in (("latitude", "longitude"), ("easting_rd_m", "northing_rd_m")) if set(pair) & set(table)]
+    if len(places) != 1 or not set(places[0]) <= set(table):
+        raise InputError("no address: expected latitude and longitude, or easting_rd_m and northing_rd_m; give one "
+                         "pair")
+    for name in places[0]:
+        check_range(name, table[name], -1e7, 1e7)
+    first, second = (float(table[name]) for name in places[0])
+    catalogue = SHIPPED
+    if "catalogue" in table:
+        beside = Path(path).parent / str(table["catalogue"])
+        catalogue = beside if is_there(beside) else str(table["catalogue"])
+    return Exposure(at(first, second) if places[0][0] == "latitude" else at_rd(first, second),
+                    read_catalogue(catalogue).between(table.get("first_year"), table.get("last_year")),
+                    model_named(str(table.get("model", "bommer-2022")), table.get("component")),
+                    table.get("vs30_m_s", 200.0))

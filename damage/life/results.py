@@ -1,0 +1,258 @@
+"""Results of lives: what each event did to each wall, and what became of the walls over the years.
+
+`python3 -m damage lives FOLDER...` takes folders of studies with lives, or their tables lives.csv, of other seeds, too:
+lives of one point and different seeds are counted together.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import starmap
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from damage.errors import InputError
+from damage.exposure.lives import Draws, read_address
+from damage.history.schema import Column
+from damage.life.estimate import paired, probability
+from damage.measure.tables import write_table
+from damage.studies.definition import FROM, load_study
+from damage.studies.records import all_records
+
+VISIBLE = 1.0, 2.0
+"""Psi whose probability is reported."""
+POPULATION = 4000
+"""Lives that are drawn and not run, for the distribution of the largest PGV."""
+COLUMNS = {
+    "point": Column("", "of the study"), "seed": Column("1", "seed of the address's file"),
+    "life": Column("1", "number of the life, from 1"), "event": Column("1", "number of the event in the life, from 1"),
+    "time_utc": Column("", "of the event"), "magnitude": Column("1", "local magnitude ML"),
+    "place": Column("", "place nearest to the epicentre"), "id": Column("", "identifier of the catalogue"),
+    "pgv_mm_s": Column("mm/s", "PGV that was drawn"), "record": Column("", "record that stands for the motion"),
+    "scale": Column("1", "factor on it"), "largest_mm_s": Column("mm/s", "largest PGV of the life"),
+    "max_psi": Column("1", "largest Psi in the event"),
+    "psi": Column("1", "Psi at rest after it; largest of a wall that fell"),
+    "max_DI": Column("1", "largest damage index in the event"), "DI": Column("1", "the same at rest after it"),
+    "crack_width_mm": Column("mm", "width of the widest crack at rest"),
+    "offset_after_mm": Column("mm", "largest offset of a joint's faces at rest"),
+    "newly_failed": Column("1", "contact points whose bonds failed in it"),
+    "fell": Column("bool", "whether the wall fell in it")}
+"""Columns of lives.csv."""
+_SOURCES = {"max_psi": "max_psi", "psi": "residual_psi", "max_DI": "max_DI", "DI": "residual_DI",
+            "crack_width_mm": "residual_crack_width_mm", "offset_after_mm": "offset_after_mm",
+            "newly_failed": "newly_failed"}
+_OUTCOMES = {"psi": "at rest at the end of the year", "max_psi": "at any moment up to then"}
+YEARLY = {
+    "point": Column("", "of the study"), "year": Column("", "at whose end"), "lives": Column("1", "their number"),
+    "median_psi": Column("1", "median over the lives of Psi at rest"),
+    "median_max_psi": Column("1", "median of the largest Psi so far"),
+    "median_DI": Column("1", "median of the damage index at rest"),
+    "median_crack_width_mm": Column("mm", "median of the widest crack at rest"),
+    **{f"p_{name}_{level:g}{end}": Column("1", f"{words}probability of Psi >= {level:g} {when}")
+       for name, when in _OUTCOMES.items() for level in VISIBLE
+       for end, words in (("", ""), ("_low", "lower 95 % bound of the "), ("_high", "upper 95 % bound of the "))}}
+"""Columns of life.csv."""
+CONTRIBUTIONS = {
+    "point": Column("", "of the study"), "time_utc": Column("", "of the event"),
+    "magnitude": Column("1", "local magnitude ML"), "place": Column("", "place nearest to the epicentre"),
+    "id": Column("", "identifier of the catalogue"), "lives": Column("1", "number of lives that it is part of"),
+    "mean_psi": Column("1", "mean over all lives of its increase of Psi at rest"),
+    "share": Column("1", "of the sum over all events"),
+    "largest": Column("1", "share of lives in which no other event increases Psi as much")}
+"""Columns of contributions.csv."""
+
+
+@dataclass(frozen=True)
+class Lives:
+    """The lives of a point.
+
+    draws: Draws of its address; table: a row an event, of COLUMNS.
+    """
+
+    point: str
+    draws: Draws
+    table: pd.DataFrame
+
+    @property
+    def years(self):
+        """First and last year of the catalogue."""
+        return self.draws.exposure.catalogue.years
+
+    @property
+    def last(self):
+        """The last row of every life, by seed and life, with the largest Psi of all of it."""
+        return self.until(self.years[1])
+
+    def until(self, year):
+        """State of every life at the end of a year, by (seed, life): psi, max_psi, DI, crack_width_mm, largest_mm_s."""
+        keys = ["seed", "life"]
+        every = self.table.groupby(keys)["largest_mm_s"].first()
+        so_far = self.table[self.table["time_utc"].str[:4].astype(int) <= year]
+        states = so_far.groupby(keys).last().reindex(every.index)
+        fell = states["fell"].eq(True)
+        found = states[["psi", "DI", "crack_width_mm"]].astype(float).fillna(0.0)
+        found["max_psi"] = so_far.groupby(keys)["max_psi"].max().reindex(every.index).fillna(0.0)
+        found.loc[fell, ["psi", "max_psi"]] = np.inf
+        return found.assign(largest_mm_s=every)
+
+    def population(self):
+        """Largest PGV (POPULATION,) [mm/s] of lives that are drawn only."""
+        return self.draws.largest(range(1, POPULATION + 1))
+
+
+def lives_of(folder):
+    """Lives of the points of a study's folder, a list; InputError where it holds none."""
+    folder = Path(folder)
+    study = load_study(folder / "study.toml", "reference")
+    records, found = all_records(folder), []
+    for run in study.runs:
+        if run.varied == ("--life",):
+            draws = read_address(run.words[run.words.index("--address") + 1])
+            point = run.point.rpartition(FROM)[0]
+            tables = [_life(records[run.name(number)], draws, run.offset + number)
+                      for number in range(1, run.members + 1) if run.name(number) in records]
+            found += [Lives(point, draws, table.assign(point=point)[list(COLUMNS)]) for table in tables]
+    if not found:
+        raise InputError(f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m damage "
+                         "life makes it")
+    return together(found)
+
+
+def _life(record, draws, number):
+    """Table of a life, from its record; a wall that fell undergoes no further event."""
+    events = pd.DataFrame(record["shocks"])
+    table = draws.life(number).iloc[:len(events)].drop(columns=["start_s", "end_s"])
+    if not np.allclose(table["scale"], events["factor"], rtol=1e-12):
+        raise InputError(f"{record['run']}: its events are not those of its address's file; run the study again")
+    for name, source in _SOURCES.items():
+        table[name] = events[source].astype(float).fillna(events[source.replace("residual_", "max_")]).to_numpy()
+    fell = record["row"].get("collapsed_at_s")
+    return table.assign(seed=draws.choices.seed, life=number, event=np.arange(1, len(table) + 1),
+                        largest_mm_s=draws.largest([number])[0],
+                        fell=[False] * (len(table) - 1) + [fell is not None and fell == fell])
+
+
+def together(parts):
+    """Lives of equal points counted together, each life once; a list in the order of the first of each."""
+    found = {}
+    for one in parts:
+        found.setdefault(one.point, []).append(one)
+    return [replace(several[0], table=pd.concat([one.table for one in several], ignore_index=True).drop_duplicates(
+        ["seed", "life", "event"], keep="first")) for several in found.values()]
+
+
+def with_tables(parts, tables):
+    """Lives with the rows of lives.csv of other sessions, a list of paths, of the same points."""
+    more = list(map(_read, tables))
+    return together([*parts, *(replace(one, table=table[table["point"] == one.point])
+                               for table in more for one in parts)])
+
+
+def _read(path):
+    """Table of lives.csv with every digit; InputError where it is none."""
+    try:
+        table = pd.read_csv(path, comment="#", dtype={"time_utc": str}, float_precision="round_trip")
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: {error}; expected lives.csv, as python3 -m damage lives writes it") from error
+    if missing := [name for name in COLUMNS if name not in table]:
+        raise InputError(f"{path}: no column {missing[0]}; expected lives.csv, as python3 -m damage lives writes it")
+    return table[list(COLUMNS)]
+
+
+def over_time(lives):
+    """DataFrame with a row a year: medians over the lives, and probabilities with 95 % intervals; columns: YEARLY."""
+    rows, population = [], lives.population()
+    for year in range(lives.years[0], lives.years[1] + 1):
+        now = lives.until(year)
+        row = {"point": lives.point, "year": year, "lives": len(now), "median_psi": now["psi"].median(),
+               "median_max_psi": now["max_psi"].median(), "median_DI": now["DI"].median(),
+               "median_crack_width_mm": now["crack_width_mm"].median()}
+        for name in _OUTCOMES:
+            for level in VISIBLE:
+                found = probability(now[name] >= level, now["largest_mm_s"], population)
+                row |= dict(zip((f"p_{name}_{level:g}{end}" for end in ("", "_low", "_high")),
+                                (found.p, *found.interval)))
+        rows.append(row)
+    return pd.DataFrame(rows)[list(YEARLY)]
+
+
+def contributions(lives):
+    """What each event of the catalogue contributes, DataFrame with the largest first; columns: CONTRIBUTIONS."""
+    table = lives.table.copy()
+    table["gain"] = table["psi"] - table.groupby(["seed", "life"])["psi"].shift(fill_value=0.0)
+    table["leads"] = (table["gain"] > 0) & (table["gain"] == table.groupby(["seed", "life"])["gain"].transform("max"))
+    n_lives = len(table.groupby(["seed", "life"]))
+    found = table.groupby("id").agg(
+        time_utc=("time_utc", "first"), magnitude=("magnitude", "first"), place=("place", "first"),
+        lives=("life", "size"), mean_psi=("gain", "sum"), largest=("leads", "sum")).reset_index()
+    found[["mean_psi", "largest"]] /= n_lives
+    total = found["mean_psi"].sum()
+    found = found.assign(point=lives.point, share=found["mean_psi"] / total if total else 0.0)
+    return found.sort_values("mean_psi", ascending=False, ignore_index=True)[list(CONTRIBUTIONS)]
+
+
+def beside(parts):
+    """[(Lives, other Lives of the same wall and place by other choices, states of both as DataFrames of `Lives.until`
+    with equal rows)] where the name of the other point begins with that of the first."""
+    found = []
+    for one in parts:
+        for other in parts:
+            if other.point.startswith(f"{one.point}_") and one.draws.exposure.place == other.draws.exposure.place:
+                first, second = one.last, other.last
+                both = first.index.intersection(second.index)
+                found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []
+    return found
+
+
+def largest_alone(parts):
+    """{point: (lives with all events, the same with the largest alone)} of the points that have both, as DataFrames of
+    `Lives.until` with equal rows."""
+    return {one.point: (first, second) for one, other, first, second in beside(parts)
+            if other.draws.choices == replace(one.draws.choices, largest_alone=True) != one.draws.choices}
+
+
+def describe(parts):
+    """Text: what became of the lives."""
+    lines, pairs = [], largest_alone(parts)
+    for one in parts:
+        last, population = one.last, one.population()
+        events = one.table.groupby(["seed", "life"]).size()
+        lines += [f"{one.point}: {len(last)} lives, {one.years[0]} to {one.years[1]}, {events.median():g} events in "
+                  f"the median life ({events.min()} to {events.max()}), median of the largest PGV "
+                  f"{last['largest_mm_s'].median():.1f} mm/s",
+                  f"  at the end: median Psi {last['psi'].median():.2f}, median DI {last['DI'].median():.4f}, median "
+                  f"of the largest Psi {last['max_psi'].median():.2f}"]
+        for name, when in (("psi", "at rest"), ("max_psi", "at any moment")):
+            for level in VISIBLE:
+                found = probability(last[name] >= level, last["largest_mm_s"], population)
+                lines.append(f"  P(Psi >= {level:g}) {when} = {found.p:.3f}, 95 % interval "
+                             f"{found.interval[0]:.3f} to {found.interval[1]:.3f}; for +-0.03: "
+                             f"{found.lives_for(0.03)} lives")
+        if one.point in pairs:
+            first, second = pairs[one.point]
+            damaged = (first["psi"] > 0) & np.isfinite(first["psi"])
+            if damaged.any():
+                share = second.loc[damaged, "psi"] / first.loc[damaged, "psi"]
+                lines.append(f"  the largest event alone leaves {share.median():.2f} of the final Psi (median of "
+                             f"{int(damaged.sum())} damaged walls; quartiles {share.quantile(0.25):.2f} to "
+                             f"{share.quantile(0.75):.2f})")
+    return "\n".join([*lines, *starmap(_difference, beside(parts))])
+
+
+def _difference(one, other, first, second):
+    """A line: how the outcomes of the same lives differ by other choices."""
+    parts = []
+    for name, when in (("psi", "at rest"), ("max_psi", "at any moment")):
+        mean, low, high = paired(second[name] >= 1.0, first[name] >= 1.0)
+        parts.append(f"P(Psi >= 1) {when} {mean:+.3f} ({low:+.3f} to {high:+.3f})")
+    change = (second["psi"].clip(upper=9.0) - first["psi"].clip(upper=9.0)).abs()
+    return (f"{other.point} beside {one.point}, {len(first)} equal lives: {', '.join(parts)}; Psi at rest differs by "
+            f"{change.mean():.3f} in the mean, {change.max():.3f} at most")
+
+
+def write_lives(parts, folder):
+    """Write lives.csv, life.csv (year by year) and contributions.csv into a folder; returns their paths."""
+    folder = Path(folder)
+    return [write_table(pd.concat(tables, ignore_index=True), folder / name) for name, tables in (
+        ("lives.csv", [one.table for one in parts]), ("life.csv", list(map(over_time, parts))),
+        ("contributions.csv", list(map(contributions, parts))))]
