@@ -44,7 +44,7 @@ def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
 def test_figures_and_evidence_know_every_choice():
     assert {"cells", "contacts", "top", "load", "joints", "strength_cov", "fibres", "bricks", "brick_order", "plane",
             "brick_mass", "brick_damping", "brick_cells",
-            "supports", "soil", "soil_shear", "footing"} == USUAL_MODEL.keys() & SHAPE.keys()
+            "supports", "soil", "soil_shear", "footing", "soil_velocity"} == USUAL_MODEL.keys() & SHAPE.keys()
     assert choice({**USUAL_MODEL, "cycles": 3}) == "default"
     assert choice({**USUAL_MODEL, "strength_cov": 0.3}) == "strength_cov 0.3"
 

@@ -12,13 +12,14 @@ from damage.motion.formats import shipped_record_path
 from damage.run.options import parse_run
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
+from damage.wall.lintels import Lintel
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plausible import RANGES, check_plausible, implausible, markdown
 
 SOFTENING = Joint(mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6)
 SPLITTING = Brick(tensile_strength=1e6, cohesion=2e6)
 WALL = Wall("w", 2.0, 1.0, (Opening(0.5, 0.5, 0.5),), brick=SPLITTING, joint=SOFTENING, floors=(Floor(1.0, 100.0),))
-PARTS = {"Brick": "brick", "Joint": "joint"}
+PARTS = {"Brick": "brick", "Joint": "joint", "Lintel": "lintel"}
 IN_MPA = Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.15))
 
 
@@ -49,8 +50,8 @@ def test_each_field_is_held_to_its_range(name):
 
 
 def test_every_number_of_a_wall_but_places_has_a_range():
-    numbers = {f"{kind.__name__}.{one.name}" for kind in (Wall, Opening, Floor, Brick, Joint) for one in fields(kind)
-               if one.type in (float, float | None, "float", "float | None")}
+    numbers = {f"{kind.__name__}.{one.name}" for kind in (Wall, Opening, Floor, Lintel, Brick, Joint)
+               for one in fields(kind) if one.type in (float, float | None, "float", "float | None")}
     assert numbers == {*RANGES, "Opening.left", "Opening.sill", "Floor.left", "Floor.right"}
 
 

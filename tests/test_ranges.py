@@ -21,6 +21,7 @@ from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
 ODD = ("0", "-1", "inf", "-inf", "nan", "1e-300", "1e300", "1000000000", "1" + 30 * "0", "9" * 5000, "", "abc",
        "0.5")
 RECORD = str(REPOSITORY / "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv")
+ADDRESS = str(REPOSITORY / "studies/addresses/garsthuizen.toml")
 RUN = {
     "--harmonic ? 0.05": "0.5", "--harmonic 0.2 ?": "0 1e-300 0.5", "--cycles ?": "", "--cyclic 0.1 --cycles ?": "",
     "--record R --scale ?": "0 -1 1e-300 0.5",
@@ -35,6 +36,7 @@ RUN = {
     "--soil 1e8 --footing ?": "0.5", "--soil 1e8 --soil-velocity ?": "0",
     "--pushover 0.1 --top-rotation ?": "0 1e-300 1000000000 0.5",
     "--settle hogging --distortion ?": "",
+    "--address A --life ?": "1000000000",
     "--bricks deformable --brick-mass ?": "", "--bricks deformable --brick-damping ?": "0 1e-300 0.5",
     "--bricks deformable --brick-order ?": "", "--bricks deformable --brick-cells ?": "0", "--brick-damping ?": "",
     "--seed ?": "0 1000000000", "--rest ?": "0 1e-300 0.5", "--dt ?": "", "--members ?": "",
@@ -96,7 +98,7 @@ def complaint_of(function, *arguments):
 
 @pytest.mark.parametrize("template", RUN)
 def test_options_of_a_run(template):
-    assert that_go(prepare, template, {"R": RECORD}) == RUN[template]
+    assert that_go(prepare, template, {"R": RECORD, "A": ADDRESS}) == RUN[template]
 
 
 @pytest.mark.parametrize("template", YADE_ALONE)

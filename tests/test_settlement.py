@@ -99,7 +99,8 @@ def test_bad_options_are_one_line(words, said):
 
 @pytest.mark.parametrize("text, said", [
     ("x,z\n0,0\n", "line 1: no column x_m, uz_m; expected x_m, uz_m"), ("x_m,uz_m\n", "has a header and no row"),
-    ("x_m,uz_m\n0,0\n1,a\n", "line 3: uz_m = 'a': expected a finite number"), ("x_m,uz_m\n0,0\n1,0\n", "is zero at every point"),
+    ("x_m,uz_m\n0,0\n1,a\n", "line 3: uz_m = 'a': expected a finite number"),
+    ("x_m,uz_m\n0,0\n1,0\n", "is zero at every point"),
     ("x_m,uz_m\n1,0\n0,1e-3\n", "does not rise"), ("x_m,uz_m\n0,0\n1,5\n", "expected a number from -1 to 1"),
 ])
 def test_bad_profiles_are_one_line(tmp_path, text, said):

@@ -115,7 +115,9 @@ def test_joints_that_soften_do_so_alike(tmp_path, yade_command, damage_command):
     yade, reference = (damage.read_history(tmp_path / f"{name}.h5") for name in ("yade", "ref"))
     assert yade.model.fibres == 16 and yade.parameters["beta_s"] == 0.0
     assert yade.time_step_s == reference.time_step_s
-    assert_allclose(summarise(yade)["peak_force_n"], summarise(reference)["peak_force_n"], rtol=0.01)
+    # The panel vibrates: 1e-12 m of perturbation moves single samples of the force by 1 %, means of five by 0.3 %.
+    peaks = [history.series["base_shear_n"].rolling(5).mean().max() for history in (yade, reference)]
+    assert_allclose(*peaks, rtol=0.01)
     fracture = [history.series["fracture_energy_j"].iloc[-1] for history in (yade, reference)]
     assert fracture[1] > 0.1
     assert_allclose(*fracture, rtol=0.01)

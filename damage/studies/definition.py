@@ -299,7 +299,8 @@ def _ensemble(table, where):
     if kinds and "members" not in table:
         raise InputError(f"{where}: {kinds[0]} without members; expected both; add members = 5")
     if len(kinds) == 2:
-        raise InputError(f"{where}: scatter and perturb given together; choose one kind of ensemble")
+        raise InputError(f"{where}: scatter and perturb given together; expected one kind of ensemble, leave "
+                         "the other out")
     for name in _ENSEMBLES:
         if name in table:
             check_whole(f"{where}: {name}", table[name], 1, MOST_MEMBERS)

@@ -76,7 +76,7 @@ def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
     if elastic or intact:
         singly.remember(system.contacts, system.states, start, stop, motion)
     else:
-        before = last_motion(last, m) if damped else motion_before(tables, blocks, lanes, w, p, k)
+        before = motion_before(tables, blocks, lanes, w, p, damped)
         resultant, changed, failed = singly.law_resultant(system, law, start, stop, step, motion, before, damped)
         if failed:
             tables.interfaces[w, p].failed = FAILED
@@ -94,13 +94,16 @@ def forces_by_contacts(tables, blocks, lanes, law, step, w, p, at_end, damped):
 
 
 @compiled
-def motion_before(tables, blocks, lanes, w, p, k):
-    """`damage.mechanics.step.motion_before` of interface p of wall w; k: index of its block."""
+def motion_before(tables, blocks, lanes, w, p, damped):
+    """RelativeMotion of interface p of wall w in the last step: the stored one where the wall damps, otherwise
+    `damage.mechanics.step.motion_before`; damped: whether any wall of the batch damps."""
+    if damped and blocks.bench[at.RATE + INDEX(w)] > 0.0:
+        return last_motion(blocks.last, place_of(INDEX(p * lanes + w), at.LAST))
     interface, dt, here = tables.interfaces[0, p], blocks.bench[at.STEP + INDEX(w)], INDEX(w)
     a, b = INDEX(interface.a) * INDEX(lanes) + here, INDEX(interface.b) * INDEX(lanes) + here
     first = pose_before(blocks.bodies, place_of(a, at.BODY), dt)
     second = pose_before(blocks.bodies, place_of(b, at.BODY), dt)
-    return interfaces.relative_motion(line_of(blocks.interfaces, k), first, second)[1]
+    return interfaces.relative_motion(line_of(blocks.interfaces, place_of(INDEX(p), at.INTERFACE)), first, second)[1]
 
 
 @inlined
