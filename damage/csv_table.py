@@ -104,6 +104,10 @@ class CsvTable:
 def _lines(path):
     check_file(path, "a CSV file", MOST_MB)
     try:
-        return text_lines(path, path.read_bytes(), 2 * MOST_ROWS)
+        data = path.read_bytes()
+        lines = text_lines(path, data, 2 * MOST_ROWS)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path} cannot be read as text ({error}); expected CSV in UTF-8") from error
+    if b"\0" in data:
+        raise InputError(f"{path} holds a zero byte; expected text, CSV in UTF-8; write the file again")
+    return lines

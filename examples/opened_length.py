@@ -16,13 +16,10 @@ import damage
 
 
 def opened_length(history, threshold_m=1e-4):
-    """DataFrame over time [s]: opened length of bed and head joints [m]; a row of `joints` is a contact point.
-
-    Joints of the kind "brick" lie within a brick or a lintel, and the index does not count them.
-    """
+    """DataFrame over time [s]: opened length of bed and head joints [m]; a row of `joints` is a contact point."""
     is_open = (history.opening_m > threshold_m).astype(float)
     wide = pd.DataFrame(is_open, index=history.series["time_s"])  # a column a contact point
-    joints = history.joints[history.joints["kind"] != "brick"]
+    joints = history.joints.query("kind != 'brick'")  # these lie within bricks and lintels
     return pd.DataFrame({f"{kind}_m": wide.loc[:, members.index] @ members["length_m"]
                          for kind, members in joints.groupby(joints["kind"].astype(str))})
 

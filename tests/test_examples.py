@@ -48,7 +48,7 @@ def test_the_opened_length_is_that_of_the_index(two_windows, tmp_path):
     history = damage.read_history(two_windows[1])
     length = opened_length(history)
     assert list(length) == ["bed_m", "head_m"]
-    share = length.sum(axis=1).to_numpy() / history.joints["length_m"].sum()
+    share = length.sum(axis=1).to_numpy() / history.joint_length_m.sum()
     assert_allclose(share, history.index().DI_open, atol=1e-12)
     assert run_example("opened_length", two_windows[1], tmp_path / "length.png")[0].split() == ["largest", "at", "the",
                                                                                                 "end"]

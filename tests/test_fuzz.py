@@ -126,6 +126,12 @@ def test_a_cell_over_two_lines_does_not_shift_the_line_that_is_reported(tmp_path
     assert "line 5: uz_m = 'up'" in one_line_error(dic.read_field, path)
 
 
+def test_a_table_with_a_zero_byte_is_no_text(tmp_path):
+    """pandas takes "0.\\0" for a number, Python does not."""
+    path = written(tmp_path / "f.csv", "x_m,z_m,ux_m,uz_m\n0.\0,0,0,0\n")
+    assert "holds a zero byte" in one_line_error(dic.read_field, path)
+
+
 def test_a_row_of_another_length_is_reported_with_its_line(tmp_path):
     path = written(tmp_path / "t.csv", 'a,b\n"0\n",1\n1,2,3\n')
     assert "line 4: 3 cells, the header has 2" in one_line_error(CsvTable, path, ("a", "b"))
