@@ -127,7 +127,7 @@ def test_a_cell_over_two_lines_does_not_shift_the_line_that_is_reported(tmp_path
 
 
 def test_a_table_with_a_zero_byte_is_no_text(tmp_path):
-    """pandas takes "0.\\0" for a number, Python does not."""
+    """pandas takes such a cell for a number, Python does not."""
     path = written(tmp_path / "f.csv", "x_m,z_m,ux_m,uz_m\n0.\0,0,0,0\n")
     assert "holds a zero byte" in one_line_error(dic.read_field, path)
 

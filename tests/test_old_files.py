@@ -67,8 +67,8 @@ def test_a_studys_file_and_its_tables_are_read(old):
 def note_of_then(wall_text):
     """What version 0.1 noted of the second point of the study: a digest of its words and of its wall's file."""
     words = ["--harmonic", "0.06", "0.6", "--cycles", "1", "--rest", "0", "--strength-cov", "0.3"]
-    file = hashlib.sha256(wall_text.encode()).hexdigest()
-    return hashlib.sha256(json.dumps(["benchmarks/small_wall.py", words, ["--strength-seed"], [file]]).encode()).hexdigest()
+    parts = ["benchmarks/small_wall.py", words, ["--strength-seed"], [hashlib.sha256(wall_text.encode()).hexdigest()]]
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
 @pytest.mark.slow
