@@ -44,8 +44,9 @@ ARIAS = 0.02, 0.80
 MARGIN_S = 0.15
 CLASSES = {"undisturbed": None, "invisible": (0.0, 1e-9), "about 0.5": (0.25, 0.75), "about 1": (0.75, 1.25)}
 """Psi after the settlement, from and below; None: no settlement."""
-FIRST = {"invisible": 1 / 5000, "about 0.5": 1 / 4000, "about 1": 1 / 2800}
-"""Distortion of each class; walls that miss their class settle again by 2 % more or less."""
+FIRST = {"invisible": (1 / 5000, 1 / 5000), "about 0.5": (1 / 4000, 1 / 4000), "about 1": (1 / 3700, 1 / 2400)}
+"""Distortions of the first and the last wall of each class, the others evenly between; walls that miss their class
+settle again by 2 % more or less."""
 TRIES = 4
 CHECKED = (1,), 8, ("undisturbed", "about 1")
 """Components, by their order, number of walls, and classes that are shaken by whole windows, too."""
@@ -80,7 +81,8 @@ def strong_part(row):
 
 def settle(folder):
     """{(class, seed): path of the history of a settled wall, whose Psi is in its class}."""
-    wanted = {(name, seed): first for name, first in FIRST.items() for seed in range(1, WALLS + 1)}
+    wanted = {(name, seed): value for name, ends in FIRST.items()
+              for seed, value in enumerate(map(float, np.linspace(*ends, WALLS)), 1)}
     paths = {key: folder / f"settled_{key[0].replace(' ', '_')}_{key[1]}.h5" for key in wanted}
     settled = SettledWalls()
     for attempt in range(TRIES):

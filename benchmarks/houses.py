@@ -86,7 +86,7 @@ def codes(folder):
     _head("wall", "quantity", "YADE", "reference: median (range)", "allowed difference", "verdict")
     for name, window in IN_YADE.items():
         path = coarse(folder, name)
-        words = ["--record", BGAR, "--window", *map(str, window), "--scale", "1.5", "--rest", "0.3"]
+        words = ["--record", BGAR, "--window", *map(str, window), "--scale", "1.5", "--rest", "1"]
         yade = _history(folder, path, COMMAND, words, "yade")
         members = [_history(folder, path, (sys.executable, "-m", "damage", "reference"),
                             [*words, "--scatter", "0.001", "--seed", str(seed)], f"reference_{seed}")

@@ -6,12 +6,11 @@ from conftest import REPOSITORY, SHORT
 from numpy.testing import assert_allclose
 
 import damage
-from damage.measure.cracks import psi_history
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import ground_measures
 from damage.measure.patterns import compare_patterns
 
-pytestmark = [pytest.mark.yade, pytest.mark.long]
+pytestmark = pytest.mark.yade
 
 SMALL = '''
 import sys
@@ -40,6 +39,7 @@ def both(folder, yade_command, damage_command, joint, *words):
     return tuple(damage.read_history(folder / f"{name}.h5") for name in solvers)
 
 
+@pytest.mark.long
 def test_a_wall_with_softening_joints_settles_and_is_shaken_alike(tmp_path, yade_command, damage_command):
     """The reference solver's members have all the same cracks; reactions differ by 16 parallel elements in YADE."""
     histories = both(tmp_path, yade_command, damage_command, SOFT, "--settle", "hogging", "--distortion", "1/300",
@@ -55,10 +55,74 @@ def test_a_wall_with_softening_joints_settles_and_is_shaken_alike(tmp_path, yade
     assert max(map(energy_error_of, histories)) < 1e-3
 
 
-def test_a_wall_on_soil_is_shaken_alike(tmp_path, yade_command, damage_command):
-    histories = both(tmp_path, yade_command, damage_command, "", "--harmonic", 0.1, 0.15, "--rest", 0.3, "--soil", 5e7)
-    yade, reference = (history.index()["DI"].max() for history in histories)
-    assert_allclose(yade, reference, atol=0.01)
+def test_a_wall_on_soil_lifts_off_alike(tmp_path, yade_command, damage_command):
+    """With as many fibres as YADE has, undamped.  A base joint has cohesion and no tensile strength, which YADE's law
+    would not check: a wall that cannot lift off drifts by 20 % more."""
+    path = tmp_path / "small.py"
+    path.write_text(SMALL.format(repository=str(REPOSITORY), joint=SOFT))
+    words = [path, "--harmonic", 0.1, 0.15, "--rest", 0.1, "--soil", 3e8, "--lintel", 2, "--no-pictures"]
+    done = yade_command(*SHORT, *words, "--out", tmp_path / "yade.h5")
+    assert done.returncode == 0, done.stderr
+    done = damage_command("reference", *words, "--fibres", 16, "--beta", 0, "--out", tmp_path / "reference.h5")
+    assert done.returncode == 0, done.stderr
+    yade, reference = histories = [damage.read_history(tmp_path / f"{name}.h5") for name in ("yade", "reference")]
     assert_allclose(*(history.series["drift_ratio"].abs().max() for history in histories), rtol=0.03)
-    assert_allclose(*(psi_history(history)["psi"].max() for history in histories), atol=0.15)
+    assert_allclose(*(history.index()["DI"].max() for history in histories), atol=0.02)
+    base = (reference.joints["first_body"] < 0).to_numpy()
+    assert reference.broken[-1][base].any()
+    assert_allclose(yade.opening_m[:, base].max(), reference.opening_m[:, base].max(), rtol=0.1)
     assert max(map(energy_error_of, histories)) < 1e-3
+
+
+@pytest.fixture(scope="module")
+def halves(tmp_path_factory, yade_command):
+    """A folder with one run of two events, whole.h5, its first event, first.h5, and its second one from the end of the
+    first, second.h5; a function that runs the wall with these words; what the last run printed."""
+    folder = tmp_path_factory.mktemp("halves")
+    path = folder / "small.py"
+    path.write_text(SMALL.format(repository=str(REPOSITORY), joint=""))
+
+    def run(*words):
+        return yade_command(*SHORT, path, "--harmonic", 0.06, 0.6, "--cycles", 2, "--rest", 0.05, "--no-pictures",
+                            *words, cwd=folder)
+
+    done = [run("--sequence", "1,0.6", "--out", "whole.h5"), run("--out", "first.h5"),
+            run("--sequence", "0.6", "--continue", "first.h5", "--out", "second.h5")]
+    assert [one.returncode for one in done] == [0, 0, 0], done
+    return folder, run, done[-1].stdout
+
+
+def test_a_run_that_continues_repeats_the_first_half_and_says_so(halves):
+    folder, _, printed = halves
+    assert "the yade solver keeps no state: it repeats " in printed and "--out first.h5" in printed
+    whole, second = (damage.read_history(folder / f"{name}.h5") for name in ("whole", "second"))
+    n = len(second.series)
+    assert second.broken[0].any() and n == np.sum(whole.series["shock"] == 2) + 1
+    for name in second.series.columns.drop(["time_s", "shock", "stage"]):
+        expected = whole.series[name].to_numpy()[1 - n:]
+        assert_allclose(second.series[name].to_numpy()[1:], expected, rtol=0,
+                        atol=1e-12 * np.max(np.abs(expected), initial=0), err_msg=name)
+    for name in ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "support_force"):
+        expected = np.asarray(getattr(whole, name), float)[-n:]
+        assert_allclose(np.asarray(getattr(second, name), float), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("change, said", [
+    (("--dt", "2e-5"), "expected that of this run, 2e-05 s; give --dt"),
+    (("--scatter", "0.01", "--seed", "1"), "the history of another wall, small: joints/"),
+])
+def test_what_cannot_be_repeated_is_one_line(halves, change, said):
+    _, run, _ = halves
+    done = run("--continue", "first.h5", "--out", "other.h5", *change)
+    _, line = done.stderr.strip().splitlines()  # the first one is YADE's own
+    assert done.returncode == 2 and said in line and line.startswith("error: ")
+
+
+def test_a_first_half_of_the_other_solver_is_one_line(halves, damage_command):
+    folder, run, _ = halves
+    done = damage_command("reference", folder / "small.py", "--harmonic", 0.06, 0.6, "--cycles", 1, "--rest", 0,
+                          "--no-pictures", "--out", folder / "reference.h5")
+    assert done.returncode == 0, done.stderr
+    done = run("--continue", "reference.h5", "--out", "other.h5")
+    assert done.returncode == 2 and "--continue reference.h5: " in done.stderr
+    assert not (folder / "other.h5").exists()

@@ -29,6 +29,7 @@ from yade_scripts.friction_work import FrictionWork
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
+LEAST_STRENGTH = 1e-6  # [N], of joints without tensile strength: YADE's law takes zero for one that it need not check
 TIP = 5e-4  # [m], radius: beyond this depth, at 33 MPa, a tip would be assigned to another face
 _DEEP = 1.5  # [-], least radius of a tip over the depth at which its joint crushes, below which it is replaced
 _POINT = 1e-3  # [m], radius of bond members, without effect
@@ -313,7 +314,7 @@ def _set_bond(phys, layout, index):
     phys.crossSection = area
     phys.kn = float(contacts.normal_stiffness[index]) * area
     phys.ks = float(contacts.shear_stiffness[index]) * area
-    phys.FnMax = min(UNBREAKABLE, float(contacts.tensile_strength[index]) * area)
+    phys.FnMax = min(UNBREAKABLE, max(LEAST_STRENGTH, float(contacts.tensile_strength[index]) * area))
     phys.FsMax = min(UNBREAKABLE, float(contacts.cohesion[index]) * area)
     phys.tanFrictionAngle = friction_left(False, material_of(layout.wall.joint))
 

@@ -59,7 +59,7 @@ def _run(make_wall, path):
         return YadeSolver(layout, time_step, settings.new_contacts)
 
     backend = Backend("yade", versions, make, Path(__file__).parent, _check, open_view,
-                      Softening(fibres=FIBRES, beta_s=0.0), BRICK_CELLS)
+                      Softening(fibres=FIBRES, beta_s=0.0), BRICK_CELLS, keeps_state=False)
     return run_session(backend, path, lambda: wall_of(make_wall, path), sys.argv[1:], prog=f"yade {shown_path(path)}")
 
 
@@ -67,9 +67,6 @@ def _check(settings):
     if settings.model.soil_velocity:
         raise InputError(f"--soil-velocity {settings.model.soil_velocity:g}: YADE's joint law has no viscous damping; "
                          "leave it out, or use the reference solver: python3 -m damage reference")
-    if settings.continued:
-        raise InputError("--continue: YADE keeps no state that a run could start from; expected both halves in one "
-                         "run, as --sequence 1,0.5, or the reference solver: python3 -m damage reference")
     if settings.beta_s > 0:
         raise InputError(f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it "
                          "out, or use the reference solver: python3 -m damage reference")

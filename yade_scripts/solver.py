@@ -56,7 +56,7 @@ class YadeSolver(Solver):
     # --- loading and time steps -----------------------------------------------------------------
 
     def start(self, base, gravity):
-        self._base, self._gravity, self.clock = base, gravity, 0
+        self._base, self._gravity, self.clock, self._input_time = base, gravity, 0, 0.0
         self._set_field()
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):

@@ -33,8 +33,23 @@ def as_bytes(tables):
 def read_state(path, layout, model):
     """State of the solver, {name: array}, at the end of the run with the history `path`.
 
+    Arguments and errors as of `read_earlier`; raises InputError where the history has no state, too.
+    """
+    read_earlier(path, layout, model)
+    with h5py.File(path, "r") as file:
+        packed = file[STATE][()] if STATE in file else np.zeros(0, "u1")
+    if len(packed) == 0:
+        raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
+                         "of this version without --new-contacts; run it again")
+    with np.load(io.BytesIO(packed.tobytes()), allow_pickle=False) as archive:
+        return dict(archive)
+
+
+def read_earlier(path, layout, model):
+    """The History of a run that another one continues.
+
     layout: damage.wall.layout.Layout of the wall that continues; model: digest of the model's code.  Raises InputError
-    where the history is none, is not complete, is of another wall or another version of the model, or has no state.
+    where the history is none, is not complete, or is of another wall or another version of the model.
     """
     history = read_history(path)
     if not history.complete or history.collapsed_at_s is not None:
@@ -53,12 +68,7 @@ def read_state(path, layout, model):
             raise InputError(f"--continue {path}: the history of another wall, {history.wall}: {other[0]} differs from "
                              f"that of {layout.wall.name}; expected the same wall, model options, --scatter and "
                              "--seed; give them")
-        packed = file[STATE][()] if STATE in file else np.zeros(0, "u1")
-    if len(packed) == 0:
-        raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
-                         "of this version without --new-contacts; run it again")
-    with np.load(io.BytesIO(packed.tobytes()), allow_pickle=False) as archive:
-        return dict(archive)
+    return history
 
 
 def zero_of(state, now):

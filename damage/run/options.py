@@ -156,7 +156,7 @@ def _add_settlement(group):
 
 def _add_before(group):
     group.add_argument("--continue", type=file_path, metavar="FILE.h5", help="start from the end of this run of the "
-                       "same wall, as if it had continued (reference solver)")
+                       "same wall, as if it had continued; YADE repeats that run first")
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
                        "from the start (docs/reference/crack-format.md; the last load level)")
 

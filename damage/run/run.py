@@ -37,7 +37,7 @@ class Run:
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
     writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt); settled:
     where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the end of
-    another run (`damage.run.before.read_state`), which this one continues in place of the static stage.
+    another run (`damage.run.before.read_state`, or `end_state`), which this one continues in place of the static stage.
     stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
     """
 
@@ -59,9 +59,9 @@ class Run:
         self._lowest = lowest_places(layout)
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
-        self._balance_j = self._damped_j = 0.0
+        self._balance_j, self._damped_j = state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
-        if settings.perturb_m > 0:
+        if settings.perturb_m > 0 and state is None:
             random = np.random.default_rng(settings.seed)
             solver.shift(random.normal(0, settings.perturb_m, (len(layout.bodies), 2)))
 
@@ -185,12 +185,21 @@ class Run:
         self._write_events(self.solver.drain_events())
         self.writer.snapshot(*self._last)
         if finished and self.collapsed_at_s is None and (state := self.solver.saved_state()) is not None:
-            self.writer.keep_state(as_bytes(with_zero(state | {
-                "set_in_motion_j": np.array(self._set_in_motion_j),
-                "base_moves": np.array(self._base_motion is not None)}, self._zero)))
+            self.writer.keep_state(as_bytes(state | self._carried))
         if self.collapsed_at_s is not None and (self.settings.past_collapse_s > 0 or self.settings.after_fall):
             return (yield from self._follow_the_fall())
         return finished or self.collapsed_at_s is not None
+
+    @property
+    def end_state(self):
+        """What a run that continues with this very solver needs, {name: array}."""
+        return self._carried | {"inferred_j": np.array([self._balance_j, self._damped_j])}
+
+    @property
+    def _carried(self):
+        """What a run that continues needs beside the solver's state, {name: array}."""
+        return with_zero({"set_in_motion_j": np.array(self._set_in_motion_j),
+                          "base_moves": np.array(self._base_motion is not None)}, self._zero)
 
     def _follow_the_fall(self):
         """Follow the bricks after the first one has fallen, by snapshots only: samples of joints no longer describe the

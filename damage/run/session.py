@@ -22,6 +22,7 @@ from damage.run.before import read_state, with_cracks
 from damage.run.opening import opening_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
+from damage.run.repeat import Unwritten, earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, choose_time_step, deformable_warnings, softening_warnings
@@ -44,6 +45,7 @@ class Backend:
     do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softening: what it gives joints with fracture energies; None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
+    keeps_state: whether a run can start from the end of another one, which is repeated otherwise;
     run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
     it runs one wall only.
     """
@@ -56,6 +58,7 @@ class Backend:
     open_view: Callable | None = None
     softening: Softening | None = None
     brick_cells: int = 0
+    keeps_state: bool = True
     run_members: Callable | None = None
 
 
@@ -141,7 +144,7 @@ def _run_to_its_pictures(prepared, show):
 @dataclass(frozen=True)
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one."""
+    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first."""
 
     backend: Backend
     settings: RunSettings
@@ -150,6 +153,7 @@ class Prepared:
     time_step: float
     writer: HistoryWriter
     state: dict | None = None
+    earlier: tuple[RunSettings, ...] = ()
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
@@ -182,7 +186,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     if wall.joint.softens:
         warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening))
     made_by = versions(backend.code) | backend.versions
-    state = read_state(settings.continued, layout, made_by["model"]) if settings.continued else None
+    state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
     print(*opening_lines(layout, settings.loading, modes, time_step), *sequence_lines(settings), sep="\n",
           flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
@@ -192,7 +196,19 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     writer = write(out, layout, solver=backend.name, parameters=parameters,
                    versions=made_by, overwrite=settings.overwrite)
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier)
+
+
+def _past(backend, settings, layout, model, time_step):
+    """`state` and `earlier` of a Prepared run; model: digest of the model's code; time_step [s]."""
+    if not settings.continued:
+        return None, ()
+    if backend.keeps_state:
+        return read_state(settings.continued, layout, model), ()
+    earlier = earlier_runs(settings, layout, backend, model, time_step)
+    print(f"the {backend.name} solver keeps no state: it repeats {', '.join(one.command for one in earlier)}",
+          flush=True)
+    return None, earlier
 
 
 @contextmanager
@@ -220,13 +236,9 @@ def simulate(prepared, keep_going, settled=None):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
-        run = Run(layout, prepared.settings, solver, writer, keep_going, settled, prepared.state)
-        finished = yield from run.settle_under_gravity()
-        if finished:
-            run.start(prepared.modes.shape[0])
-            finished = yield from run.run_all()
-            if run.fall:
-                print(run.fall, flush=True)
+        run, finished = yield from _all_runs(prepared, solver, keep_going, settled)
+        if run.fall:
+            print(run.fall, flush=True)
         collapsed = run.collapsed_at_s
         if collapsed is not None and collapsed <= 0 and prepared.settings.settlement:
             raise RunError(f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s before "
@@ -238,6 +250,27 @@ def simulate(prepared, keep_going, settled=None):
     finally:
         writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
+
+
+def _all_runs(prepared, solver, keep_going, settled):
+    """Take all steps of a Prepared run, and before them of those that it repeats: a generator as `simulate`, which
+    returns the last Run and whether it came to its end."""
+    state, first_mode = prepared.state, prepared.modes.shape[0]
+    for settings in (*prepared.earlier, prepared.settings):
+        last = settings is prepared.settings
+        run = Run(prepared.layout, settings, solver, prepared.writer if last else Unwritten(), keep_going,
+                  settled, state)
+        finished = yield from run.settle_under_gravity()
+        if finished:
+            run.start(first_mode)
+            finished = yield from run.run_all()
+        if not finished or last:
+            break
+        if run.collapsed_at_s is not None:
+            raise RunError(f"{settings.command}: the wall collapsed when it was repeated; expected it to stand, as "
+                           "before; give YADE one thread (-j1), whose runs can be repeated")
+        state = run.end_state
+    return run, finished and last
 
 
 class _Interrupts:
