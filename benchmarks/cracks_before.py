@@ -44,6 +44,7 @@ ARIAS = 0.02, 0.80
 MARGIN_S = 0.15
 CLASSES = {"undisturbed": None, "invisible": (0.0, 1e-9), "about 0.5": (0.25, 0.75), "about 1": (0.75, 1.25)}
 """Psi after the settlement, from and below; None: no settlement."""
+BINS = 0.6, 0.7, 0.75, 0.85, 0.9, 0.95, 1.0, 1.25
 FIRST = {"invisible": (1 / 5000, 1 / 5000), "about 0.5": (1 / 4000, 1 / 4000), "about 1": (1 / 3700, 1 / 2400)}
 """Distortions of the first and the last wall of each class, the others evenly between; walls that miss their class
 settle again by 2 % more or less."""
@@ -183,12 +184,13 @@ def main(words):
 # --- tables -------------------------------------------------------------------------------------------
 
 def print_tables():
-    """The tables of the page in Markdown: probabilities by class; settlement and earthquake alone and together;
-    windows."""
+    """The tables of the page in Markdown: probabilities by class, and by bins of Psi; settlement and earthquake alone
+    and together; cracks by the settlement; windows."""
     table = pd.read_csv(TABLE)
     alone = table[table["class"] == "undisturbed"].set_index(["wall", "record"])
     show(["class of Ψ₀", "hogging by", "walls x components", "Ψ₀", "P(Ψ ≥ 1) [%]", "by component [%]", "published [%]"],
          [by_class(name, table[table["class"] == name]) for name in CLASSES if (table["class"] == name).any()])
+    show(["Ψ₀", "walls", "runs", "Ψ at rest", "P(Ψ ≥ 1) [%]"], by_start(table))
     show(["class of Ψ₀", "settlement alone: Ψ, DI", "earthquake alone", "both", "largest in both", "runs where Ψ grew"],
          [together(name, table[table["class"] == name], alone) for name in CLASSES if (table["class"] == name).any()])
     if POINTS.is_file():
@@ -215,8 +217,16 @@ def by_class(name, rows):
             f"{100 * visible.mean():.0f}", f"{by_component.min():.0f} to {by_component.max():.0f}", published)
 
 
+def by_start(table):
+    """Rows of the second table: probabilities by bins of the Psi that the settlement left."""
+    for low, high in zip(BINS, BINS[1:]):
+        rows = table[(table["psi_0"] >= low) & (table["psi_0"] < high)]
+        yield (f"{low:g} to {high:g}", rows["wall"].nunique(), len(rows), spread(rows["psi_end"]),
+               f"{100 * (rows['psi_end'] >= LEAST_PSI).mean():.0f}")
+
+
 def together(name, rows, alone):
-    """A row of the second table: medians of Psi and DI at rest, after the settlement and after the earthquake."""
+    """A row of the third table: medians of Psi and DI at rest, after the settlement and after the earthquake."""
     same = alone.loc[[key for key in zip(rows["wall"], rows["record"]) if key in alone.index]]
     grew = (rows["psi_end"] - rows["psi_0"] > 0.01).mean()
     return (name, *(f"{of[f'psi_{when}'].median():.2f}, {of[f'DI_{when}'].median():.4f}" for of, when in (
