@@ -18,6 +18,7 @@ SHORTER = (("--rest 1 ", "--rest 0.1 "), ("--members 8", "--members 2"), ("--sca
            ("[18.2, 20.2]", "[18.7, 18.9]"), ("options.rest = 0.2", "options.rest = 0"),
            ("scale = [4.0, 2.0, 1.0]", "scale = [4.0]"),
            ("--window 18.2 20.2", "--window 18.7 18.9"), ("--window 0.2 1.2", "--window 0.5 0.8"),
+           *((f"--out {name}.h5 ", f"--no-pictures --out {name}.h5 ") for name in ("settled", "shaken", "cracked")),
            ("--rest 0.5", "--rest 0"), ("--cycles 2 --rest 0.3", "--cycles 1 --rest 0"))
 """What is typed with other numbers, which decide nothing but how long it takes: (in the guide, here)."""
 BLOCK = re.compile(r"^```(sh|python|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -84,6 +85,15 @@ def test_a_wall_and_a_study_of_ones_own(clone):
     assert len(points) == 2 and set(points["wall"]) == {"two-windows"}
     assert f"{points['max_DI'].max():.3f}" in output
     assert (clone / "my_study.html").stat().st_size > 1_000_000
+
+
+def test_a_wall_that_was_cracked_before(clone):
+    wall = next(text for language, text in blocks("own-wall") if language == "python")
+    (clone / "walls/two_windows.py").write_text(wall, encoding="utf-8")
+    assert "settlement: angular distortion 0.000333" in follow("cracked-before", clone)
+    settled, shaken = (damage.read_history(clone / f"{name}.h5") for name in ("settled", "shaken"))
+    assert shaken.broken[0].sum() == settled.broken[-1].sum() > 0
+    assert damage.read_history(clone / "cracked.h5").parameters["cracked"]["file"] == "survey.csv"
 
 
 def test_other_kinds_of_walls(clone):
