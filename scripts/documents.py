@@ -34,9 +34,11 @@ RENEW = "renew it: python3 scripts/documents.py --renew"
 BLOCK = re.compile(r"(<!-- table of (.+?) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 """A table in a document that the code makes: see `tables_of_code`."""
 
+
 def verdict_follows_from_the_tables(root):
     """Compare the verdict's document with the verdict of the code on docs/tables."""
     yield from _differences(VERDICT, _text(root / VERDICT), report.as_markdown(judge_tables(root / "docs/tables")))
+
 
 def _differences(name, text, made):
     """A line for each line in which a document's text differs from what is made of the tables."""
@@ -44,6 +46,7 @@ def _differences(name, text, made):
         if line[:1] in "+-" and line[:3] not in ("+++", "---"):
             side = "docs/tables say" if line.startswith("+") else "it says"
             yield f"{name}: {side} {line[1:100]!r}; {RENEW}"
+
 
 def readme_quotes_the_verdict(root):
     """The README's part between its markers is in the document, too."""
@@ -56,14 +59,17 @@ def readme_quotes_the_verdict(root):
         if line not in known:
             yield f"README.md: {line[:60]!r} is not in {VERDICT}; {RENEW}"
 
+
 def tables_show_the_files(root):
     """The tables of all documents show what the files in docs/tables hold, and what the code defines."""
     for path in documents_below(root):
         text = _text(path)
         yield from _differences(path.relative_to(root), text, _renewed(text, root))
 
+
 def _renewed(text, root):
     return with_tables_of_code(with_tables(text, root / "docs/tables"))
+
 
 def with_tables_of_code(text):
     """A document's text with its tables of columns, datasets, studies and plausible values as the code defines them.
@@ -79,13 +85,15 @@ def with_tables_of_code(text):
 
     return BLOCK.sub(made, text)
 
+
 def tables_of_code():
     """{name: table in Markdown} of what the code defines and documents show."""
     summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
     return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
             **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
             "plausible values": plausible.markdown(), "studies that ship": table_of_studies(ROOT / "studies"),
-                        "gallery": gallery.markdown(), "replaced terms": terms.glossary_table().rstrip()}
+            "gallery": gallery.markdown(), "replaced terms": terms.glossary_table().rstrip()}
+
 
 @cache
 def table_of_studies(folder):
@@ -99,15 +107,19 @@ def table_of_studies(folder):
                      *map(str, runs.values())])
     return as_markdown(["study", "content", "points", "runs at most, reference solver", "YADE"], rows)
 
+
 def documents_below(root):
     """The Markdown files that may have tables: README.md and those below docs."""
     return [root / "README.md", *sorted((root / "docs").rglob("*.md"))]
 
+
 CHECKS = [verdict_follows_from_the_tables, readme_quotes_the_verdict, tables_show_the_files]
 """Functions of ROOT that yield a line for each part that is not current: add those of further parts."""
 
+
 def _text(path):
     return path.read_text(encoding="utf-8")
+
 
 @cache  # the tables are as they are as long as this program runs
 def judge_tables(folder):
@@ -129,6 +141,7 @@ def judge_tables(folder):
                 _cycles_as_runs(read_table(cycles)).to_csv(place / "cycles.csv", index=False)
         return judge(Path(made))
 
+
 def _as_runs(points):
     """A table of runs that has the medians, ranges and numbers of runs of a table of points."""
     low, high = (_with_values_of(points[points["members"] > 1], ending) for ending in ("_min", "_max"))
@@ -136,11 +149,14 @@ def _as_runs(points):
     runs = pd.concat([points[points["members"] == 1], low, between, high], ignore_index=True)
     return runs.assign(run=runs["point"] + "_" + runs["solver"])
 
+
 def _with_values_of(points, ending):
     return points.assign(**{name.removesuffix(ending): points[name] for name in points if name.endswith(ending)})
 
+
 def _cycles_as_runs(cycles):
     return cycles.assign(run=cycles["point"] + "_" + cycles["solver"])
+
 
 def renew(root):
     """Writes the verdict's document, the README's part of it, and the tables of all documents."""
@@ -152,6 +168,7 @@ def renew(root):
         renewed = _renewed(text, root)
         if renewed != text:
             write_text(path, renewed)
+
 
 def main(arguments):
     """Run all checks on ROOT; returns 1 if a part is not current, 2 where there are no tables."""
@@ -166,6 +183,7 @@ def main(arguments):
         return 2
     print(*stale, sep="\n", end="\n" if stale else "")
     return 1 if stale else 0
+
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))
