@@ -245,7 +245,7 @@ class TestMotionSummary:
         assert found["pgv_cm_s"] == 100 * applied["pgv_m_s"] == pytest.approx(10.05, abs=0.005)
         assert [found[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")] == \
             [applied[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")]
-        assert found["filtered"] == [] and "filtered: no measure" in describe(found)
+        assert found["filtered"] == [] and "\nfilter: none (--band" in describe(found)
 
     def test_the_peak_velocity_of_the_cut_lies_between_two_samples(self):
         acceleration, step_s = self.motion().acceleration_m_s2, self.motion().time_step_s
@@ -261,7 +261,7 @@ class TestMotionSummary:
         found, plain = self.found(band_hz=(0.5, 10.0)), self.found()
         assert found["filtered"] == [name for name in found if name in summary(self.motion())]
         assert all(found[name] != plain[name] for name in found["filtered"])
-        assert "filtered: all measures, zero-phase band-pass 0.5 to 10 Hz" in describe(found)
+        assert "\nfilter: zero-phase band-pass 0.5 to 10 Hz, in all measures\n" in describe(found)
 
     def test_a_base_that_still_moves_at_the_end_is_noted(self):
         drifting = motion_summary(Recorded(read_record(shipped_record_path("BLOP_HGE"))))

@@ -66,7 +66,8 @@ def _header_unit(path, number: int, line: str, separator: str | None) -> float:
     found = len(cells) == 2 and _TIME.fullmatch(cells[0]) and _ACCELERATION.fullmatch(cells[1])
     unit = _plain_unit(found[1]) if found else None
     if unit not in UNITS_M_S2:
-        raise bad_line(path, number, line, "is an unknown header", f"{EXPECTED_HEADER}; name the unit there")
+        raise bad_line(path, number, line, "is an unknown header",
+                       f"{EXPECTED_HEADER}; name the unit there, and begin lines above the header with #")
     return UNITS_M_S2[unit]
 
 

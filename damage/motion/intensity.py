@@ -226,9 +226,9 @@ def describe(found: dict) -> str:
     """A `motion_summary` as lines for people."""
     names = list(found)
     measures = {name: found[name] for name in names[names.index("filtered") + 1:] if name != "sa_g"}
-    filtered = "no measure (--band LOW_HZ HIGH_HZ filters)" if found["band_hz"] is None else \
-        "all measures, zero-phase band-pass {:g} to {:g} Hz".format(*found["band_hz"])
-    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2", f"filtered: {filtered}"]
+    band = "none (--band LOW_HZ HIGH_HZ for a band-pass)" if found["band_hz"] is None else \
+        "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*found["band_hz"])
+    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2", f"filter: {band}"]
     lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
     lines += [f"sa_g({period} s){value:>{28 - len(period) - 8}.4f}" for period, value in found["sa_g"].items()]
     if abs(found["end_velocity_cm_s"]) > MOST_END_VELOCITY * found["pgv_cm_s"]:

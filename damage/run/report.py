@@ -65,8 +65,8 @@ def describe(summary):
                  + ("" if summary["max_offset_mm"] is None else
                     f"offset up to {rounded(summary['max_offset_mm'], 2)} mm, ")
                  + f"accumulated slip up to {rounded(summary['max_slip_mm'], 2)} mm")
-    lines.append(f"{summary['tension_breaks']} tension and {summary['shear_breaks']} shear breaks, Psi up to "
-                 f"{rounded(summary['max_psi'], 2)} ({summary['psi_class']}; cracks from "
+    lines.append(f"bonds of contact points failed: {summary['tension_breaks']} in tension, {summary['shear_breaks']} "
+                 f"in shear; Psi up to {rounded(summary['max_psi'], 2)} ({summary['psi_class']}; cracks from "
                  f"{summary['psi_from_mm']:g} mm), widest crack {rounded(summary['max_crack_width_mm'], 2)} mm "
                  f"({summary['crack_width_class']}), friction and fracture dissipated "
                  f"{rounded(summary['dissipated_energy_j'], 2)} J")

@@ -74,11 +74,13 @@ def elastic_share(wall, joints, bodies):
 def describe_share(share):
     """An ElasticShare in a line for people.
 
-    >>> describe_share(ElasticShare(0.3312, 0.784)), describe_share(ElasticShare(0.0, None))
-    ('33 % of the joint length (78 % above the openings) is elastic and cannot fail', 'every joint can fail')
+    >>> describe_share(ElasticShare(0.3312, 0.784))
+    '33 % of the joint length (78 % above the openings) is elastic and cannot fail'
+    >>> describe_share(ElasticShare(0.0, None))
+    'no joint is elastic, all can fail'
     """
     if share.of_all == 0:
-        return "every joint can fail"
+        return "no joint is elastic, all can fail"
     above = "" if share.above_openings is None else f" ({100 * share.above_openings:.2g} % above the openings)"
     return f"{100 * share.of_all:.2g} % of the joint length{above} is elastic and cannot fail"
 
