@@ -2,7 +2,8 @@
 
 A brick in running bond splits through its middle, below or above a head joint.  Its middle section is judged by the
 largest principal stress (Rankine) at its lower edge, its centre and its upper edge, in every snapshot.  The stresses at
-the edges are means of those at the corners, which is exact for the linear stresses of order 2.  A brick's bending
+the edges are means of those at the corners, which is exact where stresses are linear (strain modes of order 2, the
+default).  A brick's bending
 moment is its mean over the brick's length, two thirds of the maximum under a uniform load between supports at its ends.
 The bricks of such a run stay whole: the measure shows where they would not.
 """
@@ -51,8 +52,11 @@ def bricks_table(history):
 
 
 def stress_measures(history):
-    """Measures of the middle sections of deformable bricks, a dictionary, None of rigid bricks: max_brick_tension_pa,
-    max_brick_compression_pa, bricks_above_strength (None where bricks have no tensile strength)."""
+    """Largest principal stresses in the middle sections of deformable bricks, a dictionary; all None for rigid bricks.
+
+    max_brick_tension_pa, max_brick_compression_pa [Pa]; bricks_above_strength: number of bricks whose tensile strength
+    is exceeded, None where they have none.
+    """
     names = ("max_brick_tension_pa", "max_brick_compression_pa", "bricks_above_strength")
     if not has_stresses(history):
         return dict.fromkeys(names)

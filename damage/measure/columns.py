@@ -30,7 +30,7 @@ WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default
 
 
 def made_by_words(table):
-    """Text: the known origins (MADE_BY) of the runs of a table, a DataFrame."""
+    """Text: the versions of software (MADE_BY) that made the runs of a table, a DataFrame."""
     return "; ".join(f"{name} {', '.join(sorted(set(table[name].dropna())))}" for name in MADE_BY if name in table)
 
 
@@ -43,7 +43,7 @@ def _index(kind, slip):
 
 
 def slip_criteria(table):
-    """Slip criteria of the columns that name none, a list of str: one, or several where rows of the table differ."""
+    """Slip criteria of the columns whose names contain none, a list of str: several where rows of the table differ."""
     criteria = "; ".join(table["slip"].dropna()) if "slip" in table else ""
     return sorted(set(criteria.split("; ")), reverse=True) if criteria else ["displacement"]
 

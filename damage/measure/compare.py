@@ -2,8 +2,8 @@
 
 Up to the first failure the drift is compared sample by sample.  After it two correct solutions diverge, since undamped
 joints that open and close amplify rounding errors (the system is chaotic).  Extremes of the entire run are therefore
-compared within TOLERANCES, which are the scatter of one solver under rounding.  The second value is the median where
-there are several second histories.
+compared within TOLERANCES, which are the scatter of one solver under rounding.  A *first* history is compared with a
+*second* one, or with the median of several.
 """
 
 from dataclasses import dataclass
@@ -24,13 +24,13 @@ DIVERGED = 0.01  # share of the peak drift [-]: two runs have diverged where the
 @dataclass(frozen=True)
 class Tolerance:
     """Tolerance of a comparison: the larger of `absolute`, in the unit of the measure, and `relative` [-] times the
-    second value."""
+    value of the second history."""
 
     absolute: float = 0.0
     relative: float = 0.0
 
     def allowed(self, value):
-        """Largest allowed difference from the second value, in its unit."""
+        """Largest allowed difference from `value` of the second history, in its unit."""
         return max(self.absolute, self.relative * abs(value))
 
 

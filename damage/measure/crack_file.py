@@ -130,7 +130,7 @@ def _stretches(table, rows, chosen):
 
 
 def _check_order(table, columns, row, line):
-    """A point that does not begin a polyline counts on from the one before, of the same crack."""
+    """Raise InputError unless a point begins a polyline or follows the point before, of the same crack, by number."""
     point, before = columns["point"][row], columns["point"][row - 1] if row else nan
     same = row > 0 and all(columns[name][row] == columns[name][row - 1] for name in ("crack", "level"))
     if line == 0 or not same or point != before + 1:
@@ -177,7 +177,7 @@ def complete_sizes(opening, slip, width, mode):
 
 
 def _rest(wanted, other, width):
-    """What is left of the width beside the other part, unless it is known already or cannot be."""
+    """Opening or slip [m] from the width and the other of both, unless it is known already or cannot be computed."""
     if not isnan(wanted) or isnan(other):
         return wanted
     return float(np.sqrt(max(width**2 - other**2, 0.0)))

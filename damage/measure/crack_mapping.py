@@ -116,7 +116,7 @@ def _nearest(middle, along, low, high, tolerance):
 def _share_that_fits(table, joint_length):
     """Factor on every row's length, (n_rows,), that keeps each joint's sum within its own length.
 
-    A piece across the end of a joint counts on one side of it as a whole: that much may be over.
+    A piece across the end of a joint counts entirely on one side of it: the sum may exceed the length by one piece.
     """
     drawn = np.bincount(table["joint"], table["length_m"], minlength=len(joint_length))
     share = np.divide(joint_length, drawn, out=np.ones(len(drawn)), where=drawn > joint_length + PIECE)
@@ -132,7 +132,7 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
 
     Psi is that of the joints whose width reaches psi_from [m], as in `damage.measure.cracks`; psi_drawn that of the
     polylines as they were drawn, through bricks too, with the file's own numbering of cracks.  Without a drift DI is
-    that of the cracks alone.  undecided_m: length over the threshold whose mode is open.
+    that of the cracks alone.  undecided_m: length over the threshold whose mode is unknown.
     """
     check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches

@@ -25,7 +25,7 @@ def energy_groups(series):
 
 
 def noise_j(mass_kg, height_m):
-    """Input energy [J] of a wall with this mass [kg] and height [m] below which it has no energy balance error."""
+    """Least input energy [J] of which an energy balance error is computed, for a wall of this mass [kg] and height [m]."""
     return NOISE * mass_kg * GRAVITY * height_m
 
 

@@ -12,8 +12,10 @@ BASE = ("max_base_translation_mm", "max_base_rotation_rad")
 
 
 def ground_measures(history, psi_from=PSI_FROM):
-    """SETTLEMENT of the ground and SETTLED, the damage at the end of the settlement stage, and BASE, the largest rigid
-    motion of the base course over the run, of a History; None where they do not apply.
+    """Measures of a History whose ground moves, {column: value}; None where they do not apply.
+
+    Columns: SETTLEMENT, of the supports, and SETTLED, the damage, both at the end of the settlement stage; BASE, the
+    largest rigid motion of the base course over the run.
 
     psi_from: width from which a crack counts in Psi [m].
     """

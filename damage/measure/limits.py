@@ -29,7 +29,7 @@ class Limits:
         return f"{', '.join(words)}; {self.source}"
 
     def classify(self, value):
-        """Name of the class of a value [-, mm]; None for None.
+        """Name of the damage class of a value [-], of a width [mm]; None for None.
 
         >>> LIMITS[2].classify(0.0009)
         'minor'

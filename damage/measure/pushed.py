@@ -102,8 +102,8 @@ def capacity_curve(history, sign=1):
 
 
 def averaged(curve, width):
-    """A curve whose points are means over windows of the drift, `width` [-] wide, which lie side by side: without the
-    shocks of sudden failures."""
+    """A curve whose points are means over windows of the drift, `width` [-] wide, side by side: without the
+    oscillations that sudden failures cause."""
     window = np.floor(curve["drift_ratio"] / width)
     return curve.groupby(window.to_numpy(), sort=True).mean().reset_index(drop=True)
 

@@ -141,7 +141,7 @@ def joints_table(history):
     active, states = history.active, history.states
 
     def column(of, values):
-        """A column for all contact points from the values of some, (n,), zero for the others."""
+        """A column for all contact points, zero except for those with sparse data `of`, whose values (n,) are given."""
         whole = np.zeros(len(table), values.dtype)
         whole[of.joints] = values
         return whole
@@ -157,7 +157,7 @@ def joints_table(history):
 
 
 def _with_first(table, *columns):
-    """The table with these columns before all others."""
+    """A copy of the table that begins with these columns."""
     return table[[*columns, *(name for name in table if name not in columns)]]
 
 

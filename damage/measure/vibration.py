@@ -12,7 +12,8 @@ NOISE = 1e-12
 def upward_crossings(time_s, value, rearm=REARM):
     """Times at which `value` crosses zero upwards, (k,) [s], linearly interpolated between samples.
 
-    time_s, value: (n_times,).  Before each counted crossing the value was below -max(rearm max|value|, NOISE).
+    time_s, value: (n_times,); rearm [-].  A crossing counts if the value has been below -max(rearm max|value|, NOISE)
+    since the crossing before.
 
     >>> t = np.linspace(0, 1, 1001)
     >>> upward_crossings(t, np.sin(2 * np.pi * 4 * (t - 0.1))).round(6)

@@ -15,8 +15,8 @@ SMALL = 0.01
 
 @inlined
 def acceleration(force, inverse_mass, field):
-    """Acceleration of a coordinate [m/s2 or rad/s2]: force over mass less the field; zero where the velocity is
-    prescribed.  field: acceleration of the base, and gravity, which act on all masses in negative direction."""
+    """Acceleration of a coordinate [m/s2 or rad/s2]: force over mass less `field`, zero where the velocity is
+    prescribed.  field: acceleration of the base plus gravity along the coordinate; both act against its direction."""
     return either(inverse_mass > 0.0, force * inverse_mass - field, 0.0)
 
 

@@ -1,6 +1,7 @@
 """Contacts that bricks find anew as they move: rectangles with rounded corners (spheropolygons, Alonso-Marroquin 2008).
 
-A brick is its core, smaller than itself by the radius r on all sides, and a disc of radius r that goes along it.  With
+A loose brick is a rectangle with rounded corners: a core, smaller than the brick by the radius r on all sides, and all
+places within r of it.  With
 d the distance of a corner of one core from the nearest point of the other core, a pair of bodies has stored
 
     V = sum over the corners of both cores of  k/2 max(0, 2 r - d - rest)^2
@@ -362,8 +363,8 @@ def carry_over(loose, row):
 
 @compiled
 def meet(system, loose, row, energy):
-    """Let a pair begin with so much stored in the corners that overlap [J], equally in all; returns what they store:
-    nothing where none overlaps, and no more than a depth of a radius in each."""
+    """Start a loose pair whose overlapping corners store an energy [J], equal parts each; returns what they store: zero
+    where none overlaps, at most that of an overlap of a radius in each."""
     overlapping = 0
     for k in range(2 * CORNERS):
         loose.springs[row, k, REST] = overlap_of(system, loose, row, k)
@@ -447,8 +448,8 @@ def corner_inside(system, loose, interface):
 
 @compiled
 def hand_over(system, loose, interface, energy):
-    """List the bodies of an interface that has ended as a loose pair; energy [J]: what friction would take of what the
-    interface had stored."""
+    """List the bodies of an interface that has ended as a loose pair; energy [J]: elastic
+    energy that the interface had stored, which counts as friction unless corners store it."""
     if loose.counts[SEARCHES] == 0:
         loose.counts[WANTED] = 1
     a, b = np.int64(interface.a), np.int64(interface.b)

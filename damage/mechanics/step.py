@@ -29,7 +29,8 @@ SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC = range(5)
 def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, w, loose):
     """Advance a wall and write a sample at each of the steps `ends`.
 
-    On entry the forces are those at the present displacements; on return, and at each sample, forces and readings are.
+    On entry the forces must be those at the present displacements.  On return, and at each sample, forces and readings
+    (opening, shear displacement and stresses of every contact point, `System.readings`) are those at the displacements.
     system, law, controls: System, Law and Controls; field: (steps + 1, 3) acceleration of the base along x and z and
     gravity, in each step and the one after the last [m/s2]; clock: number of steps before; ends: (n,) rising numbers of
     steps from now; scratch: Scratch; stiffness, samples, w: as of `damage.mechanics.samples.observe`; loose: Loose.

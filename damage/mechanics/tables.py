@@ -84,18 +84,22 @@ displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 class System(NamedTuple):
     """Tables of one wall.
 
-    place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last [m or rad and per second, N or
-    N m, kg or kg m2], strain modes behind the rigid coordinates; velocities are those half a step ago; an inverse mass
-    of zero prescribes a velocity; forces are those of the contact points; trig: (bodies, 2) cosine of the rotation less
-    one, and its sine; interfaces (INTERFACE), contacts (CONTACT) and states (STATE) in the order of their interfaces;
-    readings: (4, contacts) at the last sample; energy: (4,); events: (capacity, 3) step, contact, kind; values:
-    (capacity, 4) normal and shear stress [Pa], opening and slip [m]; n_events: (1,); relaxation: (2,) the
-    mass-proportional damping that adapts itself [1/s], and the kinetic energy of the last step [J]; last: (interfaces,
-    6) relative motion and resultant of the last step, with which stiffness-proportional damping compares; of contacts
-    where bricks deform; turning: (bodies, 2) rotational spring between a body and the machine that moves it
-    [N m/rad], and the rotation at which it has no moment [rad] (plain step); radiation: (rows of `last`, 5) dashpots
-    of the soil, none (0, 5) without: damping over stiffness across and along the interface [s], and their resultant
-    in the last step [N, N m] (plain step).
+    place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last, strain modes behind the rigid
+        coordinates [m or rad and per second, N or N m, kg or kg m2]; velocities are those half a step ago; forces are
+        those of the contact points; an inverse mass of zero prescribes a velocity
+    trig: (bodies, 2) cosine of the rotation less one, and its sine
+    interfaces (INTERFACE), contacts (CONTACT), states (STATE): contacts and states in the order of their interfaces
+    readings: (4, contacts) displacements and stresses at the last sample, READ_OPENING to READ_TAU
+    energy: (4,) INPUT to DAMPING [J]
+    events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa], opening and slip [m];
+        n_events: (1,)
+    relaxation: (2,) adaptive mass-proportional damping [1/s], kinetic energy of the last step [J]
+    last: (interfaces, 6) relative motion and resultant of the last step, for stiffness-proportional damping; a row for
+        each contact where bricks deform
+    turning: (bodies, 2) rotational spring between a body and the machine that moves it [N m/rad], and the rotation at
+        which it has no moment [rad] (plain step)
+    radiation: (rows of `last`, 5) dashpots of the soil, none (0, 5) without soil: damping over stiffness across and
+        along the interface [s], and their resultant in the last step [N, N m] (plain step)
 
     The fast step takes the tables of several walls, stacked along a first axis.
     """

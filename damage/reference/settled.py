@@ -35,7 +35,7 @@ class SettledWalls:
 
 
 class Settled:
-    """Access of one run to the cache; known: whether the cache holds its state."""
+    """Access of one run to the cache of states at rest; known: whether the cache holds the state of this run."""
 
     def __init__(self, walls, digest, known):
         self._walls, self._digest = walls, digest

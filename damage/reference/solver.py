@@ -61,7 +61,7 @@ class ReferenceSolver(ReferenceWall, Solver):
             goes_on = not samples or on_samples(self._instants_at(samples))
 
     def _taken(self, ends, sample_steps):
-        """{index: step} of the ends that are samples and were reached, which may be fewer than requested."""
+        """{index in `ends`: step} of the samples taken, fewer than `ends` where the run ended early."""
         return {k: step for k, step in enumerate(ends) if step <= self.clock and step % sample_steps == 0}
 
     def _next_ends(self, sample_steps, end, since):
@@ -91,8 +91,8 @@ class ReferenceSolver(ReferenceWall, Solver):
                         totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain)
 
     def _in_springs(self, displacement):
-        """Energy in the rotational springs of the machine that moves the top (n,) [J]; what they hold, it did not put
-        into the wall."""
+        """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]: work of the push that
+        did not enter the wall."""
         stiffness, rest = self.system.turning[:displacement.shape[1]].T
         return 0.5 * ((displacement[..., RIGID - 1] - rest)**2 @ stiffness)
 

@@ -1,4 +1,4 @@
-"""Runs that advance together, eight at a time, to the same bits as alone.
+"""Runs that advance together, eight at a time, with the bitwise identical results of single runs.
 
 Each run yields the steps up to its next samples; those of walls that can be in one batch are taken together.  The next
 run begins when one has ended.  The results of a run do not depend on the others.

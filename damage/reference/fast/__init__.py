@@ -1,4 +1,4 @@
-"""The fast time step: `damage.mechanics.step` in vectors of eight numbers, to the same bits.
+"""The fast time step: `damage.mechanics.step` in vectors of eight numbers, with bitwise identical results.
 
 It requires a fixed set of interfaces (`takes`).  A single wall with deformable bricks advances by the plain step.
 """

@@ -1,4 +1,4 @@
-"""Fast step of a batch of up to eight walls, each in one SIMD lane, to the same bits as alone.
+"""Fast step of a batch of up to eight walls, each in one SIMD lane, with the results of single walls bit by bit.
 
 A wall *ends* at the steps at which a sample of it is taken, which differ between walls.  At these steps its contact
 points are evaluated one by one, while the other walls take an ordinary step.
