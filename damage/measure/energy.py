@@ -25,7 +25,7 @@ def energy_groups(series):
 
 
 def noise_j(mass_kg, height_m):
-    """Least input energy [J] of which an energy balance error is computed, for a wall of this mass [kg] and height [m]."""
+    """Least input energy [J] for an energy balance error of a wall of this mass [kg] and height [m]."""
     return NOISE * mass_kg * GRAVITY * height_m
 
 
