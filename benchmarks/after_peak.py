@@ -2,8 +2,8 @@
 
     python3 benchmarks/after_peak.py [--out DIR] [TABLE ...]
 
-TABLE: laws, prediction, cycles; all by default, in the reference solver, about 25 minutes on one core.  Histories that
-are already in DIR are not run again.
+TABLE: laws, prediction, cycles, about 25 minutes on one core; scatter, consequences, as many again; all by default, in
+the reference solver.  Histories that are already in DIR are not run again.
 """
 
 import contextlib
@@ -25,7 +25,9 @@ from damage import brick_of_masonry, read_history
 from damage.laboratory.pushed import SPECIMENS, TESTS, read_test
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
+from damage.measure.summary import summarise
 from damage.reference.session import BACKEND
+from damage.reference.together import run_references
 from damage.run.session import run_session
 from damage.wall import layout as layouts
 from damage.wall.file import load_wall
@@ -41,8 +43,10 @@ FARTHEST = {"squat_tested": 0.3, "comp2_4": 0.3, "comp2_1": 4.0, "comp2_3": 2.0}
 """To which drift a wall is pushed [%]."""
 SPEED = {True: 4e-3, False: 2e-2}
 """Speed of the top of a wall that slides, and of one that rocks [m/s]."""
-CYCLES = {True: ("0.005,0.01,0.025,0.05,0.1,0.15,0.2,0.25,0.3", 8e-3), False: ("0.5,1,2,3,3.5", 8e-2)}
-"""Amplitudes [%], one cycle each, and speed [m/s], of a wall that slides, and of one that rocks."""
+SLIDING, ROCKING_SPEED = ("0.005,0.01,0.025,0.05,0.1,0.15,0.2,0.25,0.3", 8e-3), 8e-2
+CYCLES = {"squat_tested": SLIDING, "comp2_4": SLIDING, "comp2_1": ("0.5,1,2,3,3.5", ROCKING_SPEED),
+          "comp2_3": ("0.25,0.5,0.75,1,1.5,2", ROCKING_SPEED)}
+"""Amplitudes [%], one cycle each, and speed [m/s]."""
 SCATTER = 0.35
 """Coefficient of variation of the joints' strengths."""
 ALONG_COURSES = 0.4
@@ -141,30 +145,63 @@ HEADS = ("wall", "law", "peak [kN]", "test", "secant [kN/mm]", "test", "bilinear
          "test", "friction [J]", "fracture [J]", "failure (on stairs)", "test")
 
 
-def row(label, name, history):
-    """A run beside its test, both as means over the directions of loading."""
-    test, height = read_test(SPECIMENS[name]), history.attributes["drift_height_m"]
+class Curves(NamedTuple):
+    """What a run says beside its test, means over the directions of loading: forces [N], stiffness [N/m], drifts [-].
+
+    mean: force averaged up to the test's ultimate drift, and left: force there, NaN where the run did not go so far;
+    farthest: the drift that was reached; shares: of `pushed.mode_shares` up to the ultimate drift."""
+
+    peak: float
+    stiffness: float
+    bilinear: float
+    mean: float
+    left: float
+    ultimate: float
+    farthest: float
+    shares: dict
+
+    @property
+    def never_ended(self):
+        """Whether the force was 0.8 of the peak or more to the end."""
+        return self.ultimate > 0.99 * self.farthest
+
+
+def curves_of(name, history):
+    """The Curves of a run."""
+    reached, height = float(np.mean(read_test(SPECIMENS[name]).ultimate_drift)), history.attributes["drift_height_m"]
     curves = [pushed.capacity_curve(history, sign) for sign in ((1, -1) if history.loading.cycles else (1,))]
     if not history.loading.cycles:
         curves = [pushed.averaged(curve, float(curve["drift_ratio"].max()) / 200) for curve in curves]
-    lines, reached = [pushed.bilinear(curve, height) for curve in curves], float(np.mean(test.ultimate_drift))
-    far = min(float(curve["drift_ratio"].max()) for curve in curves)
-    ultimate = 100 * np.mean([line["ultimate_drift"] for line in lines])
-    shares, lost = pushed.mode_shares(history, until=ultimate / 100), history.series[list(DISSIPATED[:2])].iloc[-1]
-    mean = lambda values, unit=1e3: f"{np.mean(values) / unit:.1f}"  # noqa: E731
-    there = [(pushed.mean_force(curve, reached), float(np.interp(reached, curve["drift_ratio"], curve["force_n"])))
-             for curve in curves] if far >= 0.99 * reached else []
-    print_row(
-        SPECIMENS[name], label, mean([curve["force_n"].max() for curve in curves]), mean(test.peak_force_n),
-        mean([line["stiffness_n_per_m"] for line in lines], 1e6), mean(test.stiffness_n_per_m, 1e6),
-        mean([line["force_n"] for line in lines]), mean(test.bilinear_force_n),
-        *((mean([mean_force for mean_force, _ in there]) if there else "-",
-           mean([energy / drift / test.height for energy, drift in zip(test.energy_j, test.ultimate_drift)]),
-           mean([left for _, left in there]) if there else "-",
-           mean([pushed.ULTIMATE_SHARE * force for force in test.peak_force_n]))),
-        f"over {ultimate:.2f}" if ultimate > 99 * far else f"{ultimate:.3f}",
-        f"{100 * reached:.2f}", f"{lost.iloc[0]:.0f}", f"{lost.iloc[1]:.0f}",
-        f"{shares['mode']} ({100 * shares['stair_share']:.0f} %)", test.mode)
+    lines = [pushed.bilinear(curve, height) for curve in curves]
+    far = min(curve["drift_ratio"].max() for curve in curves)
+    of_lines = {key: float(np.mean([line[key] for line in lines])) for key in lines[0]}
+    there = np.mean([(pushed.mean_force(curve, reached), np.interp(reached, curve["drift_ratio"], curve["force_n"]))
+                     for curve in curves], axis=0) if far >= 0.99 * reached else (np.nan, np.nan)
+    return Curves(float(np.mean([curve["force_n"].max() for curve in curves])), of_lines["stiffness_n_per_m"],
+                  of_lines["force_n"], *there, of_lines["ultimate_drift"], float(far),
+                  pushed.mode_shares(history, until=of_lines["ultimate_drift"]))
+
+
+def tested_curves(name):
+    """The Curves of a test, whose force at its ultimate drift is 0.8 of the peak."""
+    test = read_test(SPECIMENS[name])
+    mean = np.mean([energy / drift / test.height for energy, drift in zip(test.energy_j, test.ultimate_drift)])
+    peak, ultimate = np.mean(test.peak_force_n), np.mean(test.ultimate_drift)
+    return Curves(peak, np.mean(test.stiffness_n_per_m), np.mean(test.bilinear_force_n), mean,
+                  pushed.ULTIMATE_SHARE * peak, ultimate, np.inf, {"mode": test.mode})
+
+
+def row(label, name, history):
+    """A run beside its test, both as means over the directions of loading."""
+    found, tested = curves_of(name, history), tested_curves(name)
+    lost, cells = history.series[list(DISSIPATED[:2])].iloc[-1], []
+    for key, unit in (("peak", 1e3), ("stiffness", 1e6), ("bilinear", 1e3), ("mean", 1e3), ("left", 1e3)):
+        cells += [f"{getattr(curves, key) / unit:.1f}" if np.isfinite(getattr(curves, key)) else "-"
+                  for curves in (found, tested)]
+    ultimate = f"over {100 * found.ultimate:.2f}" if found.never_ended else f"{100 * found.ultimate:.3f}"
+    print_row(SPECIMENS[name], label, *cells, ultimate, f"{100 * tested.ultimate:.2f}",
+              f"{lost.iloc[0]:.0f}", f"{lost.iloc[1]:.0f}",
+              f"{found.shares['mode']} ({100 * found.shares['stair_share']:.0f} %)", tested.shares["mode"])
 
 
 def laws(bench):
@@ -187,14 +224,123 @@ def prediction(bench):
 def cycles(bench):
     """Cycles by the prediction, and of the first wall by the rule."""
     print_table(*HEADS)
-    for name in (*SLIDES, "comp2_1"):
-        amplitudes, speed = CYCLES[name in SLIDES]
+    for name, (amplitudes, speed) in CYCLES.items():
         words = ["--cyclic", amplitudes, "--cycles", 1, "--speed", speed]
         for label, law in {"prediction": PREDICTION, **({"rule": LAWS["rule"]} if name == SLIDES[0] else {})}.items():
             row(label, name, run(bench, name, label, law, words))
 
 
-TABLES = {table.__name__: table for table in (laws, prediction, cycles)}
+# --- draws of the strengths ------------------------------------------------------------------------
+
+DRAWS = 32
+WALL_FILE = '''"""{name} by the prediction."""
+
+from benchmarks.after_peak import PREDICTION, wall_by
+
+
+def wall():
+    return wall_by({name!r}, PREDICTION)
+'''
+
+
+def together(bench, runs):
+    """Histories of runs that advance eight at a time; runs: {name: [wall file, words, ...]}."""
+    paths = {name: bench.folder / f"{name}.h5" for name in runs}
+    lines = [(name, [words[0], *map(str, words[1:]), "--out", str(paths[name]), "--overwrite", "--no-pictures",
+                     "--quiet"])
+             for name, words in runs.items() if not (paths[name].exists() and read_history(paths[name]).complete)]
+    quiet = io.StringIO()
+    with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
+        failed = [name for name, status in run_references(iter(lines)) if status != 0]
+    if failed:
+        sys.exit(f"{', '.join(failed)} failed\n{quiet.getvalue()[-2000:]}")
+    return {name: read_history(path) for name, path in paths.items()}
+
+
+def scatter(bench):
+    """Pushes of the walls that slide by the prediction, over draws of the strengths."""
+    print_table("wall", "quantity", "test", "median", "5 % quantile", "95 % quantile", "smallest", "largest",
+                "draws for the median within 5 %")
+    for name in SLIDES:
+        path = bench.folder / f"{name}_prediction.py"
+        path.write_text(WALL_FILE.format(name=name))
+        histories = together(bench, {f"{name}_draw_{seed}": [
+            str(path), *push(name), *HELD[name], "--strength-cov", SCATTER, "--strength-seed", seed]
+            for seed in range(1, DRAWS + 1)})
+        draws, tested = [curves_of(name, history) for history in histories.values()], tested_curves(name)
+        for label, key, unit, digits in (("peak [kN]", "peak", 1e3, 1), ("bilinear [kN]", "bilinear", 1e3, 1),
+                                         ("mean force to the test's ultimate drift [kN]", "mean", 1e3, 1),
+                                         ("left there [kN]", "left", 1e3, 1),
+                                         ("ultimate drift [%]", "ultimate", 0.01, 3)):
+            values = np.array([getattr(draw, key) for draw in draws]) / unit
+            shown = [getattr(tested, key) / unit, *np.quantile(values, (0.5, 0.05, 0.95)), values.min(), values.max()]
+            print_row(SPECIMENS[name], label, *(f"{value:.{digits}f}" for value in shown), enough(values))
+        never, steps = (np.sum(hits) for hits in ([draw.never_ended for draw in draws], [
+            draw.shares["mode"] == "shear, diagonal" for draw in draws]))
+        for label, hits in (("keep 0.8 of the peak to the end", never), ("fail on stairs", steps)):
+            print_row(SPECIMENS[name], label, "", f"{hits} of {DRAWS}", *[""] * 5)
+
+
+def enough(values):
+    """Number of draws whose median's standard error, 1.25 s / sqrt(n), is a fortieth of it: 5 % at 95 % confidence."""
+    return int(np.ceil((1.2533 * np.std(values, ddof=1) / (0.025 * np.median(values))) ** 2))
+
+
+# --- damage ----------------------------------------------------------------------------------------
+
+MEMBERS = 8
+BGAR = ["--record", str(REPOSITORY / "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"), "--window", 17.5, 20.5,
+        "--rest", 0.5]
+MOTIONS = {"0.2 s, 0.05 g": ["--harmonic", 0.2, 0.05, "--rest", 0.5], "BGAR x 1": BGAR,
+           "BGAR x 2": [*BGAR, "--scale", 2], "BGAR x 1, twice": [*BGAR, "--sequence", "1,1"]}
+EQUAL = 1e-3
+"""Coefficient of variation of strengths that are as good as equal: chance alone."""
+CRUSHES = 6.2e6
+"""Of COMP1_3's masonry [Pa], the wall by which the paper validates this material."""
+JOINTS = {"brittle": (False, EQUAL, False), "brittle, strengths scatter": (False, SCATTER, False),
+          "softening": (True, EQUAL, False), "softening, strengths scatter": (True, SCATTER, False),
+          "softening, scatter, crushing": (True, SCATTER, True)}
+"""Name -> whether the bond softens, coefficient of variation of the strengths, whether toes crush and soften."""
+SHAKEN_FILE = '''"""The symmetric wall with other joints."""
+
+from dataclasses import replace
+
+from damage.wall.file import load_wall
+
+
+def wall():
+    one = load_wall({path!r})
+    return replace(one, joint=replace(one.joint, **{changes!r}))
+'''
+
+
+def consequences(bench):
+    """The symmetric wall shaken, by joint law: medians of members, and their range."""
+    print_table("joints", "motion", "max DI", "residual DI", "largest offset [mm]", "Psi", "max drift [%]",
+                "crushed [m]", "members")
+    path = REPOSITORY / "walls" / "symmetric.py"
+    joint = load_wall(path).joint
+    for label, (softens, variation, crushes) in JOINTS.items():
+        changes = softening_energies(joint.tensile_strength) if softens else {}
+        if crushes:
+            changes |= {"compressive_strength": CRUSHES, "compressive_fracture_energy": crushing_energy(CRUSHES)}
+        kept = "".join(c if c.isalnum() else "-" for c in label)
+        wall = bench.folder / f"symmetric_{kept}.py"
+        wall.write_text(SHAKEN_FILE.format(path=str(path), changes=changes))
+        for motion, words in MOTIONS.items():
+            runs = {f"{kept}_{''.join(c if c.isalnum() else '-' for c in motion)}_{seed}": [
+                str(wall), *words, "--strength-cov", variation, "--strength-seed", seed]
+                for seed in range(1, MEMBERS + 1)}
+            found = [summarise(history) for history in together(bench, runs).values()]
+            standing = [one for one in found if one["collapsed_at_s"] is None]
+            values = [[one["max"]["DI"] for one in found], [one["residual"]["DI"] for one in found],
+                      [one["max_offset_mm"] for one in found], [one["max_psi"] for one in found],
+                      [100 * one["max_drift_ratio"] for one in found], [one["crushed_length_m"] for one in found]]
+            print_row(label, motion, *(f"{np.median(of):.3g} ({min(of):.3g} to {max(of):.3g})" for of in values[:5]),
+                      f"{np.median(values[5]):.2g}", f"{len(standing)} of {MEMBERS} stand")
+
+
+TABLES = {table.__name__: table for table in (laws, prediction, cycles, scatter, consequences)}
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
     python3 benchmarks/laboratory.py [--out DIR] [TABLE ...]
 
 TABLE: laws, cycles; both by default, in the reference solver, about half an hour on one core.  And yade: pushes and a
-short cycle in both solvers, half an hour or so.  Histories that are already in DIR are not run again.
+short cycle in both solvers, half an hour or so; yade_cycles: what cycles dissipate in both.  Histories that are already
+in DIR are not run again.
 """
 
 import sys
@@ -17,6 +18,7 @@ sys.path.insert(0, str(REPOSITORY))
 from benchmarks.softening import main, print_row, print_table
 from damage.laboratory.pushed import SPECIMENS, read_test
 from damage.measure import pushed
+from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
 
 WALLS = {"squat_tested": (0.3, []), "comp2_1": (0.3, ["--boundary", "fixed"]),
@@ -97,7 +99,37 @@ def yade(bench):
         cycle_rows(label, history)
 
 
-TABLES = {table.__name__: table for table in (laws, cycles, yade)}
+IN_BOTH = {"squat_tested": ("COMP1_3", "0.05", QUICK), "small_wall": ("small wall", "0.1,0.2,0.4", [])}
+"""Wall -> what a table calls it, amplitudes of its cycles [%], and their speed."""
+
+
+def yade_cycles(bench):
+    """What walls dissipate in each cycle in both solvers, by the rule, as 16 fibres: in all, and in joints."""
+    print_table("wall", "solver", "amplitude [%]", "force [kN]", "loop [J]", "YADE to reference",
+                "friction and fracture [J]", "YADE to reference", "of it fracture [J]")
+    for wall, (label, amplitudes, speed) in IN_BOTH.items():
+        words = ["--cyclic", amplitudes, "--cycles", 1, *WALLS.get(wall, (0, ["--boundary", "fixed"]))[1], *speed,
+                 "--fibres", 16]
+        reference = by_cycle(bench.run(wall, "rule", [*words, "--relaxation", "local"]))
+        yade = by_cycle(bench.run_in_yade(wall, "rule", words))
+        for cycles in zip(reference, yade):
+            for solver, (cycle, in_joints, fracture) in zip(("reference", "YADE"), cycles):
+                (first, joints, _), loop = cycles[0], cycle["dissipated_j"]
+                more = [f"{100 * (here / there - 1):+.1f} %" if solver == "YADE" else ""
+                        for here, there in ((loop, first["dissipated_j"]), (in_joints, joints))]
+                print_row(label, solver, f"{cycle['amplitude_pct']:g}",
+                          f"{cycle['max_force_kn']:.1f}, {cycle['min_force_kn']:.1f}", f"{loop:.1f}", more[0],
+                          f"{in_joints:.1f}", more[1], f"{fracture:.2f}")
+
+
+def by_cycle(history):
+    """[(row of `pushed.cycles_table`, dissipated by friction and fracture, by fracture [J]), ...] of the cycles."""
+    lost = history.series[list(DISSIPATED[:2])].to_numpy()[pushed.cycle_edges(history)]
+    return [(cycle, float(both.sum()), float(both[1]))
+            for cycle, both in zip(pushed.cycles_table(history).to_dict("records"), np.diff(lost, axis=0))]
+
+
+TABLES = {table.__name__: table for table in (laws, cycles, yade, yade_cycles)}
 
 
 if __name__ == "__main__":

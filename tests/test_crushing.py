@@ -22,6 +22,7 @@ from damage.wall.layout import CAP, CUT, lay_out
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, ModelOptions, Wall, crushing_energy
 from damage.wall.split import CUT_POINTS, cut_strengths
+from verification import crushing, softening
 
 KN, KS, FT, C, MU, FC = 6e10, 2.4e10, 0.2e6, 0.24e6, 0.6, 3e6
 LAW = LawParameters(KN, KS, FT, C, Material(MU), compressive_strength=FC)
@@ -145,6 +146,22 @@ class TestSofteningCrushing:
         """Below f_c^2 / k_n no equilibrium lies on the way: what is left is far below, not a number that is none."""
         pressed, = follow([-2 * DEEP], law=LAW._replace(crushing_energy=0.05 * FC**2 / KN))
         assert -1e-3 * FC < pressed.normal_stress <= 0 and pressed.closure <= 2 * DEEP
+
+
+@pytest.mark.yade
+@pytest.mark.long
+def test_a_crushed_joint_slides_alike_in_both_solvers():
+    """Stresses along the path and both energies within 0.5 %; sliding takes tan(phi) of what crushing has left."""
+    path = crushing.crushed_and_slid()
+    yade, reference = (crushing.driven_along(solver, crushing.SOFTENS, path) for solver in ("yade", "reference"))
+    for name in ("normal_stress", "shear_stress"):
+        there = getattr(reference, name)
+        assert_allclose(getattr(yade, name), there, atol=5e-3 * np.abs(there).max())
+    assert_allclose([yade.friction, yade.fracture], [reference.friction, reference.fracture], rtol=5e-3)
+    pressed = path[:, 0].argmin() + 400  # at the end of the first slide at the last depth
+    strength = -reference.normal_stress[pressed]
+    assert strength < 0.4 * crushing.STRENGTH
+    assert reference.shear_stress[pressed] == approx(np.tan(softening.JOINT.friction_angle) * strength, rel=1e-3)
 
 
 class TestParameters:

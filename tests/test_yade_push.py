@@ -6,6 +6,7 @@ from conftest import REPOSITORY, SHORT
 from numpy.testing import assert_allclose
 
 import damage
+from damage.measure.pushed import cycle_edges, cycles_table
 from damage.measure.summary import summarise
 
 pytestmark = pytest.mark.yade
@@ -125,6 +126,25 @@ def test_joints_that_soften_do_so_alike(tmp_path, yade_command, damage_command):
     assert partly.any()  # open, and not broken: a part of the bond still holds
     assert_allclose(yade.opening_m[-1], reference.opening_m[-1], atol=1e-6)
     assert np.array_equal(yade.broken[-1], reference.broken[-1])
+
+
+@pytest.mark.long
+def test_a_cycle_dissipates_alike(tmp_path, yade_command, damage_command):
+    """The area of each loop, and friction with fracture in it, within 5 %; benchmarks/laboratory.py yade_cycles."""
+    wall, found = tmp_path / "panel.py", {}
+    wall.write_text(SOFT.format(repository=str(REPOSITORY)))
+    words = [wall, "--cyclic", "0.1,0.2", "--cycles", 1, "--boundary", "fixed", "--speed", 5e-3, "--fibres", 16,
+             "--no-pictures"]
+    in_reference = lambda *words: damage_command("reference", *words, "--relaxation", "local")  # noqa: E731
+    for solver, run in {"yade": yade_command, "reference": in_reference}.items():
+        out = tmp_path / f"{solver}.h5"
+        done = run(*words, "--out", out)
+        assert done.returncode == 0, done.stdout + done.stderr
+        history = damage.read_history(out)
+        joints = history.series[["friction_energy_j", "fracture_energy_j"]].sum(axis=1).to_numpy()
+        found[solver] = [cycles_table(history)["dissipated_j"], np.diff(joints[cycle_edges(history)])]
+    assert np.min(found["reference"]) > 1.0
+    assert_allclose(found["yade"], found["reference"], rtol=0.05)
 
 
 BLOCK = PANEL.replace("import Wall", "import Brick, Wall").replace("length=0.9, height=0.9, precompression=0.3e6", (

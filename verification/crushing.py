@@ -45,7 +45,8 @@ SOFTENS, ENERGY = "softening in compression, without a bond", 1000.0
 _BRITTLE = {"mode_i_fracture_energy": None, "mode_ii_fracture_energy": None}
 FORMS = {"brittle": (0, _BRITTLE), DRY: (0, {"tensile_strength": 0.0, "cohesion": 0.0, **_BRITTLE}),
          SOFTENS: (0, {"tensile_strength": 0.0, "cohesion": 0.0, "compressive_fracture_energy": ENERGY, **_BRITTLE}),
-         "softening": (0, {}), "softening, 8 fibres": (8, {})}
+         "softening": (0, {}), "softening, 8 fibres": (8, {}),
+         "softening in tension and compression, 8 fibres": (8, {"compressive_fracture_energy": ENERGY})}
 """Name -> fibres, what is changed of JOINT beside its compressive strength."""
 
 
@@ -122,10 +123,27 @@ def cycles(form, steps=400):
     return np.column_stack([opening, np.zeros_like(opening)])
 
 
+def crushed_and_slid():
+    """Path (n, 2) of opening and shear displacement [m] of a dry joint that crushes: slid to and fro at three depths,
+    the last of which leaves it a third of its strength, and unloaded between."""
+    layout = pair()
+    depth = STRENGTH / layout.contacts.normal_stiffness[between(layout)]
+    corners = [(0.0, 0.0), (depth, 0.0)]
+    for pressed in (5 * depth, 10 * depth, 20 * depth):
+        corners += [(-pressed, 0.0), (-pressed, 2e-4), (-pressed, -2e-4), (-pressed + 0.2 * depth, 0.0)]
+    parts = [np.linspace(a, b, 400, endpoint=False) for a, b in zip(corners[:-1], corners[1:])]
+    return np.vstack([*parts, corners[-1]])
+
+
+def softens(form):
+    """Whether the crushing of a form has a fracture energy."""
+    return "compressive_fracture_energy" in FORMS[form][1]
+
+
 def lost(form):
     """What the joint dissipates in the cycles [J/m2]."""
     path = cycles(form)
-    if form != SOFTENS:
+    if not softens(form):
         return -STRENGTH * float(path[-1, 0])
     layout, deepest = pair(), -float(path[:, 0].min())
     stiffness = layout.contacts.normal_stiffness[between(layout)]
@@ -136,15 +154,20 @@ def lost(form):
 @cache
 def driven(solver, form):
     """The joint Driven through the cycles."""
+    return driven_along(solver, form, cycles(form))
+
+
+def driven_along(solver, form, path):
+    """The joint of a form Driven along a path."""
     fibres, joint = joint_of(form)
     if solver == "reference":
-        return drive(cycles(form), fibres, **joint)
+        return drive(path, fibres, **joint)
     with tempfile.TemporaryDirectory() as folder:
         given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
-        np.savez(given, cycles=cycles(form))
+        np.savez(given, path=path)
         run_yade("verification/yade_paths.py", given, found, fibres, json.dumps(joint))
         with np.load(found) as results:
-            return Driven(cycles(form), results["cycles"], results["cycles/energies"])
+            return Driven(path, results["path"], results["path/energies"])
 
 
 def problems():
@@ -163,7 +186,7 @@ def problems():
             lambda form=form, measure=measure: measure(driven("yade", form))
         found.append(Problem(
             f"crushing in cycles, {form}", quantity, "J/m²", lost(form),
-            "G_c (1 - exp(-f_c d / G_c))" if form == SOFTENS else "f_c times the closure",
-            dict.fromkeys(solvers, 1e-3 if form == SOFTENS else 5e-3),
+            "G_c (1 - exp(-f_c d / G_c))" if softens(form) else "f_c times the closure",
+            dict.fromkeys(solvers, 1e-3 if softens(form) else 5e-3),
             {"reference": lambda form=form, measure=measure: measure(driven("reference", form)), "yade": in_yade}))
     return found

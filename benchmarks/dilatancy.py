@@ -1,0 +1,123 @@
+"""Dilatant joints as a prototype on top of the plain step: what an option for dilatancy would change.
+
+    python3 benchmarks/dilatancy.py [TABLE ...]
+
+TABLE: pair, walls; both by default, about three minutes.
+
+The joint law stays.  A failed contact point that has slipped by s is thicker by the integral of the dilatancy,
+
+    d(s) = tan(psi_0) / delta (1 - exp(-delta |s|)),    tan(psi) = tan(psi_0) exp(-delta |s|),
+
+which decays with slip (G. P. A. G. van Zijl (2004), Modeling masonry shear-compression: role of dilatancy highlighted,
+J. Eng. Mech. 130(11)); its decrease with pressure is left out, which makes it larger.  psi_0 and delta are assumed.
+Its rest position moves by d every few steps, as a negative plastic closure.
+"""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+from benchmarks.softening import print_row, print_table
+from damage.laboratory.pushed import SPECIMENS
+from damage.mechanics.tables import Z
+from damage.units import GRAVITY
+from damage.wall.file import load_wall
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from verification.collapse import settled_wall
+
+DECAY = 2000.0
+"""delta [1/m]: half a millimetre of slip takes most of it."""
+EVERY = 10
+"""Steps between two moves of the rest positions."""
+LEVELS = (0.0, 0.2, 0.4)
+"""tan(psi_0) [-]."""
+SAMPLE_S = 1e-3
+
+
+def thickening(slip, dilatancy):
+    """d(s) [m]; slip [m]; dilatancy: tan(psi_0)."""
+    return dilatancy / DECAY * -np.expm1(-DECAY * np.abs(slip))
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """displacement, force, lift: of the top [m, N, m], (n,) each; slip: of the contact points at the end [m]."""
+
+    displacement: np.ndarray
+    force: np.ndarray
+    lift: np.ndarray
+    slip: np.ndarray
+
+
+def push(layout, farthest, speed, *, dilatancy, rotates=False, lifts=True):
+    """Push the top of a settled wall; a Pushed.  farthest [m]; speed [m/s]; dilatancy: tan(psi_0); rotates, lifts:
+    whether the top may."""
+    wall = settled_wall(layout)
+    wall.fast = False
+    wall.start(np.zeros((0, 2)))
+    caps, states = layout.pushed_bodies, wall.system.states
+    wall.hold(caps, not rotates)
+    if not lifts:
+        wall.system.inverse_mass[caps, Z] = wall.system.velocity[caps, Z] = 0.0
+    wall.push(speed)
+    start, rows = wall.displacement[caps, :2].mean(axis=0), []
+    steps = max(1, round(SAMPLE_S / wall.time_step / EVERY))
+    while not rows or rows[-1][0] < farthest:
+        for _ in range(steps):
+            wall.run(EVERY)
+            states["closure"] = -thickening(states["slip"], dilatancy)
+        moved = wall.displacement[caps, :2].mean(axis=0) - start
+        rows.append((moved[0], wall.push_force(), moved[1]))
+    return Pushed(*np.array(rows).T, states["slip"].copy())
+
+
+def pair(_):
+    """Two bricks that slide on each other: the lift, and the integral of the dilatancy over the slip."""
+    joint = Joint(tensile_strength=0.0, cohesion=0.0)
+    brick = Brick(length=0.45)
+    layout = lay_out(Wall("pair", brick.length / 2, 2 * brick.height, precompression=0.3e6, joint=joint, brick=brick),
+                     ModelOptions(top="beam"))
+    between, below = (layout.contacts.second == body for body in (1, 0))
+    print_table("tan ψ_0", "slip [mm]", "integral of the dilatancy [mm]", "lift [mm]", "difference", "force [kN]",
+                "N tan φ [kN]")
+    load = GRAVITY * float(layout.bodies.mass[1:].sum())
+    for dilatancy in LEVELS:
+        done = push(layout, 1e-3, 5e-4, dilatancy=dilatancy)
+        thick = thickening(done.slip, dilatancy)
+        integral = float(thick[between].mean() + thick[below].mean())  # the joint on the ground slips by a hundredth
+        print_row(dilatancy, f"{1e3 * np.abs(done.slip[between]).mean():.4f}", f"{1e3 * integral:.5f}",
+                  f"{1e3 * done.lift[-1]:.5f}",
+                  f"{100 * (done.lift[-1] / integral - 1):+.3f} %" if dilatancy else "",
+                  f"{done.force[-100:].mean() / 1e3:.4f}", f"{load * np.tan(joint.friction_angle) / 1e3:.4f}")
+
+
+def walls(_):
+    """Tested walls with brittle joints: residual force by dilatancy, and where the top is kept from lifting."""
+    print_table("wall", "tan ψ_0", "top", "peak [kN]", "mean force from 0.1 to 0.2 % [kN]", "to no dilatancy",
+                "lift at 0.2 % [mm]")
+    for name, rotates in (("squat_tested", True), ("comp2_4", False)):
+        layout = lay_out(load_wall(REPOSITORY / "walls" / f"{name}.py"))
+        height, without = layout.pushed_height, None
+        for dilatancy, lifts in (*((level, True) for level in LEVELS), (LEVELS[-1], False)):
+            done = push(layout, 2e-3 * height, 8e-3, dilatancy=dilatancy, rotates=rotates, lifts=lifts)
+            residual = done.force[done.displacement > 1e-3 * height].mean()
+            without = without or residual
+            print_row(SPECIMENS[name], dilatancy, "free to lift" if lifts else "kept from lifting",
+                      f"{done.force.max() / 1e3:.1f}", f"{residual / 1e3:.1f}",
+                      f"{100 * (residual / without - 1):+.1f} %", f"{1e3 * done.lift[-1]:.2f}")
+
+
+TABLES = {table.__name__: table for table in (pair, walls)}
+
+
+if __name__ == "__main__":
+    for asked in sys.argv[1:] or TABLES:
+        if asked not in TABLES:
+            sys.exit(f"error: no table {asked}; expected one of {', '.join(TABLES)}")
+        TABLES[asked](None)
