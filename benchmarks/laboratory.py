@@ -103,6 +103,10 @@ IN_BOTH = {"squat_tested": ("COMP1_3", "0.05", QUICK), "small_wall": ("small wal
 """Wall -> what a table calls it, amplitudes of its cycles [%], and their speed."""
 
 
+PERTURBED = 5
+"""Runs in the reference solver whose bricks start off by 1e-9 m, as a measure of chance."""
+
+
 def yade_cycles(bench):
     """What walls dissipate in each cycle in both solvers, by the rule, as 16 fibres: in all, and in joints."""
     print_table("wall", "solver", "amplitude [%]", "force [kN]", "loop [J]", "YADE to reference",
@@ -110,9 +114,12 @@ def yade_cycles(bench):
     for wall, (label, amplitudes, speed) in IN_BOTH.items():
         words = ["--cyclic", amplitudes, "--cycles", 1, *WALLS.get(wall, (0, ["--boundary", "fixed"]))[1], *speed,
                  "--fibres", 16]
-        reference = by_cycle(bench.run(wall, "rule", [*words, "--relaxation", "local"]))
+        alike = [*words, "--relaxation", "local"]
+        reference = by_cycle(bench.run(wall, "rule", alike))
         yade = by_cycle(bench.run_in_yade(wall, "rule", words))
-        for cycles in zip(reference, yade):
+        perturbed = [by_cycle(bench.run(wall, "rule", [*alike, "--perturb", 1e-9, "--seed", seed]))
+                     for seed in range(1, PERTURBED + 1)]
+        for cycles in zip(reference, yade, *perturbed):
             for solver, (cycle, in_joints, fracture) in zip(("reference", "YADE"), cycles):
                 (first, joints, _), loop = cycles[0], cycle["dissipated_j"]
                 more = [f"{100 * (here / there - 1):+.1f} %" if solver == "YADE" else ""
@@ -120,6 +127,11 @@ def yade_cycles(bench):
                 print_row(label, solver, f"{cycle['amplitude_pct']:g}",
                           f"{cycle['max_force_kn']:.1f}, {cycle['min_force_kn']:.1f}", f"{loop:.1f}", more[0],
                           f"{in_joints:.1f}", more[1], f"{fracture:.2f}")
+            values = zip(*((one["dissipated_j"], in_joints, fracture) for one, in_joints, fracture in cycles[2:]))
+            loop, in_joints, fracture = (f"{min(of):.{digits}f} to {max(of):.{digits}f}"
+                                         for of, digits in zip(values, (1, 1, 2)))
+            print_row(label, f"reference, {PERTURBED} perturbed", f"{cycle['amplitude_pct']:g}", "", loop, "",
+                      in_joints, "", fracture)
 
 
 def by_cycle(history):

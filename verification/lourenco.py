@@ -244,7 +244,7 @@ def vary_top(stiffnesses):
     """Print the peaks of both walls whose tops are on rotational springs of these stiffnesses [N m/rad], inf for tops
     that are held, and their forces at `FAR_M`; the exit status."""
     heads = ("spring at the top [N m/rad]", "wall", "peak [kN]", "test", "over the test", "at 20 mm [kN]", "test",
-             "over the test")
+             "over it at 20 mm")
     print("| " + " | ".join(heads) + " |")
     print("| --- " * 8 + "|")
     for stiffness in stiffnesses:
