@@ -158,7 +158,7 @@ def test_a_crushed_joint_slides_alike_in_both_solvers():
         there = getattr(reference, name)
         assert_allclose(getattr(yade, name), there, atol=5e-3 * np.abs(there).max())
     assert_allclose([yade.friction, yade.fracture], [reference.friction, reference.fracture], rtol=5e-3)
-    pressed = path[:, 0].argmin() + 400  # at the end of the first slide at the last depth
+    pressed = path[:, 0].argmin() + 400  # the end of the first slide at the last depth
     strength = -reference.normal_stress[pressed]
     assert strength < 0.4 * crushing.STRENGTH
     assert reference.shear_stress[pressed] == approx(np.tan(softening.JOINT.friction_angle) * strength, rel=1e-3)

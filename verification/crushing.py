@@ -111,27 +111,30 @@ def joint_of(form):
 
 def cycles(form, steps=400):
     """Path (n, 2) of opening and shear displacement [m]: pressed further each time and unloaded, at last to nothing."""
-    layout = pair()
-    depth = STRENGTH / layout.contacts.normal_stiffness[between(layout)]
+    depth = STRENGTH / _stiffness()
     dry = form in (DRY, SOFTENS)
     further = OPENED if dry else 1.0
     corners = [0.0, depth, 0.0] if dry else [0.0]
     for pressed in PRESSED:
-        corners += [-further * pressed * depth, -(further * pressed - 1) * depth]
+        corners += [-further * pressed * depth, -closure(form, further * pressed * depth)]
     parts = [np.linspace(a, b, steps, endpoint=False) for a, b in zip(corners[:-1], corners[1:])]
     opening = np.concatenate([*parts, corners[-1:]])
     return np.column_stack([opening, np.zeros_like(opening)])
 
 
-def crushed_and_slid():
+def crushed_and_slid(pressing=4000, sliding=400):
     """Path (n, 2) of opening and shear displacement [m] of a dry joint that crushes: slid to and fro at three depths,
-    the last of which leaves it a third of its strength, and unloaded between."""
-    layout = pair()
-    depth = STRENGTH / layout.contacts.normal_stiffness[between(layout)]
-    corners = [(0.0, 0.0), (depth, 0.0)]
+    the last of which leaves it a third of its strength, and unloaded between.
+
+    pressing, sliding: steps to each corner.  In YADE the friction limit of a step is that of its pressure before
+    crushing, too high by k_n times what the joint closes in the step.
+    """
+    depth = STRENGTH / _stiffness()
+    corners, steps = [(0.0, 0.0), (depth, 0.0)], [sliding]
     for pressed in (5 * depth, 10 * depth, 20 * depth):
         corners += [(-pressed, 0.0), (-pressed, 2e-4), (-pressed, -2e-4), (-pressed + 0.2 * depth, 0.0)]
-    parts = [np.linspace(a, b, 400, endpoint=False) for a, b in zip(corners[:-1], corners[1:])]
+        steps += [pressing, sliding, sliding, sliding]
+    parts = [np.linspace(a, b, number, endpoint=False) for a, b, number in zip(corners[:-1], corners[1:], steps)]
     return np.vstack([*parts, corners[-1]])
 
 
@@ -140,15 +143,27 @@ def softens(form):
     return "compressive_fracture_energy" in FORMS[form][1]
 
 
+def closure(form, deepest):
+    """Plastic closure [m] of a form's joint that was closed by `deepest` [m], where k_n (deepest - d) is what is
+    left of its strength."""
+    stiffness = _stiffness()
+    if not softens(form):
+        return deepest - STRENGTH / stiffness
+    return brentq(lambda d: stiffness * (deepest - d) - STRENGTH * np.exp(-STRENGTH * d / ENERGY), 0.0, deepest)
+
+
+def _stiffness():
+    """k_n of the joint [Pa/m]."""
+    layout = pair()
+    return float(layout.contacts.normal_stiffness[between(layout)])
+
+
 def lost(form):
     """What the joint dissipates in the cycles [J/m2]."""
     path = cycles(form)
     if not softens(form):
         return -STRENGTH * float(path[-1, 0])
-    layout, deepest = pair(), -float(path[:, 0].min())
-    stiffness = layout.contacts.normal_stiffness[between(layout)]
-    closed = brentq(lambda d: stiffness * (deepest - d) - STRENGTH * np.exp(-STRENGTH * d / ENERGY), 0.0, deepest)
-    return ENERGY * -np.expm1(-STRENGTH * closed / ENERGY)
+    return ENERGY * -np.expm1(-STRENGTH * closure(form, -float(path[:, 0].min())) / ENERGY)
 
 
 @cache
