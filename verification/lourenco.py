@@ -64,11 +64,11 @@ def measured_peak(name):
 
 def measured_far(name):
     """Mean of both tests' forces at `FAR_M` [N]."""
-    return float(np.mean([_far(test.displacement_m.to_numpy(), test.force_n.to_numpy()) for test in measured(name)]))
+    return float(np.mean([far_force(*test[["displacement_m", "force_n"]].to_numpy().T) for test in measured(name)]))
 
 
-def _far(displacement, force):
-    """Mean force within 1 mm of `FAR_M`."""
+def far_force(displacement, force):
+    """Mean force within 1 mm of `FAR_M` [N]; displacement [m], force [N]: (n,) each."""
     return float(force[np.abs(displacement - FAR_M) < 1e-3].mean())
 
 
@@ -250,7 +250,7 @@ def vary_top(stiffnesses):
     for stiffness in stiffnesses:
         for name in LOADS_N:
             done = push(lay(name), top=stiffness if math.isfinite(stiffness) else None)
-            far, tested = _far(done.displacement, done.force), measured_far(name)
+            far, tested = far_force(done.displacement, done.force), measured_far(name)
             print(f"| {stiffness:g} | {name} | {done.peak / 1e3:.1f} | {measured_peak(name) / 1e3:.1f} | "
                   f"{_ratio(done.peak, name)} | {far / 1e3:.1f} | {tested / 1e3:.1f} | "
                   f"{100 * (far / tested - 1):+.1f} % |", flush=True)

@@ -1,0 +1,40 @@
+"""What docs/validation/after-the-peak.md rests on beside the runs: the prototype of dilatancy, and how many draws."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import trapezoid
+
+from benchmarks import after_peak, dilatancy
+from benchmarks.after_peak import PREDICTION, SCATTER, enough, wall_by
+from damage.units import GRAVITY
+from damage.wall.parameters import crushing_energy
+
+
+def test_two_bricks_lift_by_the_integral_of_their_dilatancy_and_keep_their_friction():
+    layout = dilatancy.two_bricks()
+    done = dilatancy.push(layout, 5e-4, 5e-4, dilatancy=0.4)
+    slips = np.abs(done.slip[layout.contacts.second == 1])
+    slip = np.linspace(0.0, slips.mean(), 2001)
+    by_hand = trapezoid(0.4 * np.exp(-dilatancy.DECAY * slip), slip)
+    assert_allclose(dilatancy.thickening(slips.mean(), 0.4), by_hand, rtol=1e-5)
+    assert_allclose(done.lift[-1], dilatancy.integral(layout, done.slip, 0.4), rtol=1e-3)
+    load = GRAVITY * layout.bodies.mass[1:].sum()
+    assert_allclose(done.force[-50:].mean(), load * np.tan(layout.wall.joint.friction_angle), rtol=1e-3)
+
+
+@pytest.mark.parametrize("deviation", [0.01, 0.1])
+def test_enough_draws_narrow_the_median_to_five_percent(deviation):
+    """Medians of that many draws of a normal variable lie within 5 % in about 95 of 100 cases."""
+    random = np.random.default_rng(3)
+    number = max(2, enough(random.normal(1.0, deviation, 100_000)))
+    medians = np.median(random.normal(1.0, deviation, (4000, number)), axis=1)
+    assert np.mean(np.abs(medians - 1) < 0.05) > 0.93
+
+
+def test_the_prediction_takes_what_was_tested():
+    wall, tested = wall_by("comp2_4", PREDICTION), after_peak.tested_curves("comp2_4")
+    assert wall.joint.compressive_strength == pytest.approx(11.22e6)
+    assert wall.joint.compressive_fracture_energy == crushing_energy(wall.joint.compressive_strength)
+    assert wall.joint.mode_i_fracture_energy > 0 and SCATTER == 0.35
+    assert tested.left == pytest.approx(0.8 * tested.peak) and tested.shares["mode"] == "shear"
