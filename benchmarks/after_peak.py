@@ -281,10 +281,15 @@ def scatter(bench):
             values = np.array([getattr(draw, key) for draw in draws]) / unit
             shown = [getattr(tested, key) / unit, *np.quantile(values, (0.5, 0.05, 0.95)), values.min(), values.max()]
             print_row(SPECIMENS[name], label, *(f"{value:.{digits}f}" for value in shown), enough(values))
-        never, steps = (np.sum(hits) for hits in ([draw.never_ended for draw in draws], [
-            draw.shares["mode"] == "shear, diagonal" for draw in draws]))
-        for label, hits in (("keep 0.8 of the peak to the end", never), ("fail on stairs", steps)):
-            print_row(SPECIMENS[name], label, "", f"{hits} of {DRAWS}", *[""] * 5)
+        within = [[abs(getattr(draw, key) / getattr(tested, key) - 1) <= 0.15 for draw in draws]
+                  for key in ("peak", "bilinear", "mean")]
+        for label, hits in (
+                ("peak within 15 %", within[0]), ("bilinear force within 15 %", within[1]),
+                ("mean force within 15 %", within[2]),
+                ("last to two thirds of the test's drift", [draw.ultimate > tested.ultimate / 1.5 for draw in draws]),
+                ("keep 0.8 of the peak to the end", [draw.never_ended for draw in draws]),
+                ("fail on stairs", [draw.shares["mode"] == "shear, diagonal" for draw in draws])):
+            print_row(SPECIMENS[name], label, "", f"{sum(hits)} of {DRAWS}", *[""] * 5)
 
 
 def enough(values):
