@@ -2,8 +2,8 @@
 
     python3 benchmarks/after_peak.py [--out DIR] [TABLE ...]
 
-TABLE: laws, prediction, cycles, about 25 minutes on one core; scatter, consequences, as many again; all by default, in
-the reference solver.  Histories that are already in DIR are not run again.
+TABLE: laws, prediction, cycles, about 25 minutes on one core; scatter, consequences, tail, as many again; all by
+default, in the reference solver.  Histories that are already in DIR are not run again.
 """
 
 import contextlib
@@ -304,6 +304,7 @@ BGAR = ["--record", str(REPOSITORY / "damage/data/zeerijp_20180108/BGAR_HGE_acc_
         "--rest", 0.5]
 MOTIONS = {"0.2 s, 0.05 g": ["--harmonic", 0.2, 0.05, "--rest", 0.5], "BGAR x 1": BGAR,
            "BGAR x 2": [*BGAR, "--scale", 2], "BGAR x 1, twice": [*BGAR, "--sequence", "1,1"]}
+HARD = ["--harmonic", 0.1, 0.3, "--cycles", 5, "--rest", 0.5]
 EQUAL = 1e-3
 """Coefficient of variation of strengths that are as good as equal: chance alone."""
 CRUSHES = 6.2e6
@@ -311,7 +312,7 @@ CRUSHES = 6.2e6
 JOINTS = {"brittle": (False, EQUAL, False), "brittle, strengths scatter": (False, SCATTER, False),
           "softening": (True, EQUAL, False), "softening, strengths scatter, crushing": (True, SCATTER, True)}
 """Name -> whether the bond softens, coefficient of variation of the strengths, whether toes crush and soften."""
-SHAKEN_FILE = '''"""The symmetric wall with other joints."""
+SHAKEN_FILE = '''"""A wall with other joints."""
 
 from dataclasses import replace
 
@@ -325,33 +326,53 @@ def wall():
 '''
 
 
+def members(bench, wall, label, motions, number):
+    """{motion: [summary of each member]} of a wall with some of JOINTS; motions: {name: words}."""
+    softens, variation, crushes = JOINTS[label]
+    path = REPOSITORY / "walls" / f"{wall}.py"
+    changes = softening_energies(load_wall(path).joint.tensile_strength) if softens else {}
+    if crushes:
+        changes |= {"compressive_strength": CRUSHES, "compressive_fracture_energy": crushing_energy(CRUSHES)}
+    kept = "".join(c if c.isalnum() else "-" for c in f"{wall}-{label}")
+    file = bench.folder / f"{kept}.py"
+    file.write_text(SHAKEN_FILE.format(path=str(path), changes=changes))
+    histories = together(bench, {f"{kept}_{''.join(c if c.isalnum() else '-' for c in motion)}_{seed}": [
+        str(file), *words, "--strength-cov", variation, "--strength-seed", seed]
+        for motion, words in motions.items() for seed in range(1, number + 1)})
+    found = [summarise(history) for history in histories.values()]
+    return {motion: found[k * number:(k + 1) * number] for k, motion in enumerate(motions)}
+
+
+def measures(found):
+    """{name: values of the members} of summaries."""
+    return {"max DI": [one["max"]["DI"] for one in found], "residual DI": [one["residual"]["DI"] for one in found],
+            "largest offset [mm]": [one["max_offset_mm"] for one in found], "Psi": [one["max_psi"] for one in found],
+            "max drift [%]": [100 * one["max_drift_ratio"] for one in found]}
+
+
 def consequences(bench):
     """The symmetric wall shaken, by joint law: medians of members, and their range."""
-    print_table("joints", "motion", "max DI", "residual DI", "largest offset [mm]", "Psi", "max drift [%]",
-                "crushed [m]", "members")
-    path = REPOSITORY / "walls" / "symmetric.py"
-    joint = load_wall(path).joint
-    for label, (softens, variation, crushes) in JOINTS.items():
-        changes = softening_energies(joint.tensile_strength) if softens else {}
-        if crushes:
-            changes |= {"compressive_strength": CRUSHES, "compressive_fracture_energy": crushing_energy(CRUSHES)}
-        kept = "".join(c if c.isalnum() else "-" for c in label)
-        wall = bench.folder / f"symmetric_{kept}.py"
-        wall.write_text(SHAKEN_FILE.format(path=str(path), changes=changes))
-        histories = together(bench, {f"{kept}_{number}_{seed}": [
-            str(wall), *words, "--strength-cov", variation, "--strength-seed", seed]
-            for number, words in enumerate(MOTIONS.values()) for seed in range(1, MEMBERS + 1)})
-        for number, motion in enumerate(MOTIONS):
-            found = [summarise(histories[f"{kept}_{number}_{seed}"]) for seed in range(1, MEMBERS + 1)]
-            standing = [one for one in found if one["collapsed_at_s"] is None]
-            values = [[one["max"]["DI"] for one in found], [one["residual"]["DI"] for one in found],
-                      [one["max_offset_mm"] for one in found], [one["max_psi"] for one in found],
-                      [100 * one["max_drift_ratio"] for one in found], [one["crushed_length_m"] for one in found]]
-            print_row(label, motion, *(f"{np.median(of):.3g} ({min(of):.3g} to {max(of):.3g})" for of in values[:5]),
-                      f"{np.median(values[5]):.2g}", f"{len(standing)} of {MEMBERS} stand")
+    print_table("joints", "motion", *measures([]), "crushed [m]", "stand")
+    for label in JOINTS:
+        for motion, found in members(bench, "symmetric", label, MOTIONS, MEMBERS).items():
+            crushed = np.median([one["crushed_length_m"] for one in found])
+            standing = sum(one["collapsed_at_s"] is None for one in found)
+            print_row(label, motion, *(f"{np.median(of):.2g} ({min(of):.2g} to {max(of):.2g})"
+                                       for of in measures(found).values()), f"{crushed:.2g}",
+                      f"{standing} of {MEMBERS}")
 
 
-TABLES = {table.__name__: table for table in (laws, prediction, cycles, scatter, consequences)}
+def tail(bench):
+    """The solid wall under a hard motion, equal strengths: quantiles of members."""
+    print_table("joints", "quantity", "median", "5 % quantile", "95 % quantile", "smallest", "largest")
+    for label in ("brittle", "softening"):
+        (found,) = members(bench, "solid", label, {"hard": HARD}, DRAWS).values()
+        for name, values in measures(found).items():
+            shown = [*np.quantile(values, (0.5, 0.05, 0.95)), min(values), max(values)]
+            print_row(label, name, *(f"{value:.2g}" for value in shown))
+
+
+TABLES = {table.__name__: table for table in (laws, prediction, cycles, scatter, consequences, tail)}
 
 
 if __name__ == "__main__":
