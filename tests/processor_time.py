@@ -15,9 +15,8 @@ SUBJECTS = {
                "study_schema validity",
     "pictures and documents": "animation dictionary document_tables documents examples guides html html_browser "
                               "model_pictures paraview pictures report site_browser",
-    "model and solver": "before brick_stress cells columns crack_file cracks crushing curves damping deformable "
-                        "deformable_lanes "
-                        "eight ends exposure floors fragility history hysteresis index intensity joint_law "
+    "model and solver": "after_peak before brick_stress cells columns crack_file cracks crushing curves damping "
+                        "deformable deformable_lanes eight ends exposure floors fragility history hysteresis index intensity joint_law "
                         "joint_tracker lanes layout life limit_analysis lintel lintels loading loose lourenco measures "
                         "members model_options modes new_contacts offset outlines patterns plain plausible ranges "
                         "record_sequence records reference run run_constants sequence settlement softening soil "

@@ -8,7 +8,7 @@ from benchmarks.falls import INTERVAL_S, first_fall, in_reference, in_yade, spee
 from benchmarks.overlaps import overlaps
 from damage.run.settings import RESTS_BELOW_M_S, RESTS_FOR_S
 
-pytestmark = [pytest.mark.yade, pytest.mark.slow]
+pytestmark = [pytest.mark.yade, pytest.mark.long]
 
 
 @pytest.fixture(scope="module")

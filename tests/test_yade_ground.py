@@ -83,7 +83,7 @@ def halves(tmp_path_factory, yade_command):
     path.write_text(SMALL.format(repository=str(REPOSITORY), joint=""))
 
     def run(*words):
-        return yade_command(*SHORT, path, "--harmonic", 0.06, 0.6, "--cycles", 2, "--rest", 0.05, "--no-pictures",
+        return yade_command(*SHORT, path, "--harmonic", 0.06, 0.6, "--cycles", 1, "--rest", 0, "--no-pictures",
                             *words, cwd=folder)
 
     done = [run("--sequence", "1,0.6", "--out", "whole.h5"), run("--out", "first.h5"),
