@@ -16,7 +16,7 @@ once.  All criteria refer to the state at the sample, not to the largest so far.
 import numpy as np
 import pandas as pd
 import scipy  # spatial where it is used: it starts slowly
-from scipy.sparse import coo_array
+from scipy.sparse import coo_matrix  # SciPy 1.11 takes graphs with the long indices of a coo_array for empty ones
 from scipy.sparse.csgraph import connected_components
 
 from damage.checks import check_positive
@@ -84,7 +84,7 @@ def crack_numbers(is_cracked, pairs):
     is_cracked: (n,) bool; pairs: (n_pairs, 2) from `close_pairs`.
     """
     joined = pairs[is_cracked[pairs].all(axis=1)]
-    graph = coo_array((np.ones(len(joined)), joined.T), shape=(len(is_cracked),) * 2)
+    graph = coo_matrix((np.ones(len(joined)), joined.T), shape=(len(is_cracked),) * 2)
     group = connected_components(graph, directed=False)[1]
     numbers = np.zeros(len(is_cracked), int)
     numbers[is_cracked] = np.unique(group[is_cracked], return_inverse=True)[1] + 1
@@ -173,7 +173,7 @@ def count_cracks(is_cracked, pairs):
     node = np.cumsum(states).reshape(states.shape) - 1
     when, which = np.nonzero(states[:, pairs[:, 0]] & states[:, pairs[:, 1]])
     first, second = pairs[which].T
-    graph = coo_array((np.ones(len(when)), (node[when, first], node[when, second])), shape=(len(sample),) * 2)
+    graph = coo_matrix((np.ones(len(when)), (node[when, first], node[when, second])), shape=(len(sample),) * 2)
     n_cracks, crack = connected_components(graph, directed=False)
     sample_of = np.zeros(n_cracks, int)
     sample_of[crack] = sample
