@@ -43,6 +43,20 @@ def follow(openings, state=None, law=LAW):
     return states[1:]
 
 
+def follow_to(corners, broken, law):
+    """States along a path of openings [m] from corner to corner, whose energies close."""
+    path = np.concatenate([np.linspace(a, b, 400) for a, b in zip([0.0, *corners[:-1]], corners)])
+    states = follow(path, ContactState(broken=broken), law)
+    stress = np.array([0.0, *(state.normal_stress for state in states)])
+    work = np.sum((stress[1:] + stress[:-1]) / 2 * np.diff(path, prepend=0.0))
+    last = states[-1]
+    stored = elastic_energy(last.normal_stress, 0.0, KN, KS)
+    if last.normal_stress > 0:  # a bond that has softened is a secant
+        stored = last.normal_stress * (path[-1] + last.closure) / 2
+    assert work == approx(stored + last.fracture_work + last.friction_work, rel=0.02, abs=2e-3 * FC * DEEP)
+    return states
+
+
 class TestLaw:
     @pytest.mark.parametrize("law", [LAW, SOFT])
     def test_stress_stays_at_the_strength_and_unloads_with_the_stiffness(self, law):
@@ -82,16 +96,8 @@ class TestLaw:
     @settings(max_examples=40, deadline=None)
     def test_energies_close(self, corners, broken, law):
         """What is put in is stored or dissipated, and the closure costs f_c a metre."""
-        path = np.concatenate([np.linspace(a, b, 400) for a, b in zip([0.0, *corners[:-1]], corners)])
-        states = follow(path, ContactState(broken=broken), law)
-        stress = np.array([0.0, *(state.normal_stress for state in states)])
-        work = np.sum((stress[1:] + stress[:-1]) / 2 * np.diff(path, prepend=0.0))
-        last = states[-1]
-        stored = elastic_energy(last.normal_stress, 0.0, KN, KS)
-        if last.normal_stress > 0:  # a bond that has softened is a secant
-            stored = last.normal_stress * (path[-1] + last.closure) / 2
-        assert work == approx(stored + last.fracture_work + last.friction_work, rel=0.02, abs=2e-3 * FC * DEEP)
-        assert last.fracture_work >= 0.98 * FC * last.closure
+        states = follow_to(corners, broken, law)
+        assert states[-1].fracture_work >= 0.98 * FC * states[-1].closure
 
 
 class TestSofteningCrushing:
@@ -131,15 +137,7 @@ class TestSofteningCrushing:
            st.sampled_from([TOES, SOFT_TOES]))
     @settings(max_examples=40, deadline=None)
     def test_energies_close(self, corners, broken, law):
-        path = np.concatenate([np.linspace(a, b, 400) for a, b in zip([0.0, *corners[:-1]], corners)])
-        states = follow(path, ContactState(broken=broken), law)
-        stress = np.array([0.0, *(state.normal_stress for state in states)])
-        work = np.sum((stress[1:] + stress[:-1]) / 2 * np.diff(path, prepend=0.0))
-        last = states[-1]
-        stored = elastic_energy(last.normal_stress, 0.0, KN, KS)
-        if last.normal_stress > 0:  # a bond that has softened is a secant
-            stored = last.normal_stress * (path[-1] + last.closure) / 2
-        assert work == approx(stored + last.fracture_work + last.friction_work, rel=0.02, abs=2e-3 * FC * DEEP)
+        states = follow_to(corners, broken, law)
         assert all(after.closure >= before.closure for before, after in zip(states, states[1:]))
 
     def test_snap_back_ends_where_nothing_is_left(self):

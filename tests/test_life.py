@@ -188,7 +188,7 @@ class TestRuns:
         assert len(life) > 20 and life.keys() == listed.keys() and differing(life, listed) == []
 
     def test_a_killed_shard_that_continues_has_the_same_lives(self, lived, monkeypatch):
-        """Lives 1 to 6 by a shard, which is then left as after a kill in the middle of a line, and goes on."""
+        """Lives 1 to 6 by a shard, which is then left as after a kill in the middle of a line, and continues."""
         monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
         import run_shard
 

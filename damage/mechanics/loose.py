@@ -1,8 +1,8 @@
 """Contacts that bricks find anew as they move: rectangles with rounded corners (spheropolygons, Alonso-Marroquin 2008).
 
 A loose brick is a rectangle with rounded corners: a core, smaller than the brick by the radius r on all sides, and all
-places within r of it.  With
-d the distance of a corner of one core from the nearest point of the other core, a pair of bodies has stored
+places within r of it.  With d the distance of a corner of one core from the nearest point of the other core, a pair of
+bodies stores
 
     V = sum over the corners of both cores of  k/2 max(0, 2 r - d - rest)^2
 
@@ -448,8 +448,10 @@ def corner_inside(system, loose, interface):
 
 @compiled
 def hand_over(system, loose, interface, energy):
-    """List the bodies of an interface that has ended as a loose pair; energy [J]: elastic
-    energy that the interface had stored, which counts as friction unless corners store it."""
+    """List the bodies of an interface that has ended as a loose pair.
+
+    energy: elastic energy that the interface had stored [J], which counts as friction unless corners store it.
+    """
     if loose.counts[SEARCHES] == 0:
         loose.counts[WANTED] = 1
     a, b = np.int64(interface.a), np.int64(interface.b)
