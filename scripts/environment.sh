@@ -2,7 +2,7 @@
 # Finds, or installs on Debian, what the programs of this repository need.  Other scripts source it:
 #
 #     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
-#     source scripts/environment.sh test    # also pytest with xdist, hypothesis, jinja2 and, where it can be had, obspy
+#     source scripts/environment.sh test    # also pytest with xdist, hypothesis and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
 #     source scripts/environment.sh browser # as site, with pytest and selenium; Chromium and its driver
 #     source scripts/environment.sh site    # a Python with the packages, Sphinx, MyST and the theme
@@ -219,13 +219,13 @@ _env_leave_out_what_breaks() {
 }
 
 _env_main() {
-    local modules=(numpy scipy pandas h5py matplotlib numba)
+    local modules=(numpy scipy pandas h5py matplotlib numba jinja2)
     case ${1:-run} in
         run) modules+=(snakemake) ;;
-        test) modules+=(snakemake pytest xdist hypothesis jinja2) ;;
-        coverage) modules+=(snakemake pytest xdist hypothesis jinja2 coverage) ;;
+        test) modules+=(snakemake pytest xdist hypothesis) ;;
+        coverage) modules+=(snakemake pytest xdist hypothesis coverage) ;;
         browser)
-            modules+=(jinja2 pytest hypothesis selenium sphinx myst_parser furo)
+            modules+=(pytest hypothesis selenium sphinx myst_parser furo)
             _env_programs=(chromium chromedriver pdftoppm)
             ;;
         site)
