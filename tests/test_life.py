@@ -20,7 +20,16 @@ from damage.exposure.models.bommer_2022 import Model
 from damage.exposure.residuals import COMPONENTS
 from damage.life.estimate import paired, probability, share_of_motions, strata
 from damage.life.readings import READINGS, after, final_psi
-from damage.life.results import Lives, contributions, describe, largest_alone, lives_of, over_time, with_tables
+from damage.life.results import (
+    Lives,
+    contributions,
+    describe,
+    largest_alone,
+    life_of,
+    lives_of,
+    over_time,
+    with_tables,
+)
 from damage.life.study import write_study
 from damage.measure.tables import shocks_table
 from damage.motion.formats import read_record, shipped_records
@@ -343,6 +352,26 @@ class TestResults:
         assert list(found["time_utc"]) == ["2014-01-01", "2012-05-01", "2013-05-01"]
         assert list(found["mean_psi"]) == pytest.approx([1.5 / 4, 0.8 / 4, 0.7 / 4])
         assert list(found["largest"]) == [0.25, 0.25, 0.25]
+
+    def test_the_settlement_is_an_event_before_the_others(self, exposure):
+        """Psi 0.7 by the settlement, 1.1 after the first of two events, 1.2 after the second: gains 0.7, 0.4, 0.1."""
+        of = draws(exposure, above_mm_s=8.0)
+        number = next(number for number in range(1, 99) if len(of.life(number)) == 2)
+        events = [{"factor": factor, "max_psi": psi + 0.3, "residual_psi": psi, "max_DI": 0.1, "residual_DI": 0.05,
+                   "max_crack_width_mm": 0.4, "residual_crack_width_mm": 0.2, "offset_after_mm": 0.3, "newly_failed": 4}
+                  for factor, psi in zip(of.life(number)["scale"], (1.1, 1.2))]
+        row = {"collapsed_at_s": None, "settlement": "hogging", "distortion": None, "settled_psi": 0.7,
+               "settled_DI": 0.01, "settled_crack_width_mm": 0.1}
+        table = life_of({"run": "r", "shocks": events, "row": row}, of, number).assign(point="p")
+        assert list(table["event"]) == [0, 1, 2] and list(table["psi"]) == [0.7, 1.1, 1.2]
+        life = Lives("p", of, pd.concat([table, table.assign(life=0)]))  # two equal lives
+        assert list(life.until(2012)["psi"] >= 0.7) == [True, True]  # before any event, too
+        found = contributions(life).set_index("id")
+        assert found.loc["settlement", "mean_psi"] == pytest.approx(0.7)
+        assert found["mean_psi"].sum() == pytest.approx(1.2) and found["largest"].sum() == 1
+        assert "2 events in the median life" in (said := describe([life])) and "after the settlement" in said
+        without = life_of({"run": "r", "shocks": events, "row": row | {"settled_psi": None}}, of, number)
+        assert list(without["event"]) == [1, 2]
 
     def test_the_largest_alone_beside_all(self, lives):
         alone = Lives("p_largest", replace(lives.draws, choices=replace(lives.draws.choices, largest_alone=True)),

@@ -28,7 +28,9 @@ def life_picture(table, yearly, alone, title):
         times = [first, *(1970 + seconds / SECONDS_OF_A_YEAR), last]
         final.append(life["psi"].iloc[-1])
         psi.plot(times, [0.0, *life["psi"], final[-1]], drawstyle="steps-post", color=MEDIUM, lw=0.3, alpha=0.6)
-    psi.plot([first, *(yearly["year"] + 1)], [0.0, *yearly["median_psi"]], color=BLACK, lw=1.2)
+    settled = table.loc[table["event"] == 0, "psi"]
+    psi.plot([first, *(yearly["year"] + 1)], [settled.median() if len(settled) else 0.0, *yearly["median_psi"]],
+             color=BLACK, lw=1.2)
     psi.axhline(1.0, color=BLUE, lw=0.5, ls=":")
     psi.set_ylabel(r"$\Psi$ at rest [-]")
     letter(psi, 0, "every life, and the median; dotted: just visible")
@@ -62,8 +64,8 @@ def contributions_picture(table, title):
     figure, ax = new_figure(0.8 * COLUMN_WIDTH, 1)
     ax = np.ravel(ax)[0]
     shown = table.head(_MOST_EVENTS).iloc[::-1]
-    ax.barh([f"{row.place} {row.time_utc[:4]}, M {row.magnitude:g}" for row in shown.itertuples()], shown["share"],
-            color=BLUE)
+    ax.barh([row.place if np.isnan(row.magnitude) else f"{row.place} {row.time_utc[:4]}, M {row.magnitude:g}"
+             for row in shown.itertuples()], shown["share"], color=BLUE)
     ax.set_xlabel(r"share of the increase of $\Psi$ at rest [-]")
     figure.suptitle(title, x=0.02, ha="left")
     return figure

@@ -25,8 +25,10 @@ POPULATION = 4000
 """Lives that are drawn and not run, for the distribution of the largest PGV."""
 COLUMNS = {
     "point": Column("", "of the study"), "seed": Column("1", "seed of the address's file"),
-    "life": Column("1", "number of the life, from 1"), "event": Column("1", "number of the event in the life, from 1"),
-    "time_utc": Column("", "of the event"), "magnitude": Column("1", "local magnitude ML"),
+    "life": Column("1", "number of the life, from 1"),
+    "event": Column("1", "number of the event in the life, from 1; 0: the ground's settlement before the first one"),
+    "time_utc": Column("", "of the event; of the settlement the start of the catalogue's first year"),
+    "magnitude": Column("1", "local magnitude ML"),
     "place": Column("", "place nearest to the epicentre"), "id": Column("", "identifier of the catalogue"),
     "pgv_mm_s": Column("mm/s", "PGV that was drawn"), "record": Column("", "record that stands for the motion"),
     "scale": Column("1", "factor on it"), "largest_mm_s": Column("mm/s", "largest PGV of the life"),
@@ -38,6 +40,10 @@ COLUMNS = {
     "newly_failed": Column("1", "contact points whose bonds failed in it"),
     "fell": Column("bool", "whether the wall fell in it")}
 """Columns of lives.csv."""
+SETTLEMENT = "settlement"
+"""Place and identifier of event 0 of a life on ground that settled."""
+_SETTLED = {"max_psi": "settled_psi", "psi": "settled_psi", "max_DI": "settled_DI", "DI": "settled_DI",
+            "crack_width_mm": "settled_crack_width_mm"}
 _SOURCES = {"max_psi": "max_psi", "psi": "residual_psi", "max_DI": "max_DI", "DI": "residual_DI",
             "crack_width_mm": "residual_crack_width_mm", "offset_after_mm": "offset_after_mm",
             "newly_failed": "newly_failed"}
@@ -109,7 +115,7 @@ def lives_of(folder):
         if run.varied == ("--life",):
             draws = read_address(run.words[run.words.index("--address") + 1])
             point = run.point.rpartition(FROM)[0]
-            tables = [_life(records[run.name(number)], draws, run.offset + number)
+            tables = [life_of(records[run.name(number)], draws, run.offset + number)
                       for number in range(1, run.members + 1) if run.name(number) in records]
             found += [Lives(point, draws, table.assign(point=point)[list(COLUMNS)]) for table in tables]
     if not found:
@@ -118,8 +124,11 @@ def lives_of(folder):
     return together(found)
 
 
-def _life(record, draws, number):
-    """Table of a life, from its record; a wall that fell undergoes no further event."""
+def life_of(record, draws, number):
+    """Table of a life, from its record: a row an event, with the columns of COLUMNS but `point`.
+
+    A settlement of the ground is event 0.  A wall that fell undergoes no further event.
+    """
     events = pd.DataFrame(record["shocks"])
     table = draws.life(number).iloc[:len(events)].drop(columns=["start_s", "end_s"])
     if not np.allclose(table["scale"], events["factor"], rtol=1e-12):
@@ -127,9 +136,20 @@ def _life(record, draws, number):
     for name, source in _SOURCES.items():
         table[name] = events[source].astype(float).fillna(events[source.replace("residual_", "max_")]).to_numpy()
     fell = record["row"].get("collapsed_at_s")
-    return table.assign(seed=draws.choices.seed, life=number, event=np.arange(1, len(table) + 1),
-                        largest_mm_s=draws.largest([number])[0],
-                        fell=[False] * (len(table) - 1) + [fell is not None and fell == fell])
+    table = table.assign(event=np.arange(1, len(table) + 1),
+                         fell=[False] * (len(table) - 1) + [fell is not None and fell == fell])
+    return pd.concat([*_settlement(record["row"], draws), table], ignore_index=True).assign(
+        seed=draws.choices.seed, life=number, largest_mm_s=draws.largest([number])[0])
+
+
+def _settlement(row, draws):
+    """Row of event 0 of a life, in a list that is empty where the ground rested; row: of summary.csv."""
+    if row.get("settled_psi") is None:
+        return []
+    return [pd.DataFrame([{"event": 0, "time_utc": f"{draws.exposure.catalogue.years[0]}-01-01T00:00:00",
+                           "place": SETTLEMENT, "id": SETTLEMENT, "pgv_mm_s": 0.0, "record": row["settlement"],
+                           "scale": np.nan if row["distortion"] is None else row["distortion"], "fell": False,
+                           **{name: float(row[source]) for name, source in _SETTLED.items()}}])]
 
 
 def together(parts):
@@ -216,10 +236,11 @@ def describe(parts):
     lines, pairs = [], largest_alone(parts)
     for one in parts:
         last, population = one.last, one.population()
-        events = one.table.groupby(["seed", "life"]).size()
+        events = one.table[one.table["event"] > 0].groupby(["seed", "life"]).size()
         lines += [f"{one.point}: {len(last)} lives, {one.years[0]} to {one.years[1]}, {events.median():g} events in "
                   f"the median life ({events.min()} to {events.max()}), median of the largest PGV "
                   f"{last['largest_mm_s'].median():.1f} mm/s",
+                  *_of_the_settlement(one.table),
                   f"  at the end: median Psi {last['psi'].median():.2f}, median DI {last['DI'].median():.4f}, median "
                   f"of the largest Psi {last['max_psi'].median():.2f}"]
         for name, when in (("psi", "at rest"), ("max_psi", "at any moment")):
@@ -237,6 +258,13 @@ def describe(parts):
                              f"{int(damaged.sum())} damaged walls; quartiles {share.quantile(0.25):.2f} to "
                              f"{share.quantile(0.75):.2f})")
     return "\n".join([*lines, *starmap(_difference, beside(parts))])
+
+
+def _of_the_settlement(table):
+    """A line about event 0 of the lives, in a list that is empty where the ground rested."""
+    psi = table.loc[table["event"] == 0, "psi"]
+    return [f"  after the settlement: median Psi {psi.median():.2f} ({psi.min():.2f} to {psi.max():.2f})"] if len(
+        psi) else []
 
 
 def _difference(one, other, first, second):

@@ -12,13 +12,18 @@ def paper_wall(name):
     return load_wall(Path(__file__).resolve().parents[1] / f"{name}.py")
 
 
-def symmetric(stiffer=1.0, softens=False, **changes):
-    """walls/symmetric.py with bricks of `stiffer` times the moduli, joints that soften by the rule, other values."""
+def symmetric(stiffer=1.0, **changes):
+    """walls/symmetric.py with bricks of `stiffer` times the moduli and other values."""
     wall = paper_wall("symmetric")
     brick = replace(wall.brick, young_modulus=stiffer * wall.brick.young_modulus,
                     shear_modulus=stiffer * wall.brick.shear_modulus)
-    joint = replace(wall.joint, **softening_energies(wall.joint.tensile_strength)) if softens else wall.joint
-    return replace(wall, brick=brick, joint=joint, **changes)
+    return replace(wall, brick=brick, **changes)
+
+
+def softening(name):
+    """walls/NAME.py with joints that soften by the rule."""
+    wall = paper_wall(name)
+    return replace(wall, joint=replace(wall.joint, **softening_energies(wall.joint.tensile_strength)))
 
 
 def lighter(name, share):

@@ -8,11 +8,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # YADE does not look here by itself
 
-from walls.variants.changed import symmetric
+from walls.variants.changed import softening
 
 
 def wall():
-    return symmetric(softens=True)
+    return softening("symmetric")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,21 @@
+"""The asymmetric façade wall with joints that soften, by the rule of docs/model/model.md (docs/paper/thirty-years.md).
+
+    yade walls/variants/asymmetric_softening.py --harmonic 0.2 0.05
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # YADE does not look here by itself
+
+from walls.variants.changed import softening
+
+
+def wall():
+    return softening("asymmetric")
+
+
+if __name__ == "__main__":
+    from yade_scripts.run import main
+
+    main(wall)
