@@ -24,7 +24,6 @@ import pandas as pd
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.measure.cracks import psi_history
-from damage.measure.limits import LIMITS
 from damage.motion.formats import read_record
 from damage.reference.settled import SettledWalls
 from damage.reference.together import run_references
@@ -34,10 +33,7 @@ from scripts.document_tables import as_markdown
 WALL = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"
 DATA = REPOSITORY / "damage" / "data" / "zeerijp_20180108"
 TABLE = REPOSITORY / "docs" / "tables" / "cracks_before.csv"
-WINDOWS, POINTS = (TABLE.with_name(name) for name in ("cracks_before_windows.csv", "settlement_points.csv"))
-PROTOTYPE_MM = {2000: 0.22, 1000: 0.69, 500: 1.64, 300: 2.90}
-"""Widest crack in hogging by 1/N of an independent program, brittle joints, a single wall."""
-WIDTHS = next(limits for limits in LIMITS if limits.name == "crack_width_class")
+WINDOWS = TABLE.with_name("cracks_before_windows.csv")
 WALLS, COMPONENTS, PGV_MM_S, LEAST_PSI = 25, 10, 10.0, 1.0
 ARIAS = 0.02, 0.80
 """Shares of the Arias intensity between which the strong part lies."""
@@ -185,7 +181,7 @@ def main(words):
 
 def print_tables():
     """The tables of the page in Markdown: probabilities by class, and by bins of Psi; settlement and earthquake alone
-    and together; cracks by the settlement; windows."""
+    and together; windows."""
     table = pd.read_csv(TABLE)
     alone = table[table["class"] == "undisturbed"].set_index(["wall", "record"])
     show(["class of Ψ₀", "hogging by", "walls x components", "Ψ₀", "P(Ψ ≥ 1) [%]", "by component [%]", "published [%]"],
@@ -193,10 +189,6 @@ def print_tables():
     show(["Ψ₀", "walls", "runs", "Ψ at rest", "P(Ψ ≥ 1) [%]"], by_start(table))
     show(["class of Ψ₀", "settlement alone: Ψ, DI", "earthquake alone", "both", "largest in both", "runs where Ψ grew"],
          [together(name, table[table["class"] == name], alone) for name in CLASSES if (table["class"] == name).any()])
-    if POINTS.is_file():
-        points = pd.read_csv(POINTS)
-        show(["joints", "profile", "by", "walls", "widest crack [mm]", "prototype [mm]", "Ψ", "class (Burland)"],
-             [row for joints in ("symmetric", "softening") for row in cracks_by_distortion(points, joints)])
     if WINDOWS.is_file():
         whole = pd.read_csv(WINDOWS).merge(table, on="run", suffixes=("_whole", ""))
         show(["class of Ψ₀", "component", "walls", "whole window: Ψ", "strong part: Ψ", "largest difference of Ψ"],
@@ -231,22 +223,6 @@ def together(name, rows, alone):
     grew = (rows["psi_end"] - rows["psi_0"] > 0.01).mean()
     return (name, *(f"{of[f'psi_{when}'].median():.2f}, {of[f'DI_{when}'].median():.4f}" for of, when in (
         (rows, "0"), (same, "end"), (rows, "end"), (rows, "max"))), f"{100 * grew:.0f} %")
-
-
-def cracks_by_distortion(points, joints):
-    """Rows of the table of cracks by the settlement alone; joints: first word of the points, "symmetric": brittle."""
-    of_reference = points[points["solver"] == "reference"].set_index("point")
-    for profile in ("hogging", "sagging"):
-        for inverse in (5000, 2000, 1000, 500, 300, 200):
-            if (point := f"{joints}-{profile}-{inverse}") not in of_reference.index:
-                continue
-            row = of_reference.loc[point]
-            ends = ("_min", "", "_max") if row["members"] > 1 else ("",)
-            width, psi = (spread(row[[name + end for end in ends]].astype(float))
-                          for name in ("settled_crack_width_mm", "settled_psi"))
-            expected = PROTOTYPE_MM.get(inverse, "") if profile == "hogging" else ""
-            yield ("brittle" if joints == "symmetric" else "softening", profile, f"1/{inverse}", int(row["members"]),
-                   width, expected, psi, WIDTHS.classify(row["settled_crack_width_mm"]))
 
 
 def spread(values):

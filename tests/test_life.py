@@ -18,13 +18,13 @@ from damage.exposure.exposure import Exposure
 from damage.exposure.lives import Choices, Draws, events_of, read_address, strong_window, write_sequence
 from damage.exposure.models.bommer_2022 import Model
 from damage.exposure.residuals import COMPONENTS
+from damage.life.comparison import by_own_curve, choices, largest_alone, readings
 from damage.life.estimate import paired, probability, share_of_motions, strata
 from damage.life.readings import READINGS, after, final_psi
 from damage.life.results import (
     Lives,
     contributions,
     describe,
-    largest_alone,
     life_of,
     lives_of,
     over_time,
@@ -325,7 +325,8 @@ class TestEstimate:
 class TestResults:
     @pytest.fixture(autouse=True)
     def few(self, monkeypatch):
-        monkeypatch.setattr("damage.life.results.POPULATION", 50)
+        for module in ("results", "comparison"):
+            monkeypatch.setattr(f"damage.life.{module}.POPULATION", 50)
 
     @pytest.fixture
     def lives(self, exposure):
@@ -389,6 +390,23 @@ class TestResults:
         said = describe([lives, Lives("p_other", lives.draws, table)])
         assert "P(Psi >= 1) at rest -0.250" in said
         assert "Psi at rest differs by 0.075 in the mean, 0.300 at most" in said
+
+    def test_a_wall_s_own_curve_read_twice(self, lives):
+        """Single events of 10 to 40 mm/s, visible from 20 on but for one each way; two events of the median PGV: 1/2 by
+        the largest, 3/4 if each draws anew."""
+        largest = np.array([10.0, 15.0, 19.0, 21.0, 19.0, 21.0, 30.0, 40.0])
+        found = by_own_curve(largest, [0, 0, 1, 0, 0, 1, 1, 1], np.full((3, 2), 1.0))
+        assert 18 < found["median_mm_s"] < 23 and found["p_by_each_event"] < 1e-6
+        found = by_own_curve(largest, [0, 0, 1, 0, 0, 1, 1, 1], np.full((3, 2), found["median_mm_s"]))
+        assert (found["p_by_largest"], found["p_by_each_event"]) == pytest.approx((0.5, 0.75))
+        assert np.isnan(by_own_curve(largest, np.zeros(8), np.ones((3, 2)))["p_by_largest"])
+        alone = Lives("p_largest", replace(lives.draws, choices=replace(lives.draws.choices, largest_alone=True)),
+                      lives.table.drop(index=0))
+        rows = readings([lives, alone])
+        assert [(row["psi"], row["outcome"]) for row in rows] == [
+            (1.0, "at rest"), (2.0, "at rest"), (1.0, "at any moment"), (2.0, "at any moment")]
+        assert rows[0]["p"] == rows[0]["p_largest"] == 0.5 and readings([lives]) == []
+        assert [row["other"] for row in choices([lives, alone])] == ["p_largest"]
 
     def test_pictures(self, lives):
         yearly = over_time(lives)

@@ -105,10 +105,10 @@ def _life(asked):
 def _lives(asked):
     from damage.draw.life import contributions_picture, life_picture
     from damage.html.report import Words, write_report
+    from damage.life.comparison import largest_alone
     from damage.life.results import (
         contributions,
         describe,
-        largest_alone,
         lives_of,
         over_time,
         with_tables,

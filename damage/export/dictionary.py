@@ -13,6 +13,7 @@ from damage.exposure.exposure import COLUMNS as EXPOSURE
 from damage.files import write_text
 from damage.history.schema import CODES, EVENT_COLUMNS, JOINTS, STATE_COLUMN, TABLES, Column
 from damage.index import COMPONENTS
+from damage.life.comparison import CHOICES, READINGS
 from damage.life.results import COLUMNS as LIVES
 from damage.life.results import CONTRIBUTIONS, YEARLY
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, each
@@ -186,6 +187,7 @@ DICTIONARY = {
     "left_out_scores.csv, unseen_scores.csv": SCORES,
     "fragility_coefficients.csv": COEFFICIENTS, "crack files": CRACKS, "exposure.csv": EXPOSURE,
     "lives.csv": LIVES, "life.csv": YEARLY, "contributions.csv": CONTRIBUTIONS,
+    "choices.csv": CHOICES, "readings.csv": READINGS,
     **{f"RUN.h5 {group}": columns for group, columns in TABLES.items()},
     "RUN.h5 state": {"solver": STATE_COLUMN}}
 """{tables, as their files are called: {column: Column}}; `summary.csv` of `python3 -m damage tables` has no members."""

@@ -5,7 +5,6 @@ lives of one point and different seeds are counted together.
 """
 
 from dataclasses import dataclass, replace
-from itertools import starmap
 from pathlib import Path
 
 import numpy as np
@@ -14,15 +13,12 @@ import pandas as pd
 from damage.errors import InputError
 from damage.exposure.lives import Draws, read_address
 from damage.history.schema import Column
-from damage.life.estimate import paired, probability
+from damage.life.comparison import OUTCOMES, POPULATION, VISIBLE, choices, in_words, largest_alone, readings
+from damage.life.estimate import probability
 from damage.measure.tables import write_table
 from damage.studies.definition import FROM, load_study
 from damage.studies.records import all_records
 
-VISIBLE = 1.0, 2.0
-"""Psi whose probability is reported."""
-POPULATION = 4000
-"""Lives that are drawn and not run, for the distribution of the largest PGV."""
 COLUMNS = {
     "point": Column("", "of the study"), "seed": Column("1", "seed of the address's file"),
     "life": Column("1", "number of the life, from 1"),
@@ -47,7 +43,7 @@ _SETTLED = {"max_psi": "settled_psi", "psi": "settled_psi", "max_DI": "settled_D
 _SOURCES = {"max_psi": "max_psi", "psi": "residual_psi", "max_DI": "max_DI", "DI": "residual_DI",
             "crack_width_mm": "residual_crack_width_mm", "offset_after_mm": "offset_after_mm",
             "newly_failed": "newly_failed"}
-_OUTCOMES = {"psi": "at rest at the end of the year", "max_psi": "at any moment up to then"}
+_BY_YEAR = {"psi": "at rest at the end of the year", "max_psi": "at any moment up to then"}
 YEARLY = {
     "point": Column("", "of the study"), "year": Column("", "at whose end"), "lives": Column("1", "their number"),
     "median_psi": Column("1", "median over the lives of Psi at rest"),
@@ -55,7 +51,7 @@ YEARLY = {
     "median_DI": Column("1", "median of the damage index at rest"),
     "median_crack_width_mm": Column("mm", "median of the widest crack at rest"),
     **{f"p_{name}_{level:g}{end}": Column("1", f"{words}probability of Psi >= {level:g} {when}")
-       for name, when in _OUTCOMES.items() for level in VISIBLE
+       for name, when in _BY_YEAR.items() for level in VISIBLE
        for end, words in (("", ""), ("_low", "lower 95 % bound of the "), ("_high", "upper 95 % bound of the "))}}
 """Columns of life.csv."""
 CONTRIBUTIONS = {
@@ -187,7 +183,7 @@ def over_time(lives):
         row = {"point": lives.point, "year": year, "lives": len(now), "median_psi": now["psi"].median(),
                "median_max_psi": now["max_psi"].median(), "median_DI": now["DI"].median(),
                "median_crack_width_mm": now["crack_width_mm"].median()}
-        for name in _OUTCOMES:
+        for name in OUTCOMES:
             for level in VISIBLE:
                 found = probability(now[name] >= level, now["largest_mm_s"], population)
                 row |= dict(zip((f"p_{name}_{level:g}{end}" for end in ("", "_low", "_high")),
@@ -211,26 +207,6 @@ def contributions(lives):
     return found.sort_values("mean_psi", ascending=False, ignore_index=True)[list(CONTRIBUTIONS)]
 
 
-def beside(parts):
-    """[(Lives, other Lives of the same wall and place by other choices, states of both as DataFrames of `Lives.until`
-    with equal rows)] where the name of the other point begins with that of the first."""
-    found = []
-    for one in parts:
-        for other in parts:
-            if other.point.startswith(f"{one.point}_") and one.draws.exposure.place == other.draws.exposure.place:
-                first, second = one.last, other.last
-                both = first.index.intersection(second.index)
-                found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []
-    return found
-
-
-def largest_alone(parts):
-    """{point: (lives with all events, the same with the largest alone)} of the points that have both, as DataFrames of
-    `Lives.until` with equal rows."""
-    return {one.point: (first, second) for one, other, first, second in beside(parts)
-            if other.draws.choices == replace(one.draws.choices, largest_alone=True) != one.draws.choices}
-
-
 def describe(parts):
     """Text: what became of the lives."""
     lines, pairs = [], largest_alone(parts)
@@ -243,7 +219,7 @@ def describe(parts):
                   *_of_the_settlement(one.table),
                   f"  at the end: median Psi {last['psi'].median():.2f}, median DI {last['DI'].median():.4f}, median "
                   f"of the largest Psi {last['max_psi'].median():.2f}"]
-        for name, when in (("psi", "at rest"), ("max_psi", "at any moment")):
+        for name, when in OUTCOMES.items():
             for level in VISIBLE:
                 found = probability(last[name] >= level, last["largest_mm_s"], population)
                 lines.append(f"  P(Psi >= {level:g}) {when} = {found.p:.3f}, 95 % interval "
@@ -257,7 +233,7 @@ def describe(parts):
                 lines.append(f"  the largest event alone leaves {share.median():.2f} of the final Psi (median of "
                              f"{int(damaged.sum())} damaged walls; quartiles {share.quantile(0.25):.2f} to "
                              f"{share.quantile(0.75):.2f})")
-    return "\n".join([*lines, *starmap(_difference, beside(parts))])
+    return "\n".join([*lines, *map(in_words, choices(parts))])
 
 
 def _of_the_settlement(table):
@@ -267,20 +243,15 @@ def _of_the_settlement(table):
         psi) else []
 
 
-def _difference(one, other, first, second):
-    """A line: how the outcomes of the same lives differ by other choices."""
-    parts = []
-    for name, when in (("psi", "at rest"), ("max_psi", "at any moment")):
-        mean, low, high = paired(second[name] >= 1.0, first[name] >= 1.0)
-        parts.append(f"P(Psi >= 1) {when} {mean:+.3f} ({low:+.3f} to {high:+.3f})")
-    change = (second["psi"].clip(upper=9.0) - first["psi"].clip(upper=9.0)).abs()
-    return (f"{other.point} beside {one.point}, {len(first)} equal lives: {', '.join(parts)}; Psi at rest differs by "
-            f"{change.mean():.3f} in the mean, {change.max():.3f} at most")
-
-
 def write_lives(parts, folder):
-    """Write lives.csv, life.csv (year by year) and contributions.csv into a folder; returns their paths."""
+    """Write the tables of lives into a folder; returns their paths.
+
+    lives.csv: events; life.csv: year by year; contributions.csv: of each event; and, where there are points to compare,
+    choices.csv and readings.csv (`damage.life.comparison`).
+    """
     folder = Path(folder)
-    return [write_table(pd.concat(tables, ignore_index=True), folder / name) for name, tables in (
-        ("lives.csv", [one.table for one in parts]), ("life.csv", list(map(over_time, parts))),
-        ("contributions.csv", list(map(contributions, parts))))]
+    tables = {"lives.csv": pd.concat([one.table for one in parts], ignore_index=True),
+              "life.csv": pd.concat(list(map(over_time, parts)), ignore_index=True),
+              "contributions.csv": pd.concat(list(map(contributions, parts)), ignore_index=True),
+              "choices.csv": pd.DataFrame(choices(parts)), "readings.csv": pd.DataFrame(readings(parts))}
+    return [write_table(table, folder / name) for name, table in tables.items() if len(table)]
