@@ -258,6 +258,15 @@ sys.exit(3 if rest == 2 else 0)
 '''
 
 
+ONE_PICTURE = '''
+import sys
+if sys.orig_argv[1:4] == ["-m", "damage", "plot"]:
+    from damage.draw import run
+    run.PICTURES = {"drift": run.PICTURES["drift"]}
+'''
+"""Each Python that a batch starts runs this first: what a run's other pictures show is tested elsewhere."""
+
+
 class Batches:
     """Runs batches of studies in a folder, with a yade that writes small histories.
 
@@ -268,6 +277,7 @@ class Batches:
     def __init__(self, folder):
         self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of {it}"
         (folder / "bin").mkdir()
+        (folder / "bin" / "sitecustomize.py").write_text(ONE_PICTURE)
         (folder / "yade.py").write_text(FAKE_YADE.format(
             tests=str(REPOSITORY / "tests"), repository=str(REPOSITORY), calls=str(self.calls)))
         yade = folder / "bin" / "yade"
@@ -285,7 +295,8 @@ class Batches:
     def options(self):
         path = f"{self.folder / 'bin'}{os.pathsep}{os.environ['PATH']}"
         return {"cwd": self.folder, "text": True, "env": {
-            **os.environ, **BATCH_ENVIRONMENT, "PATH": path}}
+            **os.environ, **BATCH_ENVIRONMENT, "PATH": path,
+            "PYTHONPATH": os.pathsep.join((BATCH_ENVIRONMENT["PYTHONPATH"], str(self.folder / "bin")))}}
 
     def run(self, study, *words):
         """Run a batch to its end; returns the completed process and the rests that yade was run with."""
