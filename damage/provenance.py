@@ -104,9 +104,21 @@ def _modules(path):
 
 def code_of(path):
     """A module's code without comments, layout and docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if isinstance(body, list):
-            node.body = [one for one in body if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
+    return _code_of_text(path.read_text(encoding="utf-8"))
+
+
+@cache  # digests of two solvers have most modules in common
+def _code_of_text(text):
+    tree = ast.parse(text)
+    _drop_docstrings(tree)
     return ast.dump(tree)
+
+
+def _drop_docstrings(node):
+    """Take constants that stand alone out of a node of a syntax tree, and out of all that hold statements in it."""
+    if hasattr(node, "body"):
+        node.body = [one for one in node.body
+                     if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
+    for field in ("body", "orelse", "finalbody", "handlers", "cases"):  # expressions hold no statements
+        for inside in getattr(node, field, ()):
+            _drop_docstrings(inside)

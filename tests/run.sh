@@ -17,5 +17,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" test
 cd "$root"
+# They start a thousand times a Python, each of which would compile the modules again where bytecode is not kept.
+unset PYTHONDONTWRITEBYTECODE
 cores=$(nproc)
 exec "$PYTHON" -m pytest -q -n $((cores < 4 ? cores : 4)) --dist loadfile "$@"

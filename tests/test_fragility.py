@@ -99,9 +99,18 @@ def test_nine_in_ten_bounds_hold_the_true_median():
     """Over 40 studies of 25 walls: 36 expected, 28 is more than four standard deviations below."""
     held = 0
     for seed in range(40):
-        row = fragility(walls(25, seed=seed), "max_DI", 0.05, replicates=40, over=("walls",)).row()
-        held += row["median_walls_low_g"] <= MEDIAN_G <= row["median_walls_high_g"]
+        one = fragility(walls(25, seed=seed), "max_DI", 0.05, replicates=40, over=("walls",))
+        (low, _), (high, _) = one.median_bounds()
+        held += low <= MEDIAN_G <= high
     assert held >= 28
+
+
+def test_a_row_has_the_bounds_of_the_median_over_walls_records_and_both():
+    one = fragility(recorded(20, 0.6, 1), "max_DI", 0.1, "pga_g", replicates=20)
+    row = one.row()
+    for over in ("walls", "records", "both"):
+        (low, _), (high, _) = one.median_bounds(over)
+        assert 0 < low < high and (row[f"median_{over}_low_g"], row[f"median_{over}_high_g"]) == (low, high)
 
 
 def test_bounds_enclose_the_curve_and_narrow_with_more_walls():
@@ -139,9 +148,10 @@ class TestRecords:
         """Over 16 studies of 20 records: 14 expected; drawing walls alone holds it in few of them."""
         held = dict.fromkeys(("walls", "both"), 0)
         for seed in range(16):
-            row = fragility(recorded(20, 0.6, seed), "max_DI", 0.1, "pga_g", replicates=40, over=tuple(held)).row()
+            one = fragility(recorded(20, 0.6, seed), "max_DI", 0.1, "pga_g", replicates=40, over=tuple(held))
             for over in held:  # DI = 0.1 at a harm of 0.2 g
-                held[over] += row[f"median_{over}_low_g"] <= 0.2 <= row[f"median_{over}_high_g"]
+                (low, _), (high, _) = one.median_bounds(over)
+                held[over] += low <= 0.2 <= high
         assert held["both"] >= 10 > 8 > held["walls"]
 
     def test_bounds_over_few_records_are_stretched_and_hold_the_true_median_oftener(self):

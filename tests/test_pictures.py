@@ -9,7 +9,6 @@ from itertools import combinations
 import matplotlib
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 from PIL import Image
 from small_history import make_history, small_layout
@@ -477,11 +476,11 @@ class TestFiles:
         (tmp_path / "out").mkdir()
         (tmp_path / "out" / "wall_max.png").write_text("old")
 
-        def fail(figure, path, **options):
+        def fail(path, pixels, **options):
             path.write_text("half")
             raise OSError("disk full")
 
-        monkeypatch.setattr(Figure, "savefig", fail)
+        monkeypatch.setattr("matplotlib.image.imsave", fail)
         with pytest.raises(InputError, match="disk full"):
             save_all(cracked, tmp_path / "out")
         assert [path.name for path in (tmp_path / "out").iterdir()] == ["wall_max.png"]

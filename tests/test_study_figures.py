@@ -106,6 +106,12 @@ def results(folder):
 
 
 @pytest.fixture(scope="module")
+def drawn(results):
+    """{name: Figure} of all figures of the results."""
+    return {name: draw() for name, draw in study_figures._figures(results)}
+
+
+@pytest.fixture(scope="module")
 def harmonic(results):
     variant, = variants(results.points[results.points["motion_period_s"].notna()])
     return variant
@@ -322,9 +328,9 @@ class TestParabola:
 
 
 class TestPanels:
-    def test_no_letter_stands_twice_in_a_figure(self, results, harmonic, ida):
-        for name, draw in study_figures._figures(results):
-            letters = [ax.get_title(loc="left").split()[0] for ax in draw().axes if ax.get_title(loc="left")]
+    def test_no_letter_stands_twice_in_a_figure(self, drawn):
+        for name, figure in drawn.items():
+            letters = [ax.get_title(loc="left").split()[0] for ax in figure.axes if ax.get_title(loc="left")]
             assert len(set(letters)) == len(letters) and all(re.fullmatch(r"\([a-z]+\)", one) for one in letters), name
 
     def test_letters_go_on_after_z(self):
@@ -442,8 +448,7 @@ class TestCommand:
         assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig06_motions.pdf", "fig06_motions.png"]
         assert "not made: fig10_records: no point has a record" in out
 
-    def test_every_figure_of_the_results_can_be_drawn(self, results):
-        drawn = {name: draw() for name, draw in study_figures._figures(results)}
+    def test_every_figure_of_the_results_can_be_drawn(self, drawn):
         assert list(drawn) == [
             "fig06_motions", "fig07_evolution_small", "fig08_amplitude_small", "fig08_amplitude_small_shear-limit",
             "fig09_drift_small", "cracks_harmonic_small", "fig10_records", "fig11_residual_small",

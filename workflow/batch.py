@@ -43,6 +43,8 @@ LOCK_PATIENCE_S = 10.0
 """How long to wait for a folder that a killed batch's last processes may still hold [s]."""
 LOOK_S = 2.0
 """Between two looks at the room on the disk [s]."""
+STARTS_FASTER = {"SETUPTOOLS_USE_DISTUTILS": "stdlib"} if sys.version_info < (3, 12) else {}
+"""For Snakemake 7, which imports distutils: a virtual environment would load all of setuptools for it, 0.3 s."""
 _STEPS = re.compile(r"(\d+) of (\d+) steps \(.*\) done")
 
 
@@ -227,7 +229,7 @@ class Batch:
     def _environment(self):
         """This process's, with what Snakemake, matplotlib and YADE's IPython keep inside the folder."""
         inside = self.folder / ".snakemake"
-        return {**os.environ, "PYTHONPATH": python_path(), "MPLBACKEND": "Agg",
+        return {**STARTS_FASTER, **os.environ, "PYTHONPATH": python_path(), "MPLBACKEND": "Agg",
                 "XDG_CACHE_HOME": str(inside / "cache"), "MPLCONFIGDIR": str(inside / "matplotlib"),
                 "IPYTHONDIR": str(inside / "ipython")}
 

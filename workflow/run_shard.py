@@ -22,6 +22,7 @@ from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 from shards import FIRST_TABLES
@@ -33,8 +34,10 @@ from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
 from damage.mechanics.compiled import COMPILING
+from damage.provenance import measures_digest, versions
 from damage.reference.fast.compiled import is_cached
 from damage.reference.lanes import MOST_LANES
+from damage.reference.session import BACKEND
 from damage.reference.settled import SettledWalls
 from damage.reference.solver import ReferenceSolver
 from damage.reference.together import run_references
@@ -227,12 +230,16 @@ class Shard:
 
 
 def load_compiled(task):
-    """Compile the reference solver, or load it, before there are processes: once for all of them."""
+    """Compile the reference solver, or load it, before there are processes: once for all of them, as what else each
+    would load or work out."""
     if not is_cached():
         announce(COMPILING)
     wall = ReferenceSolver(lay_out(load_wall(task.point.wall)), 1e-6)
     wall.run(1)
     wall.instants()
+    versions(BACKEND.code)
+    measures_digest()
+    import_module("scipy.signal")  # by the measures of a motion: a fifth of a second
 
 
 def _begin_worker():

@@ -28,8 +28,14 @@ def of_other_versions(study, folder):
             made_by[name] = f"{record['row']['solver']} {record['row']['model_digest']}"
     for path in [path for run in study.runs for path in histories(run, folder)]:
         made_by[path.stem] = model_of(path)
-    today = {f"{solver} {model_digest(code)}" for solver, code in CODE.items() if code.is_dir()}
-    return {name: model for name, model in made_by.items() if model not in (*today, None)}
+    return {name: model for name, model in made_by.items() if model not in (_today(model), None)}
+
+
+def _today(model):
+    """Today's model of the solver that made a run; None where its code is not here.  Digests take their time: none is
+    made for a study of which nothing is there yet."""
+    solver = (model or "").partition(" ")[0]
+    return f"{solver} {model_digest(CODE[solver])}" if solver in CODE and CODE[solver].is_dir() else None
 
 
 def of_other_measures(study, folder, remake, stale=frozenset()):

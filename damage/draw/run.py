@@ -71,7 +71,7 @@ def _with_words(figure, ratio, history, lines, handles):
     style.add_title(figure, history, *lines)
     style.legend_below(figure, handles, columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
-        figure.draw_without_rendering()
+        figure.get_layout_engine().execute(figure)
     return figure
 
 

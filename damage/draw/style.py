@@ -3,12 +3,14 @@
 Only figure objects are used, so that pictures come out the same without a screen and inside any program.
 """
 
+from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from textwrap import fill
 
 import numpy as np
 from matplotlib import style
+from matplotlib.backend_bases import get_registered_canvas_class
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
@@ -182,6 +184,17 @@ def _save(figure, path, ending, made):
     undated = {"pdf": "CreationDate", "svg": "Date"}.get(ending)
     if undated:
         metadata[undated] = None  # same run, same bytes
-    with whole_or_nothing(path) as unfinished:
-        figure.savefig(unfinished, format=ending, metadata=metadata)
+    with whole_or_nothing(path) as unfinished, _canvas(figure, ending) as canvas:
+        getattr(canvas, f"print_{ending}")(unfinished, metadata=metadata)
     return path
+
+
+@contextmanager
+def _canvas(figure, ending):
+    """A canvas that writes a Figure in one format, for a while.  Figure.savefig would draw it twice, first for a layout
+    that drawing makes anyway: the same bytes, a seventh later."""
+    before = figure.canvas
+    try:
+        yield get_registered_canvas_class(ending)(figure)
+    finally:
+        figure.set_canvas(before)
