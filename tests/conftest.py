@@ -1,5 +1,6 @@
 """What several tests share: the repository, the shipped walls, the real commands."""
 
+import functools
 import os
 import re
 import shutil
@@ -29,6 +30,17 @@ def pytest_collection_modifyitems(items):
     """First come files that compile what all others then find compiled; two that run side by side compile different
     functions; then those that take longest, which at the end would leave the other cores idle."""
     items.sort(key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _texts_of_pictures_are_parsed_once():
+    """matplotlib parses texts with mathematics, as tick labels are, anew in every figure: a third of the time of
+    pictures.  Here parsers that make the same are equal, and its cache takes all texts."""
+    if "matplotlib.mathtext" in sys.modules:
+        parser = sys.modules["matplotlib.mathtext"].MathTextParser
+        parser.__hash__ = lambda self: hash(self._output_type)
+        parser.__eq__ = lambda self, other: self._output_type == other._output_type
+        parser._parse_cached = functools.lru_cache(10_000)(parser._parse_cached.__wrapped__)
 
 
 @pytest.fixture(scope="session", params=["solid", "symmetric", "asymmetric"])

@@ -52,7 +52,7 @@ COMMANDS = {
 """Of the commands, with files that are there, or are looked for after the options (F, O, S)."""
 OTHERS = {
     "longer than a run can be": (["--rest", "1e12"], "0 to 2000"),
-    "many shocks": (["--sequence", ",".join(["1"] * 10**6)], "a run of .* expected up to 2000 s"),
+    "many shocks": (["--sequence", ",".join(["1"] * 10**5)], "a run of .* expected up to 2000 s"),
     "many drifts": (["--cyclic", ",".join(["0.1"] * 2000)], "2000 drifts"),
     "a long push": (["--cyclic", "50", "--cycles", "1000"], "a push of .* up to 2000 s"),
     "many steps": (["--dt", "1e-9"], "in 3.1e\\+09 steps .* up to 1e\\+08 steps"),

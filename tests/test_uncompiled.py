@@ -120,7 +120,7 @@ def test_all_sources_of_compiled_code_are_in_the_digest(package, modules):
     """What a module of compiled functions imports, directly or not, is compiled into them: functions and constants."""
     compilers = {one.folder / "compiled.py" for one in (PLAIN, FAST)}  # decide how; what they import is not compiled
     to_follow = {path for path in package.folder.glob("*.py") if re.search(
-        r"^@(compiled|inlined)$", path.read_text(), re.MULTILINE)}
+        r"^@(compiled|inlined|entry|inlined_entry)$", path.read_text(), re.MULTILINE)}
     assert len(to_follow) > 4
     needed = {package.folder / "compiled.py"}
     while to_follow:
@@ -131,6 +131,12 @@ def test_all_sources_of_compiled_code_are_in_the_digest(package, modules):
     own = [one for one in functions if one.py_func.__module__.startswith(modules[0].__package__)]
     assert len(own) > 10
     assert all(package.digest in one.py_func.__qualname__ for one in own)
+
+
+def test_a_function_that_is_no_entry_is_not_called_by_python():
+    """It has no code for that: numba would call address zero."""
+    with pytest.raises(TypeError, match="clear is for compiled callers: expected one that is declared an entry"):
+        blocks.clear(np.zeros(64), np.uint64(0), np.uint64(8))
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
@@ -147,8 +153,9 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
         """Where a function is cached, and whether the line was printed that the solver is compiled."""
         program = ("from damage.mechanics import cache; from damage.reference.fast import blocks;"
                    "from damage.reference.fast.compiled import FAST;"
-                   "import numpy as np;"
-                   "blocks.clear(np.zeros(64), np.uint64(0), np.uint64(8));"
+                   "import numba, numpy as np;"
+                   "arguments = np.zeros(64), np.uint64(0), np.uint64(8);"
+                   "blocks.clear.compile(tuple(map(numba.typeof, arguments)));"
                    "print(cache.kept_in(FAST.folder), FAST.digest, sep='\\n')")
         *said, folder, digest = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, env=env,
                                                capture_output=True, text=True).stdout.splitlines()

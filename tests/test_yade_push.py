@@ -33,16 +33,17 @@ SOFT = PANEL.replace("import Wall", "import Joint, Wall").replace("length=0.9, h
 
 @pytest.fixture(scope="module", params=["cantilever", "fixed"])
 def runs(request, tmp_path_factory, yade_command, damage_command):
-    """The same push, 0.12 % of drift at 2 mm/s with local damping, in both solvers."""
+    """The same push, 0.12 % of drift with local damping, in both solvers; slower where it rocks, so that inertia stays
+    below 2 % of the force."""
     folder = tmp_path_factory.mktemp(request.param)
     wall = folder / "panel.py"
     wall.write_text(PANEL.format(repository=str(REPOSITORY)))
-    histories = {}
+    histories, speed = {}, {"cantilever": 2e-3, "fixed": 4e-3}[request.param]
     solvers = {"yade": lambda *words: yade_command(*SHORT, *words),
                "reference": lambda *words: damage_command("reference", *words, "--relaxation", "local")}
     for solver, run in solvers.items():
         out = folder / f"{solver}.h5"
-        done = run(wall, "--pushover", 0.12, "--boundary", request.param, "--speed", 2e-3, "--out", out,
+        done = run(wall, "--pushover", 0.12, "--boundary", request.param, "--speed", speed, "--out", out,
                    "--no-pictures")
         assert done.returncode == 0, done.stdout + done.stderr
         histories[solver] = damage.read_history(out)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from numba import njit
 from numba.core import event
+from numba.core.registry import CPUDispatcher
 
 from damage.history import schema
 from damage.mechanics.cache import kept_in
@@ -28,15 +29,16 @@ class Package:
     """Compiled functions of a folder.
 
     sources: paths of all files whose code or constants are compiled into them; digest: of these files; compiled:
-    decorator of a function with machine code of its own; inlined: of one that is compiled into its callers.
+    decorator of a function with machine code of its own; inlined: of one that is compiled into its callers; entry,
+    inlined_entry: the same of one that Python calls, too.
     """
 
     def __init__(self, folder, names, others):
         """folder: path; names: of its modules; others: paths of sources in other folders."""
         self.folder, self.sources = folder, [*(folder / f"{name}.py" for name in names), *others]
         self.digest = hashlib.sha256(b"\0".join(path.read_bytes() for path in self.sources)).hexdigest()[:12]
-        self.compiled = self._compiler()
-        self.inlined = self._compiler(forceinline=True)  # a call would pass some forty words
+        self.compiled, self.inlined, self.entry, self.inlined_entry = (
+            self._compiler(entry, inlined) for entry in (False, True) for inlined in (False, True))
         PACKAGES.append(self)
 
     def is_cached(self, function):
@@ -53,17 +55,31 @@ class Package:
                 with suppress(OSError):  # another process deletes it, too, or the folder is read-only
                     kept.unlink()
 
-    def _compiler(self, **options):
-        """A decorator that compiles a function, its machine code cached under the digest of all sources."""
+    def _compiler(self, entry, inlined):
+        """A decorator that compiles a function, its machine code cached under the digest of all sources.
+
+        entry: whether Python may call it.  The code by which it would do so takes a third of the time of compilation.
+        """
         # The functions create no arrays.  Counting references to their arguments would cost more than a contact point,
-        # so that it is switched off (_nrt).
-        compiler = njit(cache=True, error_model="numpy", nogil=True, _nrt=False, **options)
+        # so that it is switched off (_nrt).  Inlined: a call would pass some forty words.
+        compiler = njit(cache=True, error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True,
+                        no_cpython_wrapper=not entry, forceinline=inlined)
 
         def decorate(function):
             function.__qualname__ = f"{function.__qualname__}-{self.digest}"
-            return compiler(function)
+            made = compiler(function)
+            if not entry and isinstance(made, CPUDispatcher):  # not where numba is switched off
+                made.__class__ = _Internal
+            return made
 
         return decorate
+
+
+class _Internal(CPUDispatcher):
+    """A function without the code by which Python would call it: numba would call address zero."""
+
+    def __call__(self, *arguments):
+        raise TypeError(f"{self.py_func.__name__} is for compiled callers: expected one that is declared an entry")
 
 
 class _Announcement(event.Listener):
@@ -89,4 +105,4 @@ PLAIN = Package(Path(__file__).parent, (
     "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "strain",
     "step"),
     [Path(module.__file__) for module in (joint_law, kinds, kinematics, supports, schema)])
-compiled, inlined = PLAIN.compiled, PLAIN.inlined
+compiled, inlined, entry, inlined_entry = PLAIN.compiled, PLAIN.inlined, PLAIN.entry, PLAIN.inlined_entry

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
-from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.compiled import compiled, entry, inlined
 from damage.mechanics.tables import (
     ENDING,
     INPUT,
@@ -68,7 +68,7 @@ class Samples(NamedTuple):
         return Samples(*(values[wall, which] for values in self))
 
 
-@compiled
+@entry
 def observe(system, stiffness, field, dt, samples, w, k):
     """Write sample k of a wall into row w of the samples, at the time of its displacements.
 

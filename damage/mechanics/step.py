@@ -10,7 +10,7 @@ Time integration is by central differences: velocities at half steps, displaceme
 import numpy as np
 
 from damage.mechanics import bodies, contacts, interfaces
-from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.compiled import compiled, entry, inlined, inlined_entry
 from damage.mechanics.interfaces import Resultant
 from damage.mechanics.loose import STORED, can_end, ends_now, find_loose_forces, hand_over
 from damage.mechanics.rows import change_since_last, keep_last, last_motion, line_of, pose, springs_of
@@ -25,7 +25,7 @@ SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC = range(5)
 """Rows of `sums`: momenta along x and z, power of prescribed velocities, power of damping, kinetic energy."""
 
 
-@compiled
+@entry
 def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, w, loose):
     """Advance a wall and write a sample at each of the steps `ends`.
 
@@ -123,7 +123,7 @@ def adapt(system, controls, parts):
     system.relaxation[1] = kinetic
 
 
-@inlined
+@inlined_entry
 def find_forces(system, law, controls, step, singly, scratch, loose, since):
     """Add the forces of all interfaces and loose contacts to those of the bodies, which are zero on entry.
 

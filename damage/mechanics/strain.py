@@ -5,7 +5,7 @@ and shear displacement by a unit of the mode.  Theory: `damage.wall.strain`.
 """
 
 from damage.mechanics import bodies
-from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.compiled import entry, inlined
 from damage.mechanics.interfaces import RelativeMotion
 from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import INDEX, RIGID
@@ -79,7 +79,7 @@ def kinetic_of_modes(mass, velocity):
     return energy
 
 
-@compiled
+@entry
 def observe_modes(system, strain, dt, samples, w, k):
     """Add the amplitudes of all strain modes to sample k of wall w, and their kinetic and elastic energy [J].
 

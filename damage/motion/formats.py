@@ -58,6 +58,11 @@ def shipped_record_path(name: str = "BGAR_HGE") -> Path:
 
 def shipped_records() -> dict[str, Path]:
     """{name: path} of the records that come with the package, in the order of their names."""
+    return dict(_shipped())
+
+
+@lru_cache(maxsize=1)  # a study asks for each of its runs
+def _shipped():
     shipped = {path.name.split("__")[0]: path for path in DATA.glob("*/*.mseed")}
     shipped |= {_csv_name(path): path for path in DATA.glob("*/*_acc_m_s2.csv")}
     return dict(sorted(shipped.items()))

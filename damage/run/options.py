@@ -5,6 +5,7 @@ import hashlib
 import os
 import re
 from dataclasses import fields, replace
+from functools import lru_cache
 from pathlib import Path
 
 from damage.checks import check_path
@@ -85,6 +86,7 @@ def parse_run(arguments, prog, solver):
         command=f"{prog} {shown_command(arguments)}".strip(), model=_model(parsed))
 
 
+@lru_cache(maxsize=4)  # a study asks for one for each of its runs
 def make_parser(prog, solver):
     """The parser of a run's command line."""
     parser = OneLineParser(prog=prog, allow_abbrev=False, description=(

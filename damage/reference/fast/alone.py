@@ -7,7 +7,7 @@ from damage.mechanics.tables import DAMPING
 from damage.reference.fast import blocks as at
 from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH, clear, pack, total, unpack
 from damage.reference.fast.bodies import ALL, adapt, move
-from damage.reference.fast.compiled import compiled, inlined
+from damage.reference.fast.compiled import compiled, entry, inlined
 from damage.reference.fast.interfaces import (
     damp_eight,
     evaluate,
@@ -23,7 +23,7 @@ FORCES = INDEX(4)
 """Index of the forces in a body's row, after its Pose."""
 
 
-@compiled
+@entry
 def run(tables, blocks, law, controls, field, clock, ends, stiffness, samples):
     """Advance a wall and write a sample at each of the steps `ends`, as `damage.mechanics.step.run`.
 
@@ -48,7 +48,7 @@ def run(tables, blocks, law, controls, field, clock, ends, stiffness, samples):
         observe(wall_of(tables, 0), stiffness, field[0, step], controls[0, 0], samples, 0, k)
 
 
-@compiled
+@entry
 def find_forces(tables, blocks, law, clock, at_end, damped):
     """Forces of the contact points on all bodies at the present displacements [N, N m], into the tables.
 

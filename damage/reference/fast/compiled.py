@@ -7,7 +7,7 @@ from damage.mechanics.compiled import PLAIN, Package
 FAST = Package(Path(__file__).parent, (
     "compiled", "blocks", "rows", "bodies", "interfaces", "contacts", "step", "alone", "together", "modes",
     "deforming"), PLAIN.sources)
-compiled, inlined = FAST.compiled, FAST.inlined
+compiled, inlined, entry = FAST.compiled, FAST.inlined, FAST.entry
 
 
 def is_cached():

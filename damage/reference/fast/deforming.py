@@ -19,7 +19,7 @@ from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED
 from damage.reference.fast import blocks as at
 from damage.reference.fast import modes as of
 from damage.reference.fast.blocks import INDEX, clear, pack, place_of, total, unpack
-from damage.reference.fast.compiled import compiled, inlined
+from damage.reference.fast.compiled import compiled, entry, inlined
 from damage.reference.fast.contacts import give_one, loose_springs, remember_loose, take_one, without_overlap
 from damage.reference.fast.interfaces import damp_eight, keep_last, last_motion, line_of, poses_in_lanes, push_in_lanes
 from damage.reference.fast.modes import adapt, motion_at, move, pack_modes, push_modes, unpack_modes
@@ -27,7 +27,7 @@ from damage.reference.fast.step import any_above_zero, wall_of
 from damage.wall import joint_law
 
 
-@compiled
+@entry
 def run(tables, columns, blocks, modes, law, plain, controls, field, clock, ends, ending, stiffness, samples, taken):
     """Advance all walls and write samples; arguments as of `damage.reference.fast.together.run`.
 

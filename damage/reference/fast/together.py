@@ -14,7 +14,7 @@ from damage.mechanics.tables import DAMPING, ENDING, FAILED, INPUT, RIGID, ROTAT
 from damage.reference.fast import blocks as at
 from damage.reference.fast.blocks import INDEX, NONE, ONE, WIDTH, clear, pack, pack_limits, place_of, total, unpack
 from damage.reference.fast.bodies import ALL, adapt, move, set_all
-from damage.reference.fast.compiled import compiled, inlined
+from damage.reference.fast.compiled import compiled, entry, inlined
 from damage.reference.fast.contacts import (
     fasten,
     forces_of_loose,
@@ -46,7 +46,7 @@ from damage.wall.joint_law import elastic_energy
 LANES = 8
 
 
-@compiled
+@entry
 def run(tables, columns, blocks, law, controls, field, clock, ends, ending, stiffness, samples, taken):
     """Advance all walls to the last of the steps `ends`, and write samples, as `damage.mechanics.step.run`.
 
