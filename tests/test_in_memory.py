@@ -1,5 +1,7 @@
 """A history in memory is the one that its file would be, and becomes that file where it has to."""
 
+import subprocess
+import sys
 from dataclasses import fields, replace
 
 import numpy as np
@@ -129,3 +131,26 @@ def test_a_run_without_an_end_leaves_its_file(status, tmp_path):
 def test_one_without_samples_is_read_as_its_file_is(tmp_path):
     written = make_history(tmp_path / "a.h5", stages=(), snapshots={})
     assert differences(written, make_history(tmp_path / "b.h5", stages=(), snapshots={}, write=HistoryInMemory)) == []
+
+
+FREED = """
+import os
+from pathlib import Path
+import numpy as np
+from damage.memory import return_freed
+
+def resident():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
+
+arrays = [np.ones(12_000) for _ in range(4_000)]  # of 96 kB: larger ones have pages of their own
+del arrays[:3999]  # the last lies above them
+before = resident()
+return_freed()
+print(before - resident())
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the file of the process's memory is Linux's")
+def test_freed_arrays_below_one_in_use_are_returned():
+    done = subprocess.run([sys.executable, "-c", FREED], capture_output=True, text=True, check=True)
+    assert int(done.stdout) > 3e8

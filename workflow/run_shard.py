@@ -34,6 +34,7 @@ from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
 from damage.mechanics.compiled import COMPILING
+from damage.memory import return_freed
 from damage.provenance import measures_digest, versions
 from damage.reference.fast.compiled import is_cached
 from damage.reference.lanes import MOST_LANES
@@ -267,6 +268,8 @@ def do_runs(lanes):
         leave_without_parent()  # whose death interrupted them
         task, history = tasks.pop(name), histories.pop(name)
         _ENDED.put((task, *(conclude(task, history) if status == EXIT_OK else (status, None))))
+        del history
+        return_freed()
 
 
 def _lines(tasks, histories):
