@@ -17,7 +17,9 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # shellcheck source=scripts/environment.sh
 source "$root/scripts/environment.sh" test
 cd "$root"
-# They start a thousand times a Python, each of which would compile the modules again where bytecode is not kept.
+# They start a thousand times a Python, each of which would compile the modules again where bytecode is not kept.  It is
+# made before: Python 3.11 keeps half a file where a test fills the disk.
 unset PYTHONDONTWRITEBYTECODE
+"$PYTHON" -m compileall -q benchmarks damage scripts tests verification walls workflow yade_scripts
 cores=$(nproc)
 exec "$PYTHON" -m pytest -q -n $((cores < 4 ? cores : 4)) --dist loadfile "$@"
