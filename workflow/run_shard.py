@@ -169,7 +169,8 @@ class Shard:
     def run(self):
         """Bring all points up to date; returns the exit status."""
         waiting = [task for point in self.points.values() for task in point.next_tasks()]
-        waiting.sort(key=lambda task: str(task.company))  # those that can step together, one after the other
+        order = {company: place for place, company in enumerate(dict.fromkeys(task.company for task in waiting))}
+        waiting.sort(key=lambda task: order[task.company])  # those that can step together, one after the other
         for point in self.points.values():
             point.mark(visible=False)
         if not waiting:
