@@ -195,8 +195,8 @@ class TestInstalling:
         calls = (debian.repository / "calls").read_text().splitlines()
         assert [line.split(":")[0] for line in calls] == ["noninteractive"] * 4
         assert ["update" in line for line in calls] == [True, False, True, False]
-        assert calls[1].endswith("install --no-install-recommends yade python3-numpy python3-scipy "
-                                 "python3-pandas python3-h5py python3-matplotlib python3-numba python3-jinja2 snakemake")
+        assert calls[1].endswith("install --no-install-recommends yade python3-numpy python3-scipy python3-pandas "
+                                 "python3-h5py python3-matplotlib python3-numba python3-jinja2 snakemake")
 
     def test_it_gives_up_after_the_second_failure(self, debian):
         debian.stub("apt-get", f"echo x >>{debian.repository}/calls; echo 'E: broken' >&2; exit 100")

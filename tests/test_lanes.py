@@ -1,5 +1,8 @@
 """Walls that advance together: each has the same bits as alone, whatever the others do."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
@@ -175,3 +178,17 @@ def test_the_tables_of_a_member_are_views_of_those_of_the_batch():
         for name in tables.System._fields:
             one, of_batch = getattr(wall.system, name), getattr(wall.lanes.tables, name)[lane]
             assert one.size == 0 or np.shares_memory(one, of_batch)
+
+
+@pytest.mark.parametrize("n_walls, options", [(3, {}), (1, {}), (1, {"bricks": "deformable", "contacts": "gauss"})])
+def test_tables_are_freed_with_the_walls_without_the_garbage_collector(n_walls, options):
+    """A study runs thousands of walls in a process, whose few objects hold megabytes and hardly ever start it."""
+    walls = [make(seed, **options) for seed in range(1, n_walls + 1)]
+    run_together(walls, 1)
+    left = [weakref.ref(one) for one in (*walls, walls[0].lanes)]
+    gc.disable()
+    try:
+        del walls
+        assert [one() for one in left] == [None] * (n_walls + 1)
+    finally:
+        gc.enable()

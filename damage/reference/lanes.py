@@ -9,6 +9,7 @@ so that walls that have ended are left out.
 """
 
 import hashlib
+import weakref
 
 import numpy as np
 
@@ -71,7 +72,7 @@ class Lanes:
     """
 
     def __init__(self, walls):
-        self.walls = list(walls)
+        self._walls = [weakref.ref(wall) for wall in walls]  # which hold this object: no cycle keeps the tables
         _check(self.walls)
         self.tables = _join([wall.system for wall in self.walls])
         for lane, wall in enumerate(self.walls):
@@ -82,6 +83,11 @@ class Lanes:
         self._blocks = make_blocks(self.tables.interfaces[0], self.tables.place.shape[1],
                                    self.tables.contacts.shape[1], self._width)
         self._samples = self.room(0)
+
+    @property
+    def walls(self):
+        """The walls, None where one is in use no longer."""
+        return [wall() for wall in self._walls]
 
     def are_of(self, walls):
         """Whether the batch consists of these walls, in this order, all still bound to it."""

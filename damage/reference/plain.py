@@ -1,5 +1,7 @@
 """A wall that advances by the plain step."""
 
+import weakref
+
 import numpy as np
 
 from damage.index import THRESHOLD
@@ -11,9 +13,15 @@ class Alone:
     """A single wall, with the methods of `damage.reference.lanes.Lanes`."""
 
     def __init__(self, wall):
-        self.wall, self._law = wall, tables.Law(wall.material, THRESHOLD, wall.strain)
+        self._wall = weakref.ref(wall)  # which holds this object: no cycle keeps the tables
+        self._law = tables.Law(wall.material, THRESHOLD, wall.strain)
         self._scratch = tables.Scratch(np.zeros(len(wall.system.interfaces), np.int64), np.zeros((5, plain.PARTS)))
         self._samples = self._room(0)
+
+    @property
+    def wall(self):
+        """The wall."""
+        return self._wall()
 
     def are_of(self, walls):
         """Whether `walls` is this wall alone, still bound to this object and to the plain step."""
