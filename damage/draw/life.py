@@ -17,17 +17,19 @@ _MOST_EVENTS = 8
 @styled
 def life_picture(table, yearly, alone, title):
     """Figure over the years: Psi at rest after each event of every life, and its median; the probabilities of visible
-    damage with their intervals; and, where alone (of `Lives.until`) is given, which share of the walls ends with a Psi
+    damage with their intervals; and, where alone (of `Lives.until`) is given, which share of its walls ends with a Psi
     or less, with all events and with the largest alone.  table, yearly: of `damage.life.results`."""
     figure, axes = new_figure(1.8 * COLUMN_WIDTH, 2 if alone is None else 3)
     psi, probability = axes[:2]
     first, last = yearly["year"].iloc[0], yearly["year"].iloc[-1] + 1
     final = []
-    for _, life in table.groupby(["seed", "life"]):
+    for key, life in table.groupby(["seed", "life"]):
         seconds = life["time_utc"].to_numpy().astype("datetime64[s]").astype(np.int64)
         times = [first, *(1970 + seconds / SECONDS_OF_A_YEAR), last]
-        final.append(life["psi"].iloc[-1])
-        psi.plot(times, [0.0, *life["psi"], final[-1]], drawstyle="steps-post", color=MEDIUM, lw=0.3, alpha=0.6)
+        end = life["psi"].iloc[-1]
+        if alone is None or key in alone.index:
+            final.append(end)
+        psi.plot(times, [0.0, *life["psi"], end], drawstyle="steps-post", color=MEDIUM, lw=0.3, alpha=0.6)
     settled = table.loc[table["event"] == 0, "psi"]
     psi.plot([first, *(yearly["year"] + 1)], [settled.median() if len(settled) else 0.0, *yearly["median_psi"]],
              color=BLACK, lw=1.2)
