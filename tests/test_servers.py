@@ -1,5 +1,6 @@
 """Who can reach YADE over the network: what the launcher prevents, and what is closed where a run starts without it."""
 
+import gc
 import os
 import shutil
 import socket
@@ -32,6 +33,7 @@ class Prompt(socketserver.BaseRequestHandler):
 @contextmanager
 def yades_servers():
     """A prompt and an information server, each with its thread, as YADE starts them."""
+    gc.collect()  # servers of the tests before, which are found otherwise
     prompt = socketserver.ThreadingTCPServer(("127.0.0.1", 0), Prompt)
     prompt.cookie, prompt.executed, prompt.daemon_threads = "yadesu", [], True
     informer = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
