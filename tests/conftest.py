@@ -22,13 +22,13 @@ BATCH = (sys.executable, str(REPOSITORY / "workflow" / "batch.py"))
 BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
 SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")  # of small walls, which vibrate at 0.05 s or faster
 
-FIRST = ("test_plain.py", "test_deformable_lanes.py", "test_together.py", "test_study.py", "test_yade_run.py",
+FIRST = ("test_plain.py", "test_deformable_lanes.py", "test_yade_run.py", "test_together.py", "test_study.py",
          "test_guides.py", "test_written.py", "test_ensembles.py", "test_pictures.py")
 
 
 def pytest_collection_modifyitems(items):
     """First come files that compile what all others then find compiled; two that run side by side compile different
-    functions; then those that take longest, which at the end would leave the other cores idle."""
+    functions, a third one needs none; then those that take longest, which at the end would leave the other cores idle."""
     items.sort(key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST))
 
 

@@ -7,7 +7,8 @@
 #     bash tests/run.sh tests/test_study.py -k quick
 #     bash tests/run.sh -p tests.processor_time       # also prints processor time by test, file and subject
 #
-# Files run side by side, one for each of at most four cores, the longest first; -n 0 runs them one after the other.
+# Files run side by side, at most four, one more than there are cores as some wait; the longest first.  -n 0 runs them
+# one after the other.
 # Lint, import order, the examples in docstrings and the like are not among them: bash scripts/gates.sh.
 # What they leave uncovered: bash scripts/coverage.sh.
 # The exit status is pytest's; 3 when something that the tests need is missing.
@@ -22,4 +23,4 @@ cd "$root"
 unset PYTHONDONTWRITEBYTECODE
 "$PYTHON" -m compileall -q benchmarks damage scripts tests verification walls workflow yade_scripts
 cores=$(nproc)
-exec "$PYTHON" -m pytest -q -n $((cores < 4 ? cores : 4)) --dist loadfile "$@"
+exec "$PYTHON" -m pytest -q -n $((cores < 3 ? cores + 1 : 4)) --dist loadfile "$@"
