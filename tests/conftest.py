@@ -28,7 +28,7 @@ FIRST = ("test_plain.py", "test_deformable_lanes.py", "test_yade_run.py", "test_
 
 def pytest_collection_modifyitems(items):
     """First come files that compile what all others then find compiled; two that run side by side compile different
-    functions, a third one needs none; then those that take longest, which at the end would leave the other cores idle."""
+    functions, a third one needs none; then those that take longest, which would leave other cores idle at the end."""
     items.sort(key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST))
 
 
