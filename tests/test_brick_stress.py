@@ -12,6 +12,7 @@ from damage.measure.brick_stress import bricks_table, principal_stresses, stress
 from damage.measure.tables import write_run_tables
 from damage.reference.solver import ReferenceSolver
 from damage.run.opening import describe_brick
+from damage.studies.records import record_of
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out
@@ -86,6 +87,7 @@ def test_table_of_the_middle_sections(stressed, tmp_path):
     assert others["splits_at_s"].isna().all()
     assert stress_measures(history) == {"max_brick_tension_pa": 2e6, "max_brick_compression_pa": -2e6,
                                         "bricks_above_strength": 1}
+    assert record_of(history, "run", "point")["row"]["max_brick_compression_pa"] == -2e6  # a study takes it
     line, = warn_of_splitting(history)
     assert "1 brick would split at 1.5 MPa" in line and "t = 0.30 s" in line
     assert tmp_path / "run_bricks.csv" in write_run_tables(history, tmp_path / "run")

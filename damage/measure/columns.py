@@ -198,10 +198,13 @@ def bounds_of(name):
 
     >>> bounds_of("max_accumulated_DI_slip"), bounds_of("max_slip_mm"), bounds_of("residual_drift_ratio")
     ((0.0, 1.0), (0.0, inf), (-inf, inf))
+    >>> bounds_of("max_brick_compression_pa")  # stresses have a sign
+    (-inf, inf)
     """
     if name.endswith(COMPONENTS):
         return 0.0, 1.0
-    return (0.0 if name.startswith(("max_", "peak_")) else -math.inf), math.inf
+    is_size = name.startswith(("max_", "peak_")) and not name.endswith("_pa")
+    return (0.0 if is_size else -math.inf), math.inf
 
 
 def unit_in(name):
