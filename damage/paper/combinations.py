@@ -34,12 +34,14 @@ DEPENDS = 0.25
 
 @dataclass(frozen=True)
 class Combination:
-    """levels: of each of CHOICES; period_s: of the intact symmetric wall; runs: their names; findings: of
-    `judge_with`."""
+    """levels: of each of CHOICES; period_s: of the intact symmetric wall; runs: their names, those with the other
+    number of cycles included; own_runs: number of those of walls with openings and this number of cycles; findings:
+    of `judge_with`."""
 
     levels: tuple
     period_s: float
     runs: frozenset
+    own_runs: int
     findings: list
 
     def met(self, slips=tuple(CRITERIA)):
@@ -63,7 +65,7 @@ class Combination:
 
 
 def judge_combinations(folder):
-    """The Combinations from the tables below a folder, those left out whose runs suffice for fewer claims than others'.
+    """The Combinations from the tables below a folder, those with fewer runs than others left out.
 
     Raises InputError where there is none.
     """
@@ -80,12 +82,13 @@ def judge_combinations(folder):
                 findings = judge_with(SOLVER, [Evidence(mine, points, lintel, slip, records, cycles)
                                                for slip in CRITERIA])
                 period_s = float(mine.loc[mine["wall"] == "symmetric", "eigen_period_s"].median())
-                found.append(Combination((*levels, cycles), period_s, frozenset(mine["run"]), findings))
+                own = (mine["wall"] != "solid") & (mine["cycles"].isna() | (mine["cycles"] == cycles))
+                found.append(Combination((*levels, cycles), period_s, frozenset(mine["run"]), own.sum(), findings))
     if not found:
         raise InputError(f"{folder}: its tables hold no combination of choices; expected the results of "
                          "./run_all.sh combinations")
-    most = max(len(one.judged) for one in found)
-    return [one for one in found if len(one.judged) == most]
+    most = max(one.own_runs for one in found)
+    return [one for one in found if one.own_runs == most]
 
 
 def _runs_of(runs, contacts, load, top, lintel, mass):
@@ -97,9 +100,10 @@ def _runs_of(runs, contacts, load, top, lintel, mass):
     return comparable(mine, changes).replace({"wall": walls})
 
 
-def judged_by_all(found):
-    """The predicted claims that every combination could be judged on."""
-    return [claim for claim in found[0].judged if all(claim in one.judged for one in found)]
+def judged_by_some(found):
+    """The predicted claims that a combination could be judged on; one that cannot be judged on them counts as if it
+    did not meet them, such as a wall without the free cycle that a claim is about."""
+    return list(dict.fromkeys(claim for one in found for claim in one.judged))
 
 
 def signs(found):
@@ -141,7 +145,7 @@ def table_of_effects(found):
     levels, rows = signs(found), []
     if not is_orthogonal(levels):
         return ["The design is incomplete: effects cannot be separated."]
-    for claim in judged_by_all(found):
+    for claim in judged_by_some(found):
         met = np.array([one.holds(claim.id) for one in found])
         if met.all() or not met.any():
             continue
@@ -208,7 +212,7 @@ def _row(one):
 
 def conclusions(found):
     """Lines that say which combination meets most claims, what each choice changes and what none meets."""
-    claims, levels, alike = judged_by_all(found), signs(found), of_the_papers_period(found)
+    claims, levels, alike = judged_by_some(found), signs(found), of_the_papers_period(found)
     never = [claim.id for claim in claims if not any(one.holds(claim.id) for one in found)]
     always = [claim.id for claim in claims if all(one.holds(claim.id) for one in found)]
     count = [len(one.met()) for one in found]
@@ -230,10 +234,12 @@ def conclusions(found):
         lines.append(f"Not varied in these runs: {', '.join(same)}.")
     if not is_orthogonal(levels, with_pairs=True):
         lines.append("By these runs alone interactions of two choices cannot be separated, and are left out.")
+    if some := [claim.id for claim in claims if not all(claim in one.judged for one in found)]:
+        lines.append(f"Without the values that a claim needs, and counted as not met: some with {', '.join(some)}.")
     unjudged = {one.claim.id: None for each in found for one in each.findings if one.claim.predicted
                 and one.claim not in claims}
     if unjudged:
-        lines.append(f"Not judged in all of them, for want of runs: {', '.join(unjudged)}.")
+        lines.append(f"Not judged, for want of runs: {', '.join(unjudged)}.")
     return [*lines, f"No combination meets {', '.join(never) or 'nothing'}.",
             f"Every combination meets {', '.join(always) or 'nothing'}."]
 
