@@ -3,8 +3,8 @@
     python3 benchmarks/stepped_cracks.py [--events 4]
 
 All other joints are too strong to fail.  A pier rocks about either end of its crack.  Where one end is higher by h, a
-rotation θ moves the end that is lifted by h θ towards the lower one, whichever way the pier rocks.  If it lands there,
-the pier walks down the steps; on a straight crack it has no such direction.
+rotation θ moves the end that is lifted sideways by h θ, to the side of the lower one whichever way the pier rocks.  If
+it lands there, the pier walks down the steps; on a straight crack it has no such direction.
 """
 
 import argparse
