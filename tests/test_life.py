@@ -28,7 +28,6 @@ from damage.life.results import (
     life_of,
     lives_of,
     over_time,
-    with_tables,
 )
 from damage.life.study import write_study
 from damage.measure.tables import shocks_table
@@ -233,9 +232,19 @@ class TestRuns:
             assert list(life["psi"]) == list(events["residual_psi"])
             assert list(life["pgv_mm_s"]) == list(draws.life(number)["pgv_mm_s"])
         assert one.table["max_psi"].max() > 0
-        again = with_tables([one], [_written(one.table, folder / "lives.csv"),
-                                    _written(one.table.assign(seed=1), folder / "other.csv")])
-        assert len(again[0].last) == 12 and again[0].table.head(len(one.table)).equals(one.table)
+        tables = [_written(one.table, folder / "lives.csv"), _written(one.table.assign(seed=1), folder / "other.csv")]
+        (again,) = lives_of(folder, tables)
+        assert len(again.last) == 12 and again.table.head(len(one.table)).equals(one.table)
+
+    def test_lives_of_another_session_suffice(self, lived, tmp_path):
+        """Runs after the shard above."""
+        folder, *_ = lived
+        (one,) = lives_of(folder)
+        for name in ("study.toml", "a.toml", "narrow.py"):
+            (tmp_path / name).write_text((folder / name).read_text().replace(str(folder), str(tmp_path)))
+        assert "no life in it" in one_line_error(lives_of, tmp_path)
+        (again,) = lives_of(tmp_path, [_written(one.table, tmp_path / "lives.csv")])
+        assert again.last.equals(one.last)
 
 
 def _written(table, path):

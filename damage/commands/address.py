@@ -111,11 +111,10 @@ def _lives(asked):
         describe,
         lives_of,
         over_time,
-        with_tables,
         write_lives,
     )
 
-    parts = with_tables(lives_of(asked.results), asked.tables)
+    parts = lives_of(asked.results, asked.tables)
     folder = asked.out or asked.results / "figures"
     print(*write_lives(parts, folder), sep="\n")
     text = describe(parts)

@@ -102,19 +102,20 @@ class Lives:
         return self.draws.largest(range(1, POPULATION + 1))
 
 
-def lives_of(folder):
-    """Lives of the points of a study's folder, a list; InputError where it holds none."""
+def lives_of(folder, tables=()):
+    """Lives of the points of a study's folder, a list, with the rows of lives.csv of other sessions, a list of paths,
+    of the same points.  InputError where there is none; points without lives are left out."""
     folder = Path(folder)
     study = load_study(folder / "study.toml", "reference")
-    records, found = all_records(folder), []
+    records, found, more = all_records(folder), [], list(map(_read, tables))
     for run in study.runs:
         if run.varied == ("--life",):
             draws = read_address(run.words[run.words.index("--address") + 1])
             point = run.point.rpartition(FROM)[0]
-            tables = [life_of(records[run.name(number)], draws, run.offset + number)
-                      for number in range(1, run.members + 1) if run.name(number) in records]
-            found += [Lives(point, draws, table.assign(point=point)[list(COLUMNS)]) for table in tables]
-    if not found:
+            mine = [life_of(records[run.name(number)], draws, run.offset + number).assign(point=point)
+                    for number in range(1, run.members + 1) if run.name(number) in records]
+            found += [Lives(point, draws, table) for table in (*mine, *(one[one["point"] == point] for one in more))]
+    if not any(len(one.table) for one in found):
         raise InputError(f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m damage "
                          "life makes it")
     return together(found)
@@ -149,19 +150,14 @@ def _settlement(row, draws):
 
 
 def together(parts):
-    """Lives of equal points counted together, each life once; a list in the order of the first of each."""
+    """Lives of equal points counted together, each life once; a list in the order of the first of each, without points
+    that have none."""
     found = {}
     for one in parts:
         found.setdefault(one.point, []).append(one)
-    return [replace(several[0], table=pd.concat([one.table for one in several], ignore_index=True).drop_duplicates(
-        ["seed", "life", "event"], keep="first")) for several in found.values()]
-
-
-def with_tables(parts, tables):
-    """Lives with the rows of lives.csv of other sessions, a list of paths, of the same points."""
-    more = list(map(_read, tables))
-    return together([*parts, *(replace(one, table=table[table["point"] == one.point])
-                               for table in more for one in parts)])
+    tables = [(several[0], [one.table for one in several if len(one.table)]) for several in found.values()]
+    return [replace(first, table=pd.concat(of_point, ignore_index=True).drop_duplicates(
+        ["seed", "life", "event"], keep="first")[list(COLUMNS)]) for first, of_point in tables if of_point]
 
 
 def _read(path):
