@@ -64,7 +64,7 @@ def run(folder, cracks, events):
                     folder / "cracks.csv", "--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "--scale",
                     "1.4", "--window", "18.7", "20.9", "--rest", "0.1", "--sequence", ",".join("1" * events),
                     "--no-pictures", "--quiet", "--overwrite", "--out", folder / "run.h5"],
-                   cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
+                   cwd=ROOT, check=True)
     return read_history(folder / "run.h5")
 
 
