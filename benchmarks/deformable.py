@@ -33,8 +33,9 @@ from damage.run.settings import HOLD_S, RAMP_S, SETTLE_S
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, ModelOptions
+from damage.wall.parameters import Brick
 from damage.wall.strain import brick_modes, elasticity_of
 
 WALLS = ("solid", "symmetric", "asymmetric")

@@ -28,7 +28,8 @@ from damage.mechanics.tables import Z
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, ModelOptions, Wall, softening_energies
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Joint, Wall, softening_energies
 from verification.collapse import settled_wall
 
 DECAY = 2000.0

@@ -31,8 +31,9 @@ from damage.run.settings import RESTS_BELOW_M_S
 from damage.run.watch import fastest_fallen, lowest_places
 from damage.wall.geometry import body_corners, body_table
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Joint, Opening, Wall
 from yade_scripts import COMMAND
 
 SECONDS, INTERVAL_S = 3.0, 0.01

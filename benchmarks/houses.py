@@ -22,8 +22,9 @@ from damage.measure.compare import compare
 from damage.measure.summary import summarise
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Joint, Opening, Wall
 from yade_scripts import COMMAND
 
 BGAR = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"

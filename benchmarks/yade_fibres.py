@@ -20,8 +20,8 @@ from yade import O
 from damage.run.schedule import SOFTENING_STEP_FACTOR
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import ModelOptions
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.solver import YadeSolver
 

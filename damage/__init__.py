@@ -8,8 +8,8 @@ motion; what cannot be is an `InputError`.
 from damage.version import VERSION as __version__
 
 _HOMES = {"InputError": "damage.errors", **dict.fromkeys(("History", "read_history"), "damage.history.reader"),
-          **dict.fromkeys(("Brick", "Joint", "ModelOptions", "Opening", "Wall", "brick_of_masonry"),
-                          "damage.wall.parameters"), "check_plausible": "damage.wall.plausible",
+          **dict.fromkeys(("Brick", "Joint", "Opening", "Wall", "brick_of_masonry"), "damage.wall.parameters"),
+          "ModelOptions": "damage.wall.model_options", "check_plausible": "damage.wall.plausible",
           "Floor": "damage.wall.floors", "Lintel": "damage.wall.lintels", "masonry": "damage.wall.materials",
           "load_wall": "damage.wall.file", "read_record": "damage.motion.formats"}
 __all__ = ["Brick", "Floor", "History", "InputError", "Joint", "Lintel", "ModelOptions", "Opening", "Wall",

@@ -16,8 +16,9 @@ from damage.studies.records import record_of
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.strain import strain_of, stress_by_modes
 
 DEFORMABLE = ModelOptions(bricks="deformable", contacts="gauss")

@@ -15,8 +15,9 @@ from damage.run.settings import RunSettings
 from damage.wall.file import load_wall
 from damage.wall.kinds import CUT
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Opening, Wall
 
 BRICK = Brick()
 LENGTH, HEIGHT, THICKNESS = BRICK.length, BRICK.height, BRICK.thickness

@@ -28,6 +28,7 @@ from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import (
     contact_normals,
     kinematic_matrix,
@@ -36,7 +37,7 @@ from damage.wall.modes import (
     static_displacement,
     stiffness_matrix,
 )
-from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.strain import brick_modes, elasticity_of, modes_of
 
 BRICK, JOINT = Brick(), Joint()

@@ -10,8 +10,9 @@ from damage.reference import ensembles
 from damage.reference.lanes import DeformingLanes, run_together
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 WEAK = {"tensile_strength": 1e3, "cohesion": 1e3}
 OPTIONS = {"bricks": "deformable", "contacts": "gauss", "brick_mass": 25.0, "strength_cov": 0.3}

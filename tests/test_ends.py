@@ -13,8 +13,9 @@ from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from damage.wall.parameters import Brick, Joint, Wall
 
 LENGTH, HEIGHT = 0.1125, 0.075
 DRY = {"tensile_strength": 0.0, "cohesion": 0.0}

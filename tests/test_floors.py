@@ -14,8 +14,9 @@ from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
 from damage.wall.floors import SLAB_COURSE, Floor, describe_floors
 from damage.wall.layout import BED, CAP, HEAD, lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
 TIMBER, SLAB = Floor(1.0, 800.0, 0.4, 1.6), Floor(2.0, 1500.0, kind="concrete", depth=0.2)

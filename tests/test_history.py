@@ -25,7 +25,8 @@ from damage.motion.intensity import pga_g
 from damage.motion.loading import FreeVibration, Harmonic, Recorded, TopDisplacement, loading_from_dict
 from damage.run.settings import RunSettings
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Opening, Wall
 
 LAYOUT = lay_out(Wall("small", 0.45, 0.15))
 PARAMETERS = {"loading": Harmonic(0.2, 0.05).as_dict(), "wall": LAYOUT.wall.as_dict()}

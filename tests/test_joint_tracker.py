@@ -7,7 +7,8 @@ from numpy.testing import assert_allclose
 
 from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, material_of
 from damage.wall.layout import GROUND, lay_out
-from damage.wall.parameters import Joint, ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Joint, Wall
 from yade_scripts.joint_tracker import JointTracker
 
 FIVE_FIFTY = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)

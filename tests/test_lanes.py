@@ -11,8 +11,9 @@ from damage.motion.loading import Harmonic
 from damage.reference.lanes import MOST_LANES, run_together
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Joint, Opening, Wall
 
 WALL = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses",
             joint=Joint(tensile_strength=3e4, cohesion=8e4))

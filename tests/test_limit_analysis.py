@@ -9,7 +9,8 @@ from numpy.testing import assert_allclose
 from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 from verification.collapse import collapse_multiplier
 from verification.dry_walls import FRICTION, OPTIONS, PUBLISHED, WALLS, examine, lay, main
 from verification.limit_analysis import balance, body_load, collapse_load, flow, top_load

@@ -20,8 +20,9 @@ from damage.run.report import describe
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.lintel import LARGE_SHARE, elastic_share, warn_of_share
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Opening, Wall
 
 DOOR = Wall("door", 1.8, 0.6, (Opening(0.45, 0.9, 0.45),), lintel="courses")
 """Eight bricks by eight courses, a door of four bricks by six courses in it."""

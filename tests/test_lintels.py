@@ -20,8 +20,9 @@ from damage.wall.geometry import body_table, joint_table
 from damage.wall.kinds import CUT, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, USUAL, Lintel
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 from verification.collapse import settled_wall
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)

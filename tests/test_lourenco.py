@@ -8,7 +8,8 @@ from damage.mechanics.tables import READ_SIGMA
 from damage.reference.wall import ReferenceWall
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.parameters import ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Wall
 from verification.limit_analysis import collapse_load
 from verification.lourenco import (
     CRUSHING,

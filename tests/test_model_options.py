@@ -17,7 +17,8 @@ from damage.paper.evidence import SHAPE
 from damage.run.options import free_name, make_parser, parse_run
 from damage.run.settings import RunSettings
 from damage.studies.choices_figure import choice
-from damage.wall.parameters import USUAL_MODEL, ModelOptions, Wall
+from damage.wall.model_options import USUAL_MODEL, ModelOptions
+from damage.wall.parameters import Wall
 
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])

@@ -12,8 +12,9 @@ from damage.__main__ import main
 from damage.errors import InputError
 from damage.wall.kinematics import ContactKinematics
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import contact_normals, kinematic_matrix, mass_vector, natural_modes, stiffness_matrix
-from damage.wall.parameters import ModelOptions, Opening, Wall
+from damage.wall.parameters import Opening, Wall
 
 PERIODS_S = {"solid": 0.0637, "symmetric": 0.2003, "asymmetric": 0.1745}
 """First periods, which both solvers vibrate with (README.md); the paper's are 0.06 and about 0.2 s."""

@@ -30,8 +30,9 @@ from damage.run.watch import fastest_fallen
 from damage.wall.geometry import body_corners, body_table, joint_gaps
 from damage.wall.layout import lay_out
 from damage.wall.lintel import ElasticShare
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Joint, Opening, Wall
 
 DIAMETER = 2 * 0.01 * 0.225
 """Twice the radius of the corners: 1 % of a whole brick's length."""

@@ -14,8 +14,9 @@ from damage.motion.record import Record
 from damage.units import GRAVITY
 from damage.wall.courses import built_runs, drift_course
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 from verification.collapse import raise_to, settled_wall
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)

@@ -34,7 +34,8 @@ from damage.motion.loading import RecordedMotion
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 from damage.wall.layout import lay_out
-from damage.wall.parameters import ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Wall
 
 SINGLE = 1e-6  # relative: frames and snapshots are stored in single precision
 ROUND_OFF = 1e-12  # a few operations in double precision

@@ -7,8 +7,9 @@ from damage.motion.loading import Harmonic
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 WEAK = {"tensile_strength": 3e4, "cohesion": 8e4}
 SOFT = WEAK | {"mode_i_fracture_energy": 1.0, "mode_ii_fracture_energy": 10.0}

@@ -12,8 +12,9 @@ from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.run.watch import unbalanced_force
 from damage.wall.layout import GROUND, lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Joint, Opening, Wall
 
 SMALL = Wall(name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)], lintel="courses")
 WEAK = Joint()

@@ -25,8 +25,9 @@ from damage.run.solver import NO_MOTION
 from damage.run.turns import take_turns
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.supports import Supports
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)

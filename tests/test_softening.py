@@ -37,8 +37,9 @@ from damage.wall.joint_law import (
     tension_stiffness,
 )
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import ModelOptions, softening_energies
+from damage.wall.parameters import softening_energies
 from verification.softening import compared
 
 KN, KS, FT, C, MU, G1, G2 = 6.557e10, 2.687e10, 0.18e6, 0.21e6, 0.42, 5.0, 50.0

@@ -13,8 +13,9 @@ from damage.run.options import parse_run
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Brick, ModelOptions, Opening, Wall
+from damage.wall.parameters import Brick, Opening, Wall
 from damage.wall.soil import radiation_times
 
 SOIL, FOOTING = 1e8, 0.4

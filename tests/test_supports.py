@@ -24,8 +24,9 @@ from damage.run.settings import RunSettings
 from damage.run.turns import take_turns
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Joint, Opening, Wall
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
 SETTLEMENT = 1e-3

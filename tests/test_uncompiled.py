@@ -20,8 +20,9 @@ from damage.reference.fast import alone, blocks, together
 from damage.reference.fast.compiled import FAST
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Joint, Opening, Wall
 
 WALL = Wall("pier", 0.675, 0.3, [Opening(0.225, 0.225, 0.15)], lintel="courses",
             joint=Joint(tensile_strength=5e3, cohesion=5e4))

@@ -19,7 +19,7 @@ from damage.wall.data import wall_from, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.materials import FORMATS, MATERIALS, as_dict
-from damage.wall.parameters import ModelOptions
+from damage.wall.model_options import ModelOptions
 from damage.wall.plausible import implausible
 
 TEXT = """

@@ -23,7 +23,8 @@ from scipy.optimize import brentq
 
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Joint, Wall
 from verification import softening
 from verification.block import settle, solver_of
 from verification.problem import Problem, ask_yade, run_yade

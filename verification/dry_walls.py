@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from damage.wall.layout import HEAD, lay_out
-from damage.wall.parameters import Brick, Joint, ModelOptions, Opening, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Joint, Opening, Wall
 from verification.collapse import Bracket, collapse_multiplier
 from verification.limit_analysis import Collapse, collapse_load
 

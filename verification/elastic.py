@@ -26,8 +26,9 @@ from scipy.sparse.linalg import splu
 from damage.measure.vibration import natural_period
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes, stiffness_matrix
-from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from damage.wall.parameters import Brick, Joint, Wall
 from verification.problem import Problem, ask_yade
 
 UNBREAKABLE = Joint(tensile_strength=1e15, cohesion=1e15)

@@ -22,7 +22,8 @@ from scipy.optimize import brentq
 
 from damage.units import GRAVITY
 from damage.wall.layout import HEAD, lay_out
-from damage.wall.parameters import Brick, Joint, ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Joint, Wall
 from verification.collapse import settled_wall
 from verification.limit_analysis import collapse_load, top_load
 from verification.push_picture import picture

@@ -26,7 +26,8 @@ from scipy.integrate import quad
 from damage.mechanics.tables import FRICTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Joint, ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Joint, Wall
 from verification.block import DRY, SLENDER, STICKY, foot, one_block, settle, solver_of
 from verification.problem import Problem, ask_yade
 

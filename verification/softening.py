@@ -18,7 +18,8 @@ import numpy as np
 from damage.mechanics.tables import FRACTURE, FRICTION
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import BED, GROUND, lay_out
-from damage.wall.parameters import Joint, ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Joint, Wall
 from verification.problem import Problem, run_yade
 
 JOINT = Joint(tensile_strength=0.21 / 0.24 * 0.21e6, cohesion=0.21e6, friction_angle=float(np.arctan(0.42)),

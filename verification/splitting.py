@@ -14,7 +14,8 @@ import numpy as np
 
 from damage.wall.kinds import CAP, CUT
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Wall
 from verification.block import solver_of
 from verification.problem import Problem, ask_yade
 

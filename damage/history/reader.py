@@ -34,7 +34,8 @@ from damage.history.structure import check_structure
 from damage.history.values import check_parameters, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
-from damage.wall.parameters import ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Wall
 
 
 class ActiveContacts(NamedTuple):

@@ -18,7 +18,7 @@ from damage.history.schema import Column
 from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.limits import LIMITS
 from damage.units import MILLIMETRE
-from damage.wall.parameters import ModelOptions
+from damage.wall.model_options import ModelOptions
 
 CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
 """{slip criterion: prefix of a component's name in its columns}."""

@@ -9,7 +9,7 @@ import pandas as pd
 from damage.errors import InputError
 from damage.measure.columns import CRITERIA, read_table
 from damage.paper.criteria import CONVERGED_SPEED_M_S
-from damage.wall.parameters import USUAL_MODEL
+from damage.wall.model_options import USUAL_MODEL
 
 SHAPE = {name: value for name, value in USUAL_MODEL.items() if name != "lintel"} \
     | {"shocks": 1, "alpha_1_s": 0.0, "vertical": 0}

@@ -27,7 +27,8 @@ from damage.run.settings import (
     RunSettings,
     rayleigh_factors,
 )
-from damage.wall.parameters import MOST_SEED, ModelOptions
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500

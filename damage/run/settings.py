@@ -15,7 +15,8 @@ from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
 from damage.run.before import Surveyed
-from damage.wall.parameters import MOST_SEED, ModelOptions
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT, check_plausible
 
 SAMPLE_S = 2e-3

@@ -8,7 +8,7 @@ from damage.draw.style import BLACK, BLUE, LIGHT, VERMILLION, styled
 from damage.motion.loading import Harmonic
 from damage.run.settings import RunSettings
 from damage.studies.results import REFERENCE, Missing
-from damage.wall.parameters import USUAL_MODEL
+from damage.wall.model_options import USUAL_MODEL
 
 _WORDS = {"cycles": "{:g} cycles", "contacts": "contacts at {}", "cells": "{:g} contacts a half brick",
           "top": "top mass: {}", "load": "load over the {}", "lintel": "lintel: {}",

@@ -15,7 +15,7 @@ from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.measure.columns import check_names, read_table
 from damage.measure.tables import index_table
-from damage.wall.parameters import USUAL_MODEL
+from damage.wall.model_options import USUAL_MODEL
 
 NEEDED = ("point", "solver", "wall", "members")
 MODEL = USUAL_MODEL | {"cycles": None}

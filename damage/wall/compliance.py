@@ -8,7 +8,7 @@ from damage.wall.kinds import CUT, HEAD
 def contact_stiffness(wall, options, bodies, kind, first, second):
     """Normal and shear stiffness of contact points [Pa/m], two arrays (n_contacts,): of the joint alone between bricks
     that deform by themselves, else with the bricks' compliance; arguments as of `lumped_stiffness`, options:
-    damage.wall.parameters.ModelOptions."""
+    damage.wall.model_options.ModelOptions."""
     if not options.has_modes:
         return lumped_stiffness(wall, bodies, kind, first, second)
     return np.full(len(kind), wall.joint.normal_stiffness), np.full(len(kind), wall.joint.shear_stiffness)

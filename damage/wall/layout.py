@@ -27,7 +27,8 @@ from damage.wall.floors import SLAB_COURSE, slab_bodies, slabs, with_timber_floo
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.lintel import in_lintel
 from damage.wall.lintels import cut_places, cut_stiffness, describe_place, lintel_bodies
-from damage.wall.parameters import ModelOptions, Wall
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Wall
 from damage.wall.soil import on_soil
 from damage.wall.split import CUT_POINTS, cut_bricks, cuts_of
 from damage.wall.strain import Strain, strain_of

@@ -18,8 +18,9 @@ from damage.run.solver import NO_MOTION
 from damage.run.watch import have_fallen, lowest_places
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Opening, Wall
+from damage.wall.parameters import Joint, Opening, Wall
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.solver import FOLLOW_STEPS, YadeSolver
 

@@ -15,8 +15,9 @@ from damage.run.settings import RAMP_S
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import Joint, ModelOptions, Wall
+from damage.wall.parameters import Joint, Wall
 
 SETTLES_S, RESTS_S = 0.1, 0.4
 MOTION = 2e-4, -1e-3, 2e-3
