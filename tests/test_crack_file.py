@@ -22,7 +22,8 @@ from damage.measure.crack_mapping import (
     map_cracks,
 )
 from damage.measure.cracks import cracks_at, psi
-from damage.wall.layout import CUT, HEAD, lay_out
+from damage.wall.kinds import CUT, HEAD
+from damage.wall.layout import lay_out
 
 HEADER = "load_level,drift_pct,crack,point,x_m,z_m,opening_mm,slip_mm,width_mm,mode\n"
 WALL = '''

@@ -21,7 +21,7 @@ from damage.measure.cracks import (
     psi_value,
 )
 from damage.units import MILLIMETRE
-from damage.wall.layout import HEAD
+from damage.wall.kinds import HEAD
 
 
 def along_x(start, length, z=0.0):

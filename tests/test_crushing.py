@@ -18,7 +18,8 @@ from damage.measure.summary import summarise
 from damage.measure.tables import joints_table, summary_row
 from damage.reference.wall import ReferenceWall
 from damage.wall.joint_law import ContactState, LawParameters, Material, advance, elastic_energy, range_left
-from damage.wall.layout import CAP, CUT, lay_out
+from damage.wall.kinds import CAP, CUT
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Wall, crushing_energy

@@ -24,7 +24,8 @@ from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.cracks import cracks_at
 from damage.reference.session import run_reference
 from damage.wall.file import load_wall
-from damage.wall.layout import HEAD, lay_out
+from damage.wall.kinds import HEAD
+from damage.wall.layout import lay_out
 
 NOISE = 1e-5
 """Of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""

@@ -13,7 +13,8 @@ from damage.measure.storeys import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
 from damage.wall.floors import SLAB_COURSE, Floor, describe_floors
-from damage.wall.layout import BED, CAP, HEAD, lay_out
+from damage.wall.kinds import BED, CAP, HEAD
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
 from damage.wall.parameters import Brick, Joint, Opening, Wall

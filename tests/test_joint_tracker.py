@@ -6,7 +6,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, material_of
-from damage.wall.layout import GROUND, lay_out
+from damage.wall.kinds import GROUND
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Wall
 from yade_scripts.joint_tracker import JointTracker

@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose
 
 from damage.errors import InputError
 from damage.wall.caps import describe_top
-from damage.wall.layout import BED, CAP, GROUND, HEAD, lay_out
+from damage.wall.kinds import BED, CAP, GROUND, HEAD
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Opening, Wall
 

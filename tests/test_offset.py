@@ -24,7 +24,8 @@ from damage.measure.tables import cycles_table, describe_table, index_table, sum
 from damage.reference.solver import ReferenceSolver
 from damage.studies.tables import points_of
 from damage.wall.joint_law import ContactState, LawParameters, advance, material_of
-from damage.wall.layout import BED, lay_out
+from damage.wall.kinds import BED
+from damage.wall.layout import lay_out
 
 PAIR = Wall("pair", length=0.1125, height=0.15, precompression=0.0)
 SOFT = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)

@@ -11,7 +11,8 @@ from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.run.watch import unbalanced_force
-from damage.wall.layout import GROUND, lay_out
+from damage.wall.kinds import GROUND
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Opening, Wall

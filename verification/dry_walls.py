@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.wall.layout import HEAD, lay_out
+from damage.wall.kinds import HEAD
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from verification.collapse import Bracket, collapse_multiplier

@@ -21,7 +21,8 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from damage.units import GRAVITY
-from damage.wall.layout import HEAD, lay_out
+from damage.wall.kinds import HEAD
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from verification.collapse import settled_wall

@@ -17,7 +17,8 @@ import numpy as np
 
 from damage.mechanics.tables import FRACTURE, FRICTION
 from damage.reference.wall import ReferenceWall
-from damage.wall.layout import BED, GROUND, lay_out
+from damage.wall.kinds import BED, GROUND
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Wall
 from verification.problem import Problem, run_yade

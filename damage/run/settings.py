@@ -179,7 +179,7 @@ class RunSettings:
             raise InputError(f"{message}. Correct the unit, or accept all values as given: {ACCEPT}")
 
     def check_offsets(self, contacts):
-        """InputError where the bricks' offsets come near what breaks a joint of a damage.wall.layout.Contacts."""
+        """InputError where the bricks' offsets come near what breaks a joint of these `Contacts`."""
         reach = float(np.min((contacts.tensile_strength / contacts.normal_stiffness), initial=np.inf))
         if 0 < reach < OFFSETS_BELOW * self.perturb_m:
             raise InputError(f"--perturb {self.perturb_m:g} m: expected at most {reach / OFFSETS_BELOW:.2g} m, a "

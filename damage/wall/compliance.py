@@ -25,7 +25,7 @@ def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
     the horizontal ones above all: each kind of boundary gets its part of the compliance of the brick, 1/G in all.
 
     wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of the contact points, as
-    in damage.wall.layout.Contacts; sheared: kinds of boundaries that share the shear compliance, 2 for cells.
+    in damage.wall.contact_points.Contacts; sheared: kinds of boundaries that share the shear compliance, 2 for cells.
     """
     brick, joint = wall.brick, wall.joint
     upright = (kind == HEAD) | (kind == CUT)

@@ -44,8 +44,8 @@ class Fibres:
 
 
 def split_into_fibres(joint, contacts, number):
-    """The Fibres of a damage.wall.layout.Contacts of a Joint that softens; a contact that is elastic stays one, and so
-    do bricks' cuts and contacts without bond.
+    """The Fibres of `Contacts` of a Joint that softens (damage.wall.contact_points); a contact that is elastic stays
+    one, and so do bricks' cuts and contacts without bond.
 
     number: of fibres in each contact of mortar.  Raises InputError for brittle joints, and for fracture energies so
     low that the envelope snaps back, which no fibre can follow.

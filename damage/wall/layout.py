@@ -2,14 +2,8 @@
 
 Bodies are the bricks, course by course from the base and left to right, then slabs (`damage.wall.floors`), the parts of
 lintels (`damage.wall.lintels`), and the caps that carry the top mass.  The supports below them are bodies -1, -2, ...
-(`damage.wall.supports`).  Contact points lie on the bed and head joints:
-
-        |       |       |          head joint: normal +x, from the left to the right brick
-        +---o---+---o---+  z       bed joint:  normal +z, from the lower to the upper brick
-            |       |              o: contact point in the middle of its tributary length
-        ----+-------+----
-
-A brick's cells break at every head joint of the wall, so that facing cells of two courses match.
+(`damage.wall.supports`).  A brick's cells break at every head joint of the wall, so that facing cells of two courses
+match.  `damage.wall.contact_points` places the contact points between them.
 """
 
 from copy import deepcopy
@@ -20,13 +14,12 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.units import GRAVITY
-from damage.wall.compliance import contact_stiffness
+from damage.wall.contact_points import PLACES, TINY, Contacts, courses_of, make_contacts, scattered, segments_of
 from damage.wall.courses import built_runs, drift_course, lay_course, lintel_places
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.floors import SLAB_COURSE, slab_bodies, slabs, with_timber_floors
-from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
-from damage.wall.lintel import in_lintel
-from damage.wall.lintels import cut_places, cut_stiffness, describe_place, lintel_bodies
+from damage.wall.kinds import CAP, CUT
+from damage.wall.lintels import describe_place, lintel_bodies
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 from damage.wall.soil import on_soil
@@ -37,10 +30,6 @@ from damage.wall.supports import Supports, supports_below
 MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
 CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
-_TINY = 1e-6  # [m], two positions closer than this are the same
-_PLACES = {"interior": (0.0,), "corners": (-1.0, 1.0), "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3))}
-"""Of the contact points between two facing cells, along the half length from their middle.  Two Gauss points integrate
-what is of third order along the cell exactly, and with it the energy of any opening that is linear."""
 
 
 @dataclass(frozen=True)
@@ -70,47 +59,6 @@ class Cells:
     body: np.ndarray
     left: np.ndarray
     right: np.ndarray
-
-
-@dataclass(frozen=True)
-class Contacts:
-    """Contact points, arrays of shape (n_contacts,); the caps' glue comes last.
-
-    kind: BED, HEAD, CUT or CAP; first, second: bodies, the normal points from first to second;
-    x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
-    compliance of rigid bricks; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
-    compressive_strength [Pa], infinite where it does not crush;
-    first_cell, second_cell: the facing cells (GROUND below the base).
-    """
-
-    kind: np.ndarray
-    first: np.ndarray
-    second: np.ndarray
-    x: np.ndarray
-    z: np.ndarray
-    length: np.ndarray
-    area: np.ndarray
-    normal_stiffness: np.ndarray
-    shear_stiffness: np.ndarray
-    elastic: np.ndarray
-    tensile_strength: np.ndarray
-    cohesion: np.ndarray
-    compressive_strength: np.ndarray
-    first_cell: np.ndarray
-    second_cell: np.ndarray
-
-    def __len__(self):
-        return len(self.x)
-
-    @property
-    def mortar(self):
-        """Which are of joints that may break, bool (n_contacts,)."""
-        return ~self.elastic & (self.kind != CUT)
-
-    @property
-    def upright(self):
-        """Which lie across the wall's length, their normal along +x: head joints and cuts, bool (n_contacts,)."""
-        return (self.kind == HEAD) | (self.kind == CUT)
 
 
 @dataclass(frozen=True)
@@ -194,7 +142,7 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     """
     options = options or ModelOptions()
     layout = deepcopy(_lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0, fibres=0)))
-    layout = replace(layout, wall=wall, options=options, contacts=_scattered(
+    layout = replace(layout, wall=wall, options=options, contacts=scattered(
         wall, layout.contacts, (options.strength_cov, options.strength_seed), (scatter, (seed, 1))))
     layout = on_soil(layout)
     if layout.strain is None and (wall.brick.splits or options.brick_cells):
@@ -218,12 +166,12 @@ def _lay_out_alike(wall, options):
     bodies, n_bricks = _make_bodies(wall, options, courses, piers)
     breaks = _cell_breaks(wall, options, courses)
     cells = _make_cells(bodies, breaks)
-    points = (len(cells.body) + n_bricks) * len(_PLACES[options.contacts])
+    points = (len(cells.body) + n_bricks) * len(PLACES[options.contacts])
     points += CUT_POINTS * n_bricks * (wall.brick.splits * (not options.has_modes) + options.brick_cells)
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
                          f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
-    contacts = _make_contacts(wall, options, bodies, n_bricks, cells, breaks)
+    contacts = make_contacts(wall, options, bodies, n_bricks, cells, breaks)
     drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)
     return Layout(
         wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
@@ -231,7 +179,7 @@ def _lay_out_alike(wall, options):
         drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
         supports=supports_below(bodies, wall, options.supports),
         strain=strain_of(wall, options, bodies, contacts, n_bricks) if options.has_modes else None,
-        n_slabs=len(slabs(wall)), n_lintels=_n_lintels(wall))
+        n_slabs=len(slabs(wall)), n_lintels=sum(place.parts for place in lintel_places(wall)))
 
 
 # --- bricks -------------------------------------------------------------------------------------
@@ -240,10 +188,10 @@ def _find_piers(wall):
     """Piers that carry the top: parts of the length without an opening of the top storey, left to right."""
     piers, start = [], 0.0
     for opening in sorted(_top_storey(wall), key=lambda o: o.left):
-        if opening.left > start + _TINY:
+        if opening.left > start + TINY:
             piers.append((start, opening.left))
         start = max(start, opening.right)
-    if start < wall.length - _TINY:
+    if start < wall.length - TINY:
         piers.append((start, wall.length))
     return tuple(piers)
 
@@ -286,7 +234,7 @@ def _make_bodies(wall, options, courses, piers):
                     np.full(len(length), height), mass, inertia, course)
     n_bricks = len(bricks)
     bodies = _with_more(_with_more(bricks, slab_bodies(wall)), lintel_bodies(wall, lintel_places(wall)))
-    bodies = with_timber_floors(wall, bodies, *_courses_of(wall, bodies, n_bricks))
+    bodies = with_timber_floors(wall, bodies, *courses_of(wall, bodies, n_bricks))
     top_mass = _top_mass(wall, options, piers)
     if top_mass and options.top == "uniform":
         bodies = _with_spread_mass(bodies, wall, n_bricks, top_mass)
@@ -298,7 +246,7 @@ def _make_bodies(wall, options, courses, piers):
 
 def _with_spread_mass(bodies, wall, n_bricks, top_mass):
     """The top mass added to bricks and lintels of the top course in proportion to length, inertia growing with mass."""
-    top = (_courses_of(wall, bodies, n_bricks)[1] == wall.courses - 1) & (bodies.course != SLAB_COURSE)
+    top = (courses_of(wall, bodies, n_bricks)[1] == wall.courses - 1) & (bodies.course != SLAB_COURSE)
     carrying = _length(built_runs(wall, wall.courses - 1)) + bodies.length[n_bricks:][top[n_bricks:]].sum()
     factor = np.where(top, 1 + top_mass * bodies.length / carrying / bodies.mass, 1.0)
     return replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)
@@ -323,8 +271,8 @@ def _find_drift_bodies(wall, bodies, n_bricks, piers):
     takes the course's place."""
     top = np.flatnonzero(bodies.course[:n_bricks] == drift_course(wall))
     if not len(top):
-        return np.flatnonzero(_courses_of(wall, bodies, n_bricks)[1] == drift_course(wall))
-    over = [any(left + _TINY < x < right - _TINY for left, right in piers) for x in bodies.x[top]]
+        return np.flatnonzero(courses_of(wall, bodies, n_bricks)[1] == drift_course(wall))
+    over = [any(left + TINY < x < right - TINY for left, right in piers) for x in bodies.x[top]]
     return top[over] if any(over) else top
 
 
@@ -336,7 +284,7 @@ def _cell_breaks(wall, options, courses):
     Corner contacts lie at both ends of a segment, so one segment less gives as many points; of Gauss points there are
     two in each, so that half as many do.
     """
-    segments = _segments(options)
+    segments = segments_of(options)
     of_bricks = [x for course in courses for brick in course for x in (
         *brick, *(cuts_of(wall, options.brick_cells, *brick) if options.brick_cells else ()))]
     edges = np.unique(np.round([*of_bricks, *(x for place in lintel_places(wall) for x in place.edges)], 9))
@@ -352,171 +300,15 @@ def _cell_breaks(wall, options, courses):
     return np.array(breaks)
 
 
-def _segments(options):
-    """Segments of a joint of half a brick."""
-    return {"interior": options.cells, "corners": max(1, options.cells - 1), "gauss": options.cells // 2}[
-        options.contacts]
-
-
 def _make_cells(bodies, breaks):
     """Divide every body at the breaks inside it."""
     body, left, right = [], [], []
     for index in range(len(bodies)):
         start = bodies.x[index] - bodies.length[index] / 2
         end = bodies.x[index] + bodies.length[index] / 2
-        inside = breaks[(breaks > start + _TINY) & (breaks < end - _TINY)]
+        inside = breaks[(breaks > start + TINY) & (breaks < end - TINY)]
         edges = [start, *inside, end]
         body += [index] * (len(edges) - 1)
         left += edges[:-1]
         right += edges[1:]
     return Cells(np.array(body), np.array(left), np.array(right))
-
-
-# --- contact points -----------------------------------------------------------------------------
-
-def _make_contacts(wall, options, bodies, n_bricks, cells, breaks):
-    """All contact points: joints first, then the caps' glue."""
-    pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
-    rows = [row for pair in pairs if pair[0] != CAP for row in _contact_rows(options, bodies, cells, *pair)]
-    beside, cuts = _lintel_rows(wall, options, bodies, n_bricks, cells)
-    rows += beside + [row for _, row in cuts]
-    rows += [row for pair in pairs if pair[0] == CAP for row in _contact_rows(options, bodies, cells, *pair)]
-    kind, first, second, first_cell, second_cell, x, z, length = (
-        np.array(column) for column in zip(*rows))
-    normal, shear = contact_stiffness(wall, options, bodies, kind, first, second)
-    for index, (place, row) in zip(np.flatnonzero(kind == CUT), cuts):
-        normal[index], shear[index] = cut_stiffness(wall, place, row[5])
-    head = kind == HEAD
-    middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
-    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses
-    elastic = (kind == CAP) | (kind == CUT) | in_lintel(wall, options.lintel, middle_x, middle_z)
-    strengths = [np.where(elastic, np.inf, strength) for strength in (
-        wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]
-    return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
-                    normal, shear, elastic, *strengths, first_cell, second_cell)
-
-
-def _scattered(wall, contacts, *scatters):
-    """Contacts whose strengths have a factor for each joint by every one of these (coefficient of variation, seed)."""
-    factors = np.ones(len(contacts))
-    for scatter in scatters:
-        factors = factors * _strength_factors(contacts.first, contacts.second, *scatter)
-    return replace(contacts, **{name: np.where(contacts.elastic, np.inf, getattr(wall.joint, name) * factors)
-                                for name in ("tensile_strength", "cohesion")})
-
-
-def _bed_pairs(wall, bodies, n_bricks, cells, breaks):
-    """(kind, cell below or GROUND, cell above) of every bed joint, base joint and cap.
-
-    Facing cells lie between the same two breaks.
-    """
-    column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
-    first, last = (course[cells.body] for course in _courses_of(wall, bodies, n_bricks))
-    n_below_caps = n_bricks + len(slabs(wall)) + _n_lintels(wall)
-    below = {}
-    pairs = []
-    for index in np.lexsort((cells.left, first)):
-        under = below.get((first[index] - 1, column[index]))
-        below[last[index], column[index]] = index
-        kind = CAP if cells.body[index] >= n_below_caps else BED
-        if first[index] == 0:
-            pairs.append((BED, GROUND, index))
-        elif under is not None:
-            pairs.append((kind, under, index))
-    return pairs
-
-
-def _courses_of(wall, bodies, n_bricks):
-    """First and last course that each body takes, of caps the one above the wall: two arrays (n_bodies,)."""
-    first, last = bodies.course.copy(), bodies.course.copy()
-    first[n_bricks:] = last[n_bricks:] = wall.courses
-    places = [(floor.courses(wall), 1) for floor in slabs(wall)] + [
-        ((place.first, place.above), place.parts) for place in lintel_places(wall)]
-    taken = np.array([courses for courses, parts in places for _ in range(parts)], int).reshape(-1, 2)
-    these = slice(n_bricks, n_bricks + len(taken))
-    first[these], last[these] = taken[:, 0], taken[:, 1] - 1
-    return first, last
-
-
-def _n_lintels(wall):
-    """Number of bodies that are parts of lintels."""
-    return sum(place.parts for place in lintel_places(wall))
-
-
-def _lintel_rows(wall, options, bodies, n_bricks, cells):
-    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and (Place,
-    row) of those on the cuts through beams."""
-    places, number = lintel_places(wall), n_bricks + len(slabs(wall))
-    left_cell, right_cell = ({body: cell for cell, body in order} for order in (
-        reversed(list(enumerate(cells.body))), enumerate(cells.body)))
-    of_part = {number + k: place for k, place in enumerate(place for place in places for _ in range(place.parts))}
-    ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
-    beside, cuts = [], []
-    for one, other in _touching(of_part, ends, bodies.z - half, bodies.z + half):
-        cell, facing, x = right_cell[one], left_cell[other], ends[1][one]
-        bottom, top = (pick(bodies.z[[one, other]] + sign * half[[one, other]]) for pick, sign in ((max, -1), (min, 1)))
-        place = of_part.get(one)
-        if place is not None and place is of_part.get(other) and place.lintel.kind != "arch":
-            up, length = cut_places(place)
-            cuts += [(place, (CUT, one, other, cell, facing, x, bodies.z[one] + by, length)) for by in up]
-            continue
-        parts = max(1, round(_segments(options) * (top - bottom) / (wall.brick.length / 2))) if place is not None and (
-            of_part.get(other)) else 1
-        size, at = (top - bottom) / parts, _PLACES[options.contacts]
-        beside += [(HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
-                   for k in range(parts) for up in at]
-    return beside, cuts
-
-
-def _touching(parts, ends, bottom, top):
-    """Pairs (left, right) of bodies whose upright faces touch, one of them at least among these parts of lintels."""
-    left, right = ends
-    found = set()
-    for part in parts:
-        shares = (bottom < top[part] - _TINY) & (top > bottom[part] + _TINY)
-        found |= {(part, int(other)) for other in np.flatnonzero(shares & (np.abs(left - right[part]) < _TINY))}
-        found |= {(int(other), part) for other in np.flatnonzero(shares & (np.abs(right - left[part]) < _TINY))}
-    return sorted(found)
-
-
-def _head_pairs(bodies, n_bricks, cells):
-    """(kind, cell on the left, cell on the right) of every head joint."""
-    pairs = []
-    for index in range(len(cells.body) - 1):
-        here, there = cells.body[index], cells.body[index + 1]
-        same_course = there < n_bricks and here != there and bodies.course[here] == bodies.course[there]
-        if same_course and abs(cells.right[index] - cells.left[index + 1]) < _TINY:
-            pairs.append((HEAD, index, index + 1))
-    return pairs
-
-
-def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
-    """Contact points of one pair of facing cells, as `_PLACES` says; of a cap's glue Gauss points, or else one in the
-    middle of each cell, or two under a cap of a single cell."""
-    second = cells.body[second_cell]
-    first = cells.body[first_cell]
-    if first_cell == GROUND:  # bricks of the base are the first bodies
-        first = GROUND - second if options.supports == "bricks" else GROUND
-    bottom = bodies.z[second] - bodies.height[second] / 2
-    start = np.array([cells.left[second_cell], bottom])
-    along = (0.0, bodies.height[second]) if kind == HEAD else (
-        cells.right[second_cell] - cells.left[second_cell], 0.0)
-    end = start + along
-    length = float(np.sum(end - start))
-    hinge = kind == CAP and np.count_nonzero(cells.body == second) == 1  # on one point a cap could turn freely
-    where = options.contacts
-    if kind == CAP and where != "gauss":
-        where = "corners" if hinge else "interior"
-    return [(kind, first, second, first_cell, second_cell, *((1 - place) / 2 * start + (1 + place) / 2 * end),
-             length / len(_PLACES[where])) for place in _PLACES[where]]
-
-
-def _strength_factors(first, second, variation, seed):
-    """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same for
-    every placing of its contact points: (n_contacts,).  variation: their coefficient of variation [-]."""
-    if variation == 0:
-        return np.ones(len(first))
-    joints, number = np.unique(np.column_stack([np.maximum(first, GROUND), second]), axis=0, return_inverse=True)
-    spread = np.sqrt(np.log1p(variation**2))
-    normal = np.random.default_rng(seed).standard_normal(len(joints))
-    return np.exp(spread * normal - spread**2 / 2)[number]

@@ -1,0 +1,220 @@
+"""Contact points on the joints of a wall: where they are, what they connect, how stiff and strong they are.
+
+Contact points lie on the bed and head joints:
+
+        |       |       |          head joint: normal +x, from the left to the right brick
+        +---o---+---o---+  z       bed joint:  normal +z, from the lower to the upper brick
+            |       |              o: contact point in the middle of its tributary length
+        ----+-------+----
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damage.wall.compliance import contact_stiffness
+from damage.wall.courses import lintel_places
+from damage.wall.floors import slabs
+from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
+from damage.wall.lintel import in_lintel
+from damage.wall.lintels import cut_places, cut_stiffness
+
+TINY = 1e-6  # [m], two positions closer than this are the same
+PLACES = {"interior": (0.0,), "corners": (-1.0, 1.0), "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3))}
+"""Of the contact points between two facing cells, along the half length from their middle.  Two Gauss points integrate
+what is of third order along the cell exactly, and with it the energy of any opening that is linear."""
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contact points, arrays of shape (n_contacts,); the caps' glue comes last.
+
+    kind: BED, HEAD, CUT or CAP; first, second: bodies, the normal points from first to second;
+    x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
+    compliance of rigid bricks; tensile_strength, cohesion [Pa], infinite where elastic: never breaks;
+    compressive_strength [Pa], infinite where it does not crush;
+    first_cell, second_cell: the facing cells (GROUND below the base).
+    """
+
+    kind: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    x: np.ndarray
+    z: np.ndarray
+    length: np.ndarray
+    area: np.ndarray
+    normal_stiffness: np.ndarray
+    shear_stiffness: np.ndarray
+    elastic: np.ndarray
+    tensile_strength: np.ndarray
+    cohesion: np.ndarray
+    compressive_strength: np.ndarray
+    first_cell: np.ndarray
+    second_cell: np.ndarray
+
+    def __len__(self):
+        return len(self.x)
+
+    @property
+    def mortar(self):
+        """Which are of joints that may break, bool (n_contacts,)."""
+        return ~self.elastic & (self.kind != CUT)
+
+    @property
+    def upright(self):
+        """Which lie across the wall's length, their normal along +x: head joints and cuts, bool (n_contacts,)."""
+        return (self.kind == HEAD) | (self.kind == CUT)
+
+
+def segments_of(options):
+    """Segments of a joint of half a brick."""
+    return {"interior": options.cells, "corners": max(1, options.cells - 1), "gauss": options.cells // 2}[
+        options.contacts]
+
+
+def make_contacts(wall, options, bodies, n_bricks, cells, breaks):
+    """All contact points: joints first, then the caps' glue."""
+    pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
+    rows = [row for pair in pairs if pair[0] != CAP for row in _contact_rows(options, bodies, cells, *pair)]
+    beside, cuts = _lintel_rows(wall, options, bodies, n_bricks, cells)
+    rows += beside + [row for _, row in cuts]
+    rows += [row for pair in pairs if pair[0] == CAP for row in _contact_rows(options, bodies, cells, *pair)]
+    kind, first, second, first_cell, second_cell, x, z, length = (
+        np.array(column) for column in zip(*rows))
+    normal, shear = contact_stiffness(wall, options, bodies, kind, first, second)
+    for index, (place, row) in zip(np.flatnonzero(kind == CUT), cuts):
+        normal[index], shear[index] = cut_stiffness(wall, place, row[5])
+    head = kind == HEAD
+    middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
+    middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses
+    elastic = (kind == CAP) | (kind == CUT) | in_lintel(wall, options.lintel, middle_x, middle_z)
+    strengths = [np.where(elastic, np.inf, strength) for strength in (
+        wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]
+    return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
+                    normal, shear, elastic, *strengths, first_cell, second_cell)
+
+
+def scattered(wall, contacts, *scatters):
+    """Contacts whose strengths have a factor for each joint by every one of these (coefficient of variation, seed)."""
+    factors = np.ones(len(contacts))
+    for scatter in scatters:
+        factors = factors * _strength_factors(contacts.first, contacts.second, *scatter)
+    return replace(contacts, **{name: np.where(contacts.elastic, np.inf, getattr(wall.joint, name) * factors)
+                                for name in ("tensile_strength", "cohesion")})
+
+
+def _bed_pairs(wall, bodies, n_bricks, cells, breaks):
+    """(kind, cell below or GROUND, cell above) of every bed joint, base joint and cap.
+
+    Facing cells lie between the same two breaks.
+    """
+    column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
+    first, last = (course[cells.body] for course in courses_of(wall, bodies, n_bricks))
+    n_below_caps = n_bricks + len(slabs(wall)) + _n_lintels(wall)
+    below = {}
+    pairs = []
+    for index in np.lexsort((cells.left, first)):
+        under = below.get((first[index] - 1, column[index]))
+        below[last[index], column[index]] = index
+        kind = CAP if cells.body[index] >= n_below_caps else BED
+        if first[index] == 0:
+            pairs.append((BED, GROUND, index))
+        elif under is not None:
+            pairs.append((kind, under, index))
+    return pairs
+
+
+def courses_of(wall, bodies, n_bricks):
+    """First and last course that each body takes, of caps the one above the wall: two arrays (n_bodies,)."""
+    first, last = bodies.course.copy(), bodies.course.copy()
+    first[n_bricks:] = last[n_bricks:] = wall.courses
+    places = [(floor.courses(wall), 1) for floor in slabs(wall)] + [
+        ((place.first, place.above), place.parts) for place in lintel_places(wall)]
+    taken = np.array([courses for courses, parts in places for _ in range(parts)], int).reshape(-1, 2)
+    these = slice(n_bricks, n_bricks + len(taken))
+    first[these], last[these] = taken[:, 0], taken[:, 1] - 1
+    return first, last
+
+
+def _n_lintels(wall):
+    """Number of bodies that are parts of lintels."""
+    return sum(place.parts for place in lintel_places(wall))
+
+
+def _lintel_rows(wall, options, bodies, n_bricks, cells):
+    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and (Place,
+    row) of those on the cuts through beams."""
+    places, number = lintel_places(wall), n_bricks + len(slabs(wall))
+    left_cell, right_cell = ({body: cell for cell, body in order} for order in (
+        reversed(list(enumerate(cells.body))), enumerate(cells.body)))
+    of_part = {number + k: place for k, place in enumerate(place for place in places for _ in range(place.parts))}
+    ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
+    beside, cuts = [], []
+    for one, other in _touching(of_part, ends, bodies.z - half, bodies.z + half):
+        cell, facing, x = right_cell[one], left_cell[other], ends[1][one]
+        bottom, top = (pick(bodies.z[[one, other]] + sign * half[[one, other]]) for pick, sign in ((max, -1), (min, 1)))
+        place = of_part.get(one)
+        if place is not None and place is of_part.get(other) and place.lintel.kind != "arch":
+            up, length = cut_places(place)
+            cuts += [(place, (CUT, one, other, cell, facing, x, bodies.z[one] + by, length)) for by in up]
+            continue
+        both_lintels = place is not None and of_part.get(other)
+        parts = max(1, round(segments_of(options) * (top - bottom) / (wall.brick.length / 2))) if both_lintels else 1
+        size, at = (top - bottom) / parts, PLACES[options.contacts]
+        beside += [(HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
+                   for k in range(parts) for up in at]
+    return beside, cuts
+
+
+def _touching(parts, ends, bottom, top):
+    """Pairs (left, right) of bodies whose upright faces touch, one of them at least among these parts of lintels."""
+    left, right = ends
+    found = set()
+    for part in parts:
+        shares = (bottom < top[part] - TINY) & (top > bottom[part] + TINY)
+        found |= {(part, int(other)) for other in np.flatnonzero(shares & (np.abs(left - right[part]) < TINY))}
+        found |= {(int(other), part) for other in np.flatnonzero(shares & (np.abs(right - left[part]) < TINY))}
+    return sorted(found)
+
+
+def _head_pairs(bodies, n_bricks, cells):
+    """(kind, cell on the left, cell on the right) of every head joint."""
+    pairs = []
+    for index in range(len(cells.body) - 1):
+        here, there = cells.body[index], cells.body[index + 1]
+        same_course = there < n_bricks and here != there and bodies.course[here] == bodies.course[there]
+        if same_course and abs(cells.right[index] - cells.left[index + 1]) < TINY:
+            pairs.append((HEAD, index, index + 1))
+    return pairs
+
+
+def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
+    """Contact points of one pair of facing cells, as `PLACES` says; of a cap's glue Gauss points, or else one in the
+    middle of each cell, or two under a cap of a single cell."""
+    second = cells.body[second_cell]
+    first = cells.body[first_cell]
+    if first_cell == GROUND:  # bricks of the base are the first bodies
+        first = GROUND - second if options.supports == "bricks" else GROUND
+    bottom = bodies.z[second] - bodies.height[second] / 2
+    start = np.array([cells.left[second_cell], bottom])
+    along = (0.0, bodies.height[second]) if kind == HEAD else (
+        cells.right[second_cell] - cells.left[second_cell], 0.0)
+    end = start + along
+    length = float(np.sum(end - start))
+    hinge = kind == CAP and np.count_nonzero(cells.body == second) == 1  # on one point a cap could turn freely
+    where = options.contacts
+    if kind == CAP and where != "gauss":
+        where = "corners" if hinge else "interior"
+    return [(kind, first, second, first_cell, second_cell, *((1 - place) / 2 * start + (1 + place) / 2 * end),
+             length / len(PLACES[where])) for place in PLACES[where]]
+
+
+def _strength_factors(first, second, variation, seed):
+    """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same for
+    every placing of its contact points: (n_contacts,).  variation: their coefficient of variation [-]."""
+    if variation == 0:
+        return np.ones(len(first))
+    joints, number = np.unique(np.column_stack([np.maximum(first, GROUND), second]), axis=0, return_inverse=True)
+    spread = np.sqrt(np.log1p(variation**2))
+    normal = np.random.default_rng(seed).standard_normal(len(joints))
+    return np.exp(spread * normal - spread**2 / 2)[number]
