@@ -269,6 +269,25 @@ class TestLeftOut:
         assert_allclose(of_it["pooled"], alone.probability(of_it["value"]))
         assert (of_it["observed"] == 0).all()
 
+    def test_nine_in_ten_records_have_their_median_in_the_interval_of_the_others(self):
+        """Of 20; 15 or fewer would be found in one of 25 such studies."""
+        found = scores(leave_one_out(recorded(20, 0.3, seed=1, levels=12), [State("max_DI", 0.1)], ["pga_g"])).iloc[0]
+        assert found["medians"] == 20 and found["medians_inside"] > 15
+
+    def test_a_step_counts_by_its_part_in_the_interval_and_a_harmless_record_where_it_lies_outside(self):
+        runs = recorded(5, 0.3, seed=1)
+        steps = runs["record"] == "r3"
+        x, most = np.sort(runs.loc[steps, "pga_g"].unique()), runs.loc[runs["record"] == "r4", "pga_g"].max()
+        runs.loc[steps, "max_DI"] = np.where(runs.loc[steps, "pga_g"] > x[2], 0.2, 0.0)
+        runs.loc[runs["record"] == "r4", "max_DI"] = 0.0
+        table = leave_one_out(runs, [State("max_DI", 0.1)], ["pga_g"]).drop_duplicates("record").set_index("record")
+        of_step, harmless = table.loc["r3"], table.loc["r4"]
+        assert (of_step["own_median_low"], of_step["own_median_high"]) == (x[2], x[3])
+        inside = np.interp(np.log([of_step["median_low"], of_step["median_high"]]), np.log(x[2:4]), [0, 1])
+        assert of_step["median_inside"] == pytest.approx(np.diff(inside)[0])
+        assert (harmless["own_median_low"], harmless["own_median_high"]) == (most, np.inf)
+        assert harmless["median_inside"] == 0 and most > harmless["median_high"]
+
     def test_runs_of_another_study_are_compared_with_all_records(self):
         runs, other = recorded(4, 0.3, seed=1), recorded(1, 0.3, seed=9).assign(record="new")
         table = beside_unseen(runs, pd.concat([other, runs]), [State("max_DI", 0.1)], ["pga_g"])

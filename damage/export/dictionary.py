@@ -146,11 +146,19 @@ LEFT_OUT = _VALUE | {
     "observed": Column("1", "their share"), "pooled": Column("1", "probability by the curve through all other records"),
     "predicted": Column("1", "probability in a new record, after the other records"),
     **{end: Column("1", f"{words} bound of the share of as many runs in a new record") for end, words in _ENDS},
-    "inside": Column("1", "1 where the observed share lies between the bounds, else 0")}
+    "inside": Column("1", "1 where the observed share lies between the bounds, else 0"),
+    **{f"{name}_{end}": Column("as `unit` says", f"{words} bound of {of}") for name, of in (
+        ("own_median", "the record's own median: of a step the two intensities, equal where it is known, 0 or inf where "
+         "all or none of its runs exceed the level"), ("median", "a new record's own median, after the other records"))
+       for end, words in _ENDS},
+    "median_inside": Column("1", "share of ln(own median) between the latter: 0 or 1 where it is known, empty where it "
+                            "may lie on either side")}
 SCORES = _STATE | {
     "records": Column("1", "records that are compared"), "runs": Column("1", "runs that are compared"),
     "compared": Column("1", "shares, one for each record and value"),
     "inside": Column("1", "shares of these that lie between their bounds"),
+    "medians": Column("1", "records whose own median can be compared"),
+    "medians_inside": Column("1", "how many of these lie in the interval for a new record; a step counts in part"),
     **{f"{score}{ending}": Column("1", f"mean {words} of {of}") for ending, of in (
         ("", "the prediction for a new record"), ("_pooled", "the curve through all other records"))
        for score, words in (("brier", "Brier score"), ("log_score", "logarithmic score"))}}

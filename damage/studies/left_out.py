@@ -3,7 +3,8 @@ of another study.
 
 What is compared is, at each intensity of such a record, the share of the runs that exceed a level with the probability
 that the other records give it: of the single lognormal curve (`pooled`), and of a new record (`predicted`, with the
-interval of the share of as many runs).  Scores are means over the runs: Brier's, the squared difference of probability
+interval of the share of as many runs).  The record's own median is compared with the interval for a new record's, too.
+Scores are means over the runs: Brier's, the squared difference of probability
 and outcome, and the logarithmic one; less is better, and 0.25 and 0.69 are those of a probability of one half (T.
 Gneiting, A. E. Raftery, 2007, doi:10.1198/016214506000001437).
 """
@@ -56,6 +57,7 @@ def _rows(others, of_record, state, intensity):
     if others.empty:
         return
     one = fragility(others, state.measure, state.level, intensity, replicates=0, name=state.name)
+    medians = _medians(one.new_record, of_record, state, intensity) if one.new_record else {}
     for value, shaken in exceeding(of_record, state.measure, state.level).groupby(of_record[intensity]):
         row = {"state": one.state, "measure": one.measure, "level": one.level, "intensity": intensity,
                "record": of_record["record"].iloc[0], "value": value, "unit": unit_of(intensity)[1],
@@ -65,12 +67,39 @@ def _rows(others, of_record, state, intensity):
             low, high = one.new_record.share_bounds(value, len(shaken))
             row |= {"predicted": one.new_record.probability([value])[0], "low": low, "high": high,
                     "inside": int(low <= row["observed"] <= high)}
-        yield row
+        yield row | medians
+
+
+def _medians(predicted, of_record, state, intensity):
+    """Bounds of a record's own median, between which it is not known, those of the NewRecord that is predicted, and the
+    share of the former that lies between the latter, in ln: 0 or 1 where the median is known, NaN where it is unbounded
+    on one side and need not lie outside."""
+    own = _own_median(fragility(of_record, state.measure, state.level, intensity, replicates=0))
+    low, high = predicted.median_bounds()
+    if own[1] < low or own[0] > high:
+        share = 0.0
+    elif own[0] == 0 or own[1] == np.inf:
+        share = np.nan
+    else:
+        within = np.log(min(own[1], high) / max(own[0], low))
+        share = within / np.log(own[1] / own[0]) if own[1] > own[0] else 1.0
+    return {"own_median_low": own[0], "own_median_high": own[1], "median_low": low, "median_high": high,
+            "median_inside": share}
+
+
+def _own_median(one):
+    """Bounds of the median of a Fragility of one record: equal but for a step, whose shares bound it, and for a record
+    in which all or none of the runs exceed the level."""
+    (counts,), (runs,), x = one.stripes[1], one.stripes[2], np.asarray(one.stripes[0])
+    if not one.step and np.isfinite(one.median):
+        return one.median, one.median
+    most = counts >= runs / 2
+    return x[~most].max(initial=0.0), x[most].min(initial=np.inf)
 
 
 def scores(table):
     """A DataFrame with a row for each wall, state and intensity of a table of this module, best first by Brier's score
-    of the prediction; `inside` of `compared` shares lie in their interval."""
+    of the prediction; `inside` of `compared` shares, and `medians_inside` of `medians`, lie in their interval."""
     rows = []
     for (wall, state, measure, level, intensity), part in table.groupby(
             ["wall", "state", "measure", "level", "intensity"], sort=False):
@@ -78,7 +107,7 @@ def scores(table):
         if len(known):
             rows.append({"wall": wall, "state": state, "measure": measure, "level": level, "intensity": intensity,
                          "records": known["record"].nunique(), "runs": known["runs"].sum(), "compared": len(known),
-                         "inside": int(known["inside"].sum()), "brier": _brier(known, "predicted"),
+                         "inside": int(known["inside"].sum()), **_inside(known), "brier": _brier(known, "predicted"),
                          "log_score": _logarithmic(known, "predicted"), "brier_pooled": _brier(known, "pooled"),
                          "log_score_pooled": _logarithmic(known, "pooled")})
     if not rows:
@@ -87,6 +116,12 @@ def scores(table):
     first = {state: place for place, state in enumerate(table["state"].unique())}
     return pd.DataFrame(rows).sort_values(["wall", "state", "brier"], kind="stable", ignore_index=True,
                                           key=lambda column: column.map(first) if column.name == "state" else column)
+
+
+def _inside(known):
+    """How many records have a median of their own, and how many of these lie in the interval."""
+    share = known.drop_duplicates("record")["median_inside"].dropna()
+    return {"medians": len(share), "medians_inside": share.sum()}
 
 
 def _brier(part, name):
