@@ -148,8 +148,8 @@ LEFT_OUT = _VALUE | {
     **{end: Column("1", f"{words} bound of the share of as many runs in a new record") for end, words in _ENDS},
     "inside": Column("1", "1 where the observed share lies between the bounds, else 0"),
     **{f"{name}_{end}": Column("as `unit` says", f"{words} bound of {of}") for name, of in (
-        ("own_median", "the record's own median: of a step the two intensities, equal where it is known, 0 or inf where "
-         "all or none of its runs exceed the level"), ("median", "a new record's own median, after the other records"))
+        ("own_median", "the record's median: equal where it is known, of a step its two intensities, 0 or inf where "
+         "all or no runs exceed"), ("median", "a new record's own median, after the other records"))
        for end, words in _ENDS},
     "median_inside": Column("1", "share of ln(own median) between the latter: 0 or 1 where it is known, empty where it "
                             "may lie on either side")}
