@@ -47,6 +47,8 @@ FARTHEST_KM, FACTORS = 10.0, (0.1, 10.0)
 """Which record may be scaled how far: the rule of the README in damage/data/zeerijp_20180108."""
 PGV_MM_S = 10, 20, 40, 80
 """To which components are scaled in the study `stations` [mm/s]."""
+STEPPED = "BLOP_HGE"
+"""A record that steps at the first strong motion: unfiltered its velocity drifts away."""
 MARGIN_S = 3.0
 BAND_HZ = 0.5, 40.0
 """Band in which components are measured: below it the weak ones are noise."""
@@ -97,10 +99,11 @@ def only_of(tag, station_xml):
 
 
 def make_stations(folder):
-    """Rows of the study `stations`: every component at each of PGV_MM_S that the rule for scaling admits."""
+    """Rows of the study `stations`: every component at each of PGV_MM_S that the rule for scaling admits, but STEPPED,
+    which the study filters."""
     table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#")
     lines = ["record,start,end,scale"]
-    for row in table.itertuples():
+    for row in table[table["record"] != STEPPED].itertuples():
         factors = [float(f"{pgv / row.pgv_mm_s:.3g}") for pgv in PGV_MM_S]
         lines += [f"damage/data/zeerijp_20180108/{row.record}_acc_m_s2.csv,{row.start_s:g},{row.end_s:g},{factor:g}"
                   for factor in factors if FACTORS[0] <= factor <= FACTORS[1] and row.epicentral_km <= FARTHEST_KM]

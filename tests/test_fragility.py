@@ -192,6 +192,11 @@ class TestRecords:
         assert 0 <= box.x0 and box.x1 <= width
         assert few_note(10) == ""
 
+    def test_many_records_are_counted_and_not_named(self):
+        runs = recorded(12, 0.5, seed=2)
+        figure = fragility_picture("w", runs, [fragility(runs, "max_DI", 0.1, replicates=0)])
+        assert "12 records" in figure._suptitle.get_text() and "r11" not in figure._suptitle.get_text()
+
 
 def study_of(medians, x, n_runs, dispersion):
     """What `new_record` takes of runs whose shares are exact: records of these medians, each at all intensities."""

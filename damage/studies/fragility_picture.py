@@ -19,6 +19,8 @@ _BANDS = {"new record": (0.13, "interval of a new record's own curve"),
           "both": (0.35, "interval of the mean curve, walls and records drawn anew"),
           "walls": (0.35, "interval of the mean curve, walls drawn anew, records held")}
 """What lies in a band: how dark, in words; the wider one first.  That over walls is drawn where there is one record."""
+MOST_NAMED = 9
+"""Records that a heading names one by one."""
 PSI = tuple(State("max_psi", level) for level in LEVELS["max_psi"])
 """The states that a figure of the damage before shows by default."""
 _STYLES = ((BLUE, "o", "-"), (GREEN, "s", "--"), (ORANGE, "^", "-."), (VERMILLION, "v", ":"), (BLACK, "x", "-"))
@@ -47,7 +49,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
     axes[0, 0].set_ylabel("probability of exceeding")
     n_walls, records = runs["strength_seed"].nunique(), runs["record"].dropna().unique()
     add_heading(figure, f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
-                f"variation {runs['strength_cov'].iloc[0]:g}", "; ".join(record_label(name) for name in records),
+                f"variation {runs['strength_cov'].iloc[0]:g}", _named(records),
                 slip_note(runs), few_note(len(records)))
     bands = [Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % {words}")
              for kind, (alpha, words) in _BANDS.items() if any(kind in kinds for kinds in drawn)]
@@ -65,6 +67,11 @@ def _panel(ax, number, x, runs, fits, intensity):
     letter(ax, number, _PANELS.get(fits[0].measure, fits[0].measure))
     ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     return set().union(*kinds)
+
+
+def _named(records):
+    """Records as a heading names them: each, or their number where they are many."""
+    return f"{len(records)} records" if len(records) > MOST_NAMED else "; ".join(map(record_label, records))
 
 
 def few_note(n_records):
@@ -118,7 +125,7 @@ def picture_after_damage(wall, shocks, table, intensity, states=PSI):
     axes[0, 0].set_ylabel("probability of exceeding")
     records = shocks["record"].dropna().unique()
     add_heading(figure, f"{wall} wall, {len(shocks)} shocks, by the damage before",
-                "; ".join(record_label(name) for name in records), slip_note(shocks), few_note(len(records)))
+                _named(records), slip_note(shocks), few_note(len(records)))
     return finish(figure, [Line2D([], [], color="0.3", label="lognormal fit"), Line2D(
         [], [], color="0.3", marker="o", ls="", ms=3, label="share of the shocks at one intensity")], columns=2)
 
