@@ -22,7 +22,8 @@ from damage.motion.formats import read_record, shipped_records
 from damage.motion.intensity import response_spectrum
 from damage.studies.fragility import load_runs
 
-OUTCOMES = {"maximum DI > 0.05": lambda runs: runs["max_DI"] > 0.05, "maximum Psi > 1": lambda runs: runs["max_psi"] > 1,
+OUTCOMES = {"maximum DI > 0.05": lambda runs: runs["max_DI"] > 0.05,
+            "maximum Psi > 1": lambda runs: runs["max_psi"] > 1,
             "Psi >= 1 at rest": lambda runs: runs["residual_psi"] >= 1,
             "maximum Psi > 2": lambda runs: runs["max_psi"] > 2}
 NEAR = ("BGAR", "BLOP", "BWSE", "BZN1")
@@ -49,7 +50,9 @@ def features(runs):
 
 def probit(table, outcome, names):
     """(b of each name, beta) of the likeliest curve."""
-    share, x = table[outcome].to_numpy(), np.column_stack([np.ones(len(table)), *(table[name] for name in ("ln Sa", *names))])
+    share = table[outcome].to_numpy()
+    x = np.column_stack([np.ones(len(table)), *(table[name] for name in ("ln Sa", *names))])
+
     def misfit(b):
         return -np.sum(share * log_ndtr(x @ b) + (1 - share) * log_ndtr(-x @ b))
 
