@@ -59,7 +59,7 @@ MODULUS = MATERIALS["sarhosis-2021"].young_modulus
 class Law(NamedTuple):
     """energies: (G_I, G_II) [J/m2], None by the rule; crushes: by the tested strength and the rule for its fracture
     energy; modulus: of the masonry [Pa], None as tested; scatter: coefficient of variation; of: function in place of
-    `layouts._scattered`."""
+    `layouts.scattered`."""
 
     energies: tuple | None = None
     crushes: bool = False
@@ -68,7 +68,7 @@ class Law(NamedTuple):
     of: object = None
 
 
-def weaker_heads(wall, contacts, *scatters, share=0.3, usual=layouts._scattered):
+def weaker_heads(wall, contacts, *scatters, share=0.3, usual=layouts.scattered):
     """Contacts whose head joints have 0.3 of the strengths."""
     contacts = usual(wall, contacts, *scatters)
     factor = np.where(contacts.kind == layouts.HEAD, share, 1.0)
@@ -129,7 +129,7 @@ def run(bench, name, label, law, words, seed=1):
     if not (out.exists() and read_history(out).complete):
         quiet = io.StringIO()
         with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet), \
-                mock.patch.object(layouts, "_scattered", law.of or layouts._scattered):
+                mock.patch.object(layouts, "scattered", law.of or layouts.scattered):
             status = run_session(BACKEND, REPOSITORY / "walls" / f"{name}.py", lambda: wall_by(name, law), [
                 *map(str, words), "--out", str(out), "--overwrite", "--no-pictures"], prog="after_peak")
         if status != 0:

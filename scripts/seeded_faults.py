@@ -39,7 +39,7 @@ FAULTS = [*starmap(Fault, (
      "inertia = mass * (length**2 + height**2) / 12", "inertia = mass * (length**2 + height**2) / 6", "test_layout"),
     ("wall", "a whole brick in series with a base joint", "damage/wall/compliance.py",
      "distance[first < 0] = brick.height / 2", "distance[first < 0] = brick.height", "test_layout test_modes"),
-    ("wall", "strengths that scatter have a mean above one", "damage/wall/layout.py",
+    ("wall", "strengths that scatter have a mean above one", "damage/wall/contact_points.py",
      "np.exp(spread * normal - spread**2 / 2)", "np.exp(spread * normal)", "test_layout test_members"),
     ("wall", "the critical time step is half as long", "damage/wall/modes.py",
      "float(2 / np.sqrt(highest))", "float(1 / np.sqrt(highest))", "test_modes"),
