@@ -151,8 +151,9 @@ def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
         "history/shown": "words", "history/structure": "refuses", "history/values": "refuses",
         "measure/columns": "words", "measure/warnings": "words", **dict.fromkeys(
             ("motion/drive", "motion/loading", "motion/record", *(f"wall/{name}" for name in (
-                "caps", "compliance", "contact_points", "courses", "fibres", "floors", "kinds", "kinematics", "layout", "lintel",
-                "lintels", "model_options", "parameters", "soil", "split", "strain", "supports"))), "of the model's digest")}
+                "caps", "compliance", "contact_points", "courses", "fibres", "floors", "kinds", "kinematics", "layout",
+                "lintel", "lintels", "model_options", "parameters", "soil", "split", "strain", "supports"))),
+            "of the model's digest")}
     modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles"}
     while left:
         found.add(name := left.pop())
