@@ -21,7 +21,7 @@ from tests.fuzz import harness
 from tests.fuzz.harness import Worker
 from tests.fuzz.readers import READERS
 
-FILES = 30
+FILES = 45
 STATION = DATA / "zeerijp_20180108" / "NL.BGAR.xml"
 TRACE = shipped_record_path("NL.BGAR..HGE")
 
