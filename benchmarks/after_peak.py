@@ -31,6 +31,7 @@ from damage.reference.together import run_references
 from damage.run.session import run_session
 from damage.wall import layout as layouts
 from damage.wall.file import load_wall
+from damage.wall.kinds import GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
 from damage.wall.modes import natural_modes
@@ -71,15 +72,15 @@ class Law(NamedTuple):
 def weaker_heads(wall, contacts, *scatters, share=0.3, usual=layouts.scattered):
     """Contacts whose head joints have 0.3 of the strengths."""
     contacts = usual(wall, contacts, *scatters)
-    factor = np.where(contacts.kind == layouts.HEAD, share, 1.0)
+    factor = np.where(contacts.kind == HEAD, share, 1.0)
     return replace(contacts, tensile_strength=contacts.tensile_strength * factor, cohesion=contacts.cohesion * factor)
 
 
 def along_courses(wall, contacts, scatter, _):
     """Contacts whose strengths are correlated along courses, and independent between them."""
     variation, seed = scatter
-    table = pd.DataFrame({"first": np.maximum(contacts.first, layouts.GROUND), "second": contacts.second,
-                          "x": contacts.x, "z": contacts.z.round(4), "head": contacts.kind == layouts.HEAD})
+    table = pd.DataFrame({"first": np.maximum(contacts.first, GROUND), "second": contacts.second,
+                          "x": contacts.x, "z": contacts.z.round(4), "head": contacts.kind == HEAD})
     number = table.groupby(["first", "second"], sort=False).ngroup()
     joints = table.groupby(number)[["x", "z", "head"]].mean()
     random, normal = np.random.default_rng(seed), np.zeros(len(joints))
@@ -317,6 +318,7 @@ SHAKEN_FILE = '''"""A wall with other joints."""
 from dataclasses import replace
 
 from damage.wall.file import load_wall
+from damage.wall.kinds import GROUND, HEAD
 from damage.wall.layout import lay_out
 
 

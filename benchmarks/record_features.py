@@ -27,13 +27,18 @@ OUTCOMES = {"maximum DI > 0.05": lambda runs: runs["max_DI"] > 0.05,
             "Psi >= 1 at rest": lambda runs: runs["residual_psi"] >= 1,
             "maximum Psi > 2": lambda runs: runs["max_psi"] > 2}
 NEAR = ("BGAR", "BLOP", "BWSE", "BZN1")
-"""The stations within 4 km of the epicentre; the others are 4 to 9 km away."""
+"""The stations within 3.5 km of the epicentre; the others are 3.9 to 9 km away."""
 LONGER = 1.5
 """Period at which the spectrum is compared, over that of the intact wall."""
+FEATURES = "farther station", "ln D5-95", f"ln Sa({LONGER:g} T1) / Sa(T1)"
+"""0 or 1; ln of the duration between 5 and 95 % of the Arias intensity [s]; ln of a ratio [-]."""
 
 
 def features(runs):
-    """A DataFrame with a row a record and intensity: station, shares that exceed, ln Sa(T1) and the features."""
+    """A DataFrame with a row a record and scale: station, shares of the OUTCOMES, ln Sa [ln g], FEATURES.
+
+    runs: rows of summary.csv of the study `stations`.
+    """
     period = runs["eigen_period_s"].median()
     paths, shape = shipped_records(), {}
     for record in runs["record"].unique():
@@ -43,13 +48,12 @@ def features(runs):
     found = runs.assign(**exceeding).groupby(["record", "scale"]).agg(
         {**dict.fromkeys(OUTCOMES, "mean"), "sa_eigen_period_g": "first", "d5_95_s": "first"}).reset_index()
     station = found["record"].str.split("_").str[0]
-    return found.assign(station=station, **{
-        "ln Sa": np.log(found["sa_eigen_period_g"]), "farther station": (~station.isin(NEAR)).astype(float),
-        "ln D5-95": np.log(found["d5_95_s"]), f"ln Sa({LONGER:g} T1) / Sa(T1)": found["record"].map(shape)})
+    values = (~station.isin(NEAR)).astype(float), np.log(found["d5_95_s"]), found["record"].map(shape)
+    return found.assign(station=station, **{"ln Sa": np.log(found["sa_eigen_period_g"]), **dict(zip(FEATURES, values))})
 
 
 def probit(table, outcome, names):
-    """(b of each name, beta) of the likeliest curve."""
+    """(b of each name, beta) (n + 1,) of the likeliest curve, all in ln Sa(T1)."""
     share = table[outcome].to_numpy()
     x = np.column_stack([np.ones(len(table)), *(table[name] for name in ("ln Sa", *names))])
 
@@ -66,9 +70,8 @@ def rows(table, samples, seed=1):
     random, stations = np.random.default_rng(seed), table["station"].unique()
     drawn = [pd.concat([table[table["station"] == one] for one in random.choice(stations, len(stations))])
              for _ in range(samples)]
-    names = list(table.columns[-3:])
     for outcome in OUTCOMES:
-        for chosen in ([], *([name] for name in names), names[:2]):
+        for chosen in ((), *((name,) for name in FEATURES), FEATURES[:2]):
             best = probit(table, outcome, chosen)
             ends = np.percentile([probit(one, outcome, chosen) for one in drawn], (2.5, 97.5), axis=0)
             yield outcome, " and ".join(chosen) or "none", f"{best[-1]:.2f}", "; ".join(

@@ -1,6 +1,7 @@
 """What docs/validation/after-the-peak.md rests on beside the runs: the prototype of dilatancy, and how many draws."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import trapezoid
@@ -8,7 +9,9 @@ from scipy.integrate import trapezoid
 from benchmarks import after_peak, dilatancy
 from benchmarks.after_peak import PREDICTION, SCATTER, enough, wall_by
 from damage.units import GRAVITY
-from damage.wall.parameters import crushing_energy
+from damage.wall.kinds import BED, HEAD
+from damage.wall.layout import lay_out
+from damage.wall.parameters import Wall, crushing_energy
 
 
 def test_two_bricks_lift_by_the_integral_of_their_dilatancy_and_keep_their_friction():
@@ -30,6 +33,30 @@ def test_enough_draws_narrow_the_median_to_five_percent(deviation):
     number = max(2, enough(random.normal(1.0, deviation, 100_000)))
     medians = np.median(random.normal(1.0, deviation, (4000, number)), axis=1)
     assert np.mean(np.abs(medians - 1) < 0.05) > 0.93
+
+
+def test_weaker_head_joints_have_their_share_of_the_strengths():
+    layout = lay_out(Wall("w", length=0.9, height=0.3))
+    bonded, head = ~layout.contacts.elastic, layout.contacts.kind == HEAD
+    weak = after_peak.weaker_heads(layout.wall, layout.contacts, (0.0, 0))
+    assert 0 < head.sum() < bonded.sum()
+    for name in ("tensile_strength", "cohesion"):
+        expected = np.where(head, 0.3, 1.0) * getattr(layout.wall.joint, name)
+        assert_allclose(getattr(weak, name)[bonded], expected[bonded])
+
+
+def test_strengths_correlate_along_courses_and_not_across():
+    layout = lay_out(Wall("w", length=9.0, height=3.0))
+    contacts = after_peak.along_courses(layout.wall, layout.contacts, (SCATTER, 1), (0.0, 0))
+    beds = pd.DataFrame({"first": contacts.first, "second": contacts.second, "x": contacts.x, "z": contacts.z.round(4),
+                         "factor": contacts.cohesion / layout.wall.joint.cohesion})[
+        (contacts.kind == BED) & (contacts.first >= 0)].groupby(["first", "second"]).mean()
+    assert beds["factor"].mean() == pytest.approx(1, abs=0.03)
+    assert beds["factor"].std() == pytest.approx(SCATTER, abs=0.03)
+    by_course = np.log(beds["factor"].groupby(beds["z"]).apply(np.array).to_list())
+    assert np.corrcoef(by_course[:, :-1].ravel(), by_course[:, 1:].ravel())[0, 1] == pytest.approx(
+        after_peak.ALONG_COURSES, abs=0.06)
+    assert np.corrcoef(by_course[:-1].ravel(), by_course[1:].ravel())[0, 1] == pytest.approx(0, abs=0.06)
 
 
 def test_the_prediction_takes_what_was_tested():

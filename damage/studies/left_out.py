@@ -90,10 +90,10 @@ def _medians(predicted, of_record, state, intensity):
 def _own_median(one):
     """Bounds of the median of a Fragility of one record: equal but for a step, whose shares bound it, and for a record
     in which all or none of the runs exceed the level."""
-    (counts,), (runs,), x = one.stripes[1], one.stripes[2], np.asarray(one.stripes[0])
     if not one.step and np.isfinite(one.median):
         return one.median, one.median
-    most = counts >= runs / 2
+    x, (exceed,), (runs,) = one.stripes
+    x, most = np.asarray(x), exceed >= runs / 2
     return x[~most].max(initial=0.0), x[most].min(initial=np.inf)
 
 
