@@ -159,6 +159,7 @@ def system(tmp_path):
     program = tmp_path / "yade"
     program.write_text(FAKE_YADE.format(python=sys.executable))
     program.chmod(0o755)
+    (tmp_path / "w.py").touch()
 
     def run(program, *words, before=()):
         path = os.pathsep.join(map(str, [*before, tmp_path]))
@@ -184,6 +185,13 @@ def test_the_launcher_finds_yade_behind_itself_and_its_copies(system, tmp_path):
     for first in ([links, clone, REPOSITORY], [clone, links]):
         done = system(first[0] / "yade", "w.py", before=first)
         assert done.stdout == "None False ['without_servers'] ['w.py'] typed\n", done.stderr
+
+
+def test_the_launcher_refuses_a_wall_that_is_not_there(system):
+    """YADE prints a traceback, waits for commands and ends with status 0."""
+    done = system(COMMAND[0], "walls/symetric.py", "--harmonic", "0.2", "0.05")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "error: no file walls/symetric.py: expected a wall, like walls/symmetric.py; correct the path\n"
 
 
 def test_the_launcher_without_yade_says_so(system, tmp_path):

@@ -99,8 +99,10 @@ class TestData:
         said = subprocess.run([REPOSITORY / "yade", *given], env={"PATH": f"{fake.parent}:/usr/bin:/bin"},
                               capture_output=True, text=True, check=True).stdout.splitlines()
         assert said[2:] == ["-n", str(REPOSITORY / "yade_scripts/wall_data.py"), *given[1:]]
-        script = subprocess.run([REPOSITORY / "yade", "a/wall.py", "b.toml"], capture_output=True, text=True,
-                                check=True, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()
+        (tmp_path / "a").mkdir()
+        (tmp_path / "a/wall.py").touch()
+        script = subprocess.run([REPOSITORY / "yade", "a/wall.py", "b.toml"], capture_output=True, text=True, check=True,
+                                cwd=tmp_path, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()
         assert script[2:] == ["a/wall.py", "b.toml"]
 
 
