@@ -191,7 +191,8 @@ def test_the_launcher_refuses_a_wall_that_is_not_there(system):
     """YADE prints a traceback, waits for commands and ends with status 0."""
     done = system(COMMAND[0], "walls/symetric.py", "--harmonic", "0.2", "0.05")
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "error: no file walls/symetric.py: expected a wall, like walls/symmetric.py; correct the path\n"
+    assert done.stderr == ("error: no file walls/symetric.py: expected a wall, like walls/symmetric.py; correct the "
+                           "path\n")
 
 
 def test_the_launcher_without_yade_says_so(system, tmp_path):
