@@ -101,8 +101,8 @@ class TestData:
         assert said[2:] == ["-n", str(REPOSITORY / "yade_scripts/wall_data.py"), *given[1:]]
         (tmp_path / "a").mkdir()
         (tmp_path / "a/wall.py").touch()
-        script = subprocess.run([REPOSITORY / "yade", "a/wall.py", "b.toml"], capture_output=True, text=True,
-                                check=True, cwd=tmp_path, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()
+        script = subprocess.run([REPOSITORY / "yade", "a/wall.py", "b.toml"], cwd=tmp_path, capture_output=True,
+                                text=True, check=True, env={"PATH": f"{fake.parent}:/usr/bin:/bin"}).stdout.splitlines()
         assert script[2:] == ["a/wall.py", "b.toml"]
 
 
