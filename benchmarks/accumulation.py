@@ -5,6 +5,7 @@
 
 import argparse
 import sys
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,8 @@ from damage.exposure.lives import read_address
 from damage.life.readings import READINGS, final_psi
 
 ADDRESSES = "garsthuizen", "loppersum", "delfzijl"
+BEFORE = 0.0, 0.5
+"""Psi before the first event: of an intact wall, and the published class nearest to walls that settled."""
 
 
 def main():
@@ -23,12 +26,12 @@ def main():
     parser.add_argument("--lives", type=int, default=2000)
     lives = parser.parse_args().lives
     levels = [f"{name}, Psi >= {level}" for level in (1, 2) for name in READINGS]
-    print("| address | " + " | ".join(levels) + " |\n|" + " --- |" * (len(levels) + 1))
-    for address in ADDRESSES:
+    print("| address | Psi before | " + " | ".join(levels) + " |\n|" + " --- |" * (len(levels) + 2))
+    for address, before in product(ADDRESSES, BEFORE):
         draws = read_address(REPOSITORY / "studies" / "addresses" / f"{address}.toml")
-        found = final_psi(draws, range(1, lives + 1))
+        found = final_psi(draws, range(1, lives + 1), before=before)
         shares = [np.mean(found[name] >= level) for level in (1, 2) for name in READINGS]
-        print(f"| {address} | " + " | ".join(f"{share:.3f}" for share in shares) + " |")
+        print(f"| {address} | {before:g} | " + " | ".join(f"{share:.3f}" for share in shares) + " |")
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from damage.motion.intensity import (
     arias_m_s,
     avg_sa_g,
     describe,
+    end_warnings,
     motion_summary,
     pga_g,
     pgv_cm_s,
@@ -268,6 +269,13 @@ class TestMotionSummary:
         assert abs(drifting["end_velocity_cm_s"]) > 0.9 * drifting["pgv_cm_s"]
         assert "note: the base still moves" in describe(drifting)
         assert "note:" not in describe(self.found(**CUT))
+
+    def test_a_run_warns_of_a_baseline_that_is_off(self):
+        """As recorded, BLOP east drifts to seven times its PGV; filtered it comes to rest."""
+        record = read_record(shipped_record_path("BLOP_HGE"))
+        (line,) = end_warnings(Recorded(record, window_s=(16.5, 24.5)).applied())
+        assert line.startswith("when the motion ends the base still moves at 0.117 m/s, 100 % of PGV")
+        assert end_warnings(Recorded(record, window_s=(16.5, 24.5), band_hz=(0.5, 40.0)).applied()) == []
 
 
 MOTIONS = {  # of every shipped record, one with all that a run may do to it

@@ -400,6 +400,12 @@ class TestResults:
         assert "P(Psi >= 1) at rest -0.250" in said
         assert "Psi at rest differs by 0.075 in the mean, 0.300 at most" in said
 
+    def test_choices_are_laid_beside_the_point_that_they_change(self, lives):
+        """p_settled_largest changes p_settled, not p, which rests on ground that did not settle."""
+        parts = [replace(lives, point=name) for name in ("p", "p_settled", "p_settled_largest")]
+        assert [(row["point"], row["other"]) for row in choices(parts)] == [
+            ("p", "p_settled"), ("p_settled", "p_settled_largest")]
+
     def test_a_wall_s_own_curve_read_twice(self, lives):
         """Single events of 10 to 40 mm/s, visible from 20 on but for one each way; two events of the median PGV: 1/2 by
         the largest, 3/4 if each draws anew."""
@@ -431,6 +437,18 @@ class TestReadings:
         """At PGV = exp(3.370) a wall has reached 1.0 with 50 %: shares 0.4 and 0.6; no table from Psi = 2 on."""
         pgv = np.full(3, np.exp(3.370))
         assert list(after(np.array([0.0, 0.0, 2.0]), pgv, np.array([0.4, 0.6, 0.0]))) == [1.0, 0.5, 2.0]
+
+    def test_a_wall_that_was_damaged_before(self):
+        """From Psi = 0.5 half of the walls reach 1 at exp(3.002) mm/s; the largest alone starts from 0.5, too."""
+        class Alike:
+            def pgv(self, number):
+                return np.array([np.exp(3.002), 0.01]), None
+
+        found = final_psi(Alike(), range(4000), before=0.5)
+        assert all(found[name].min() == 0.5 for name in READINGS)
+        assert [np.mean(found[name] >= 1) for name in READINGS] == pytest.approx([0.5] * 3, abs=4 * 0.5 / 4000**0.5)
+        assert "Psi before the first event 0.7: expected one of 0.0, 0.5" in one_line_error(
+            final_psi, Alike(), range(4), before=0.7)
 
     def test_figures_of_three_addresses(self):
         """P(Psi >= 1), P(Psi >= 2) of 2 000 draws as found before this software was written, within four standard

@@ -64,6 +64,9 @@ class Clockwork:
     def move_supports(self, velocities):
         self.log.append(("move", velocities))
 
+    def prescribe_no_more(self):
+        self.log.append("no more")
+
     def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
         end, seen = self.clock + n_steps, [self.instants()] if on_samples and self.clock == 0 else []
         goes_on = not seen or on_samples(*seen)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from unittest import mock
 
 import pytest
 from conftest import REPOSITORY, contents, without_progress
@@ -85,6 +86,36 @@ def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, moved
     assert all(contents(history.path) == alone[name] for name, history in histories.items())
     assert histories["m3"].collapsed_at_s is not None and histories["m1"].broken.any()
     assert len({history.series["time_s"].iloc[-1] for history in histories.values()}) >= 3
+
+
+def test_walls_on_ground_that_settles_write_the_same_bits_as_alone(tiny, tmp_path, moved):
+    """They take single samples while the ground moves, and several at once after that."""
+    settling = ("--settle", "tilt", "--distortion", "1/500")
+
+    def asked(folder):
+        return {name: [*words, *settling * (name in ("m1", "m7"))] for name, words in lines(tiny, folder).items()}
+
+    for words in asked(tmp_path / "alone").values():
+        assert run_reference(words) == 0
+    moved.clear()
+    assert sorted(run_references(asked(tmp_path / "together").items())) == [(f"m{k}", 0) for k in range(1, 9)]
+    of_two = moved[max(k for k, walls in enumerate(moved) if len(walls) > 2) + 1:]  # m1 and m7 are the last to end
+    several = [len(steps) > 1 for walls in of_two for _, *steps in walls]
+    assert several.count(False) > 1000 and several[-20:].count(True) > 10
+    for path in (tmp_path / "together").glob("*.h5"):
+        assert contents(path) == contents(tmp_path / "alone" / path.name)
+
+
+def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
+    walls = [mock.Mock(**{"layout.strain": None}) for _ in range(8)]  # which have a hash
+
+    def chosen(reacting):
+        groups = ensembles._chosen({wall: [70] if k < reacting else [70, 70] for k, wall in enumerate(walls)})
+        return [{walls.index(wall): steps for wall, steps in group.items()} for group in groups]
+
+    assert chosen(0) == [{k: [70, 70] for k in range(8)}]
+    assert chosen(2) == [{0: [70]}, {1: [70]}]
+    assert chosen(5) == [{k: [70] for k in range(8)}]  # eight lanes take no longer for eight walls than for five
 
 
 def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, moved):

@@ -114,6 +114,9 @@ class YadeSolver(Solver):
         self._set_support_velocities()
         self._input_power = self._power(self._base_now())
 
+    def prescribe_no_more(self):
+        """Nothing changes: every sample is taken by itself."""
+
     def _set_support_velocities(self):
         """Set the velocities of all bodies of the supports to those of the supports' rigid motion."""
         for bodies, x, (ux, uz, _), (vx, vz, rotating) in zip(

@@ -51,11 +51,11 @@ READINGS = {
 
 def beside(parts):
     """[(Lives, other Lives of the same wall and place by other choices, states of both as DataFrames of `Lives.until`
-    with equal rows)] where the name of the other point begins with that of the first."""
+    with equal rows)] where the name of the other point is that of the first and one word more."""
     found = []
     for one in parts:
         for other in parts:
-            if other.point.startswith(f"{one.point}_") and one.draws.exposure.place == other.draws.exposure.place:
+            if other.point.rpartition("_")[0] == one.point and one.draws.exposure.place == other.draws.exposure.place:
                 first, second = one.last, other.last
                 both = first.index.intersection(second.index)
                 found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []

@@ -5,11 +5,13 @@ Psi_f: median and logarithmic standard deviation.  How damage accumulates over m
 
     "each event": every event draws anew whether it damages the wall further
     "each wall": a wall draws once how weak it is, and keeps this in all events
-    "largest alone": the largest event acts on an undamaged wall, and no other does
+    "largest alone": the largest event acts on the wall as it was before, and no other does
 """
 
 import numpy as np
 from scipy.stats import norm
+
+from damage.errors import InputError
 
 READINGS = "each event", "each wall", "largest alone"
 PUBLISHED = {
@@ -23,17 +25,24 @@ NEGLIGIBLE_MM_S = 0.1
 """PGV below which an event is left out: the smallest median of the table is 13.5 mm/s."""
 
 
-def final_psi(draws, numbers, seed=0):
-    """{reading: final Psi (n,)} of lives by their numbers; draws: a damage.exposure.lives.Draws; seed: of readings."""
+def final_psi(draws, numbers, seed=0, before=0.0):
+    """{reading: final Psi (n,)} of lives by their numbers.
+
+    draws: a damage.exposure.lives.Draws; seed: of the readings; before: Psi before the first event, of PUBLISHED.
+    Raises InputError where nothing is published for it.
+    """
+    if before not in PUBLISHED:
+        raise InputError(f"Psi before the first event {before:g}: expected one of {', '.join(map(str, PUBLISHED))}")
     pgv = np.array([draws.pgv(number)[0] for number in numbers])
     pgv = pgv[:, pgv.max(axis=0) >= NEGLIGIBLE_MM_S]
     rng = np.random.default_rng(seed)
     wall = rng.random(len(pgv))
-    found = {name: np.zeros(len(pgv)) for name in READINGS[:2]}
+    first = np.full(len(pgv), before)
+    found = dict.fromkeys(READINGS[:2], first)
     for event in pgv.T:
         for name, share in zip(READINGS, (rng.random(len(pgv)), wall)):
             found[name] = after(found[name], event, share)
-    return found | {READINGS[2]: after(np.zeros(len(pgv)), pgv.max(axis=1), wall)}
+    return found | {READINGS[2]: after(first, pgv.max(axis=1), wall)}
 
 
 def after(psi, pgv_mm_s, share):

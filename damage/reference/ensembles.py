@@ -47,6 +47,10 @@ def _chosen(walls):
     least = LEAST_LANES if next(iter(walls)).layout.strain is None else 2
     if len(walls) < least:
         return [{wall: steps} for wall, steps in walls.items()]
+    # Those that react to each sample, as on ground that settles, would make all others take single samples, too.
+    reacting = {wall: steps for wall, steps in walls.items() if len(steps) == 1}
+    if 0 < len(reacting) < least:
+        return [{wall: steps} for wall, steps in reacting.items()]
     # The walls with the earliest last stop come first, together with those that stop there, too; the others wait.
     ends = {wall: list(accumulate(steps)) for wall, steps in walls.items()}
     stop = min(of_wall[-1] for of_wall in ends.values())

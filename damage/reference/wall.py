@@ -259,6 +259,10 @@ class ReferenceWall:
         self._is_driven = True
         self._prescribe((slice(len(self.layout.bodies), None), slice(RIGID)), velocity)
 
+    def prescribe_no_more(self):
+        """Supports keep their velocity from here; a held top is followed from sample to sample all the same."""
+        self._is_driven = self._held is not None
+
     def _prescribe(self, which, velocity):
         """Set prescribed velocities; their work in the half step before now is that of the old ones
         (`damage.mechanics.samples.input_of_half_a_step`)."""

@@ -21,11 +21,11 @@ class BaseMotion:
 
         motion: (n, n_bodies, 3) displacement of the bodies [m, m, rad].
         """
-        rows = motion[:, self._rows]
         if len(self._rows) == 1:
-            return rows[:, 0, 0], rows[:, 0, 2]
-        # Sums row by row, whose order does not depend on the number of rows: a run that continues gives the same bits.
-        return tuple(np.add.reduce(rows[:, :, axis] * weights, axis=1)
+            return motion[:, self._rows[0], 0], motion[:, self._rows[0], 2]
+        # Contiguous rows are summed each by itself, in an order that does not depend on their number: samples taken one
+        # by one and several at once give the same bits.
+        return tuple(np.add.reduce(motion[:, :, axis].take(self._rows, axis=1) * weights, axis=1)
                      for axis, weights in enumerate((self._mean, self._slope)))
 
     def at_top(self, motion):

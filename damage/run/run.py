@@ -335,6 +335,8 @@ class Run:
         for velocities, move, first in self._prescribed:
             if first <= interval <= first + len(velocities):
                 move(velocities[interval - first] if interval < first + len(velocities) else 0 * velocities[0])
+        if self._prescribed and all(interval >= first + len(velocities) for velocities, _, first in self._prescribed):
+            self.solver.prescribe_no_more()
 
     def _write(self, rows, motion, now, end):
         """Write the first samples, up to this one, with their snapshots and events."""

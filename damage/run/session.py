@@ -16,7 +16,8 @@ from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
-from damage.motion.intensity import applied_measures
+from damage.motion.intensity import applied_measures, end_warnings
+from damage.motion.loading import Recorded
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
 from damage.run.opening import opening_lines, sequence_lines
@@ -183,6 +184,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall.joint.softens))
+    if isinstance(settings.loading, Recorded):
+        warn(*end_warnings(settings.loading.applied()))
     if wall.joint.softens:
         warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening))
     made_by = versions(backend.code) | backend.versions

@@ -88,6 +88,9 @@ class Solver(Protocol):
     def move_supports(self, velocities):
         """Prescribe the velocities of the supports (n_supports, 3) [m/s, m/s, rad/s]."""
 
+    def prescribe_no_more(self):
+        """Velocities stay as they are from here: samples may be taken several at once again."""
+
     def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
         """Take steps, or hand them out: returns an iterable of (self, *numbers of steps), of which at least the first
         is to be taken by `run` before the next is asked for.  A solver that moves by itself takes all at once and
