@@ -17,8 +17,8 @@ from damage.exposure.lives import read_address
 from damage.life.readings import READINGS, final_psi
 
 ADDRESSES = "garsthuizen", "loppersum", "delfzijl"
-BEFORE = 0.0, 0.5
-"""Psi before the first event: of an intact wall, and the published class nearest to walls that settled."""
+BEFORE = 0.0, 0.5, 1.0
+"""Psi before the first event: of an intact wall, and published classes near those of walls that settled."""
 
 
 def main():

@@ -10,6 +10,7 @@ from conftest import REPOSITORY, contents, one_line_error
 from scipy import stats
 
 import damage
+from benchmarks import lives_walls
 from damage.__main__ import main
 from damage.draw.life import contributions_picture, life_picture
 from damage.exposure import places
@@ -449,6 +450,16 @@ class TestReadings:
         assert [np.mean(found[name] >= 1) for name in READINGS] == pytest.approx([0.5] * 3, abs=4 * 0.5 / 4000**0.5)
         assert "Psi before the first event 0.7: expected one of 0.0, 0.5" in one_line_error(
             final_psi, Alike(), range(4), before=0.7)
+
+    def test_a_row_of_the_table_of_walls(self):
+        """The largest event alone leaves fewer by 0.05 at Garsthuizen; at Loppersum it has not been computed."""
+        names = [f"p_{name}_1{end}" for name in ("psi", "max_psi") for end in ("", "_low", "_high")]
+        points = [f"w_{address}_settled" for address in lives_walls.ADDRESSES]
+        final = pd.DataFrame([[0.9, 0.4, 0.3, 0.5, 0.996, 0.9, 1.0]] * 3, points, ["median_psi", *names])
+        choices = pd.DataFrame([[-0.05, -0.1, 0.004]], pd.MultiIndex.from_tuples([(points[0], f"{points[0]}_largest")]),
+                               [f"change_p_psi_1{end}" for end in ("", "_low", "_high")])
+        assert list(lives_walls.row("w", "_settled", final, {points[0]: 0.72}, choices)) == [
+            "0.72", "0.90", *["40 (30 to 50)"] * 3, "+5 (0 to +10)", "", *["100 (90 to 100)"] * 2]
 
     def test_figures_of_three_addresses(self):
         """P(Psi >= 1), P(Psi >= 2) of 2 000 draws as found before this software was written, within four standard
