@@ -184,7 +184,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall.joint.softens))
-    if isinstance(settings.loading, Recorded):
+    if isinstance(settings.loading, Recorded) and not settings.events:
         warn(*end_warnings(settings.loading.applied()))
     if wall.joint.softens:
         warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening))
