@@ -52,6 +52,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("figures", type=Path)
     folder = parser.parse_args().figures
+    if not (folder / "life.csv").is_file():
+        parser.error(f"{folder} holds no life.csv: expected the tables of python3 -m damage lives results/lives_walls")
     life, lives, choices = (pd.read_csv(folder / f"{name}.csv", comment="#") for name in ("life", "lives", "choices"))
     final = life[life["year"] == life["year"].max()].set_index("point")
     settled = lives[lives["event"] == 0].groupby("point")["psi"].median()
