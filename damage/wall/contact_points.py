@@ -6,8 +6,12 @@ Contact points lie on the bed and head joints:
         +---o---+---o---+  z       bed joint:  normal +z, from the lower to the upper brick
             |       |              o: contact point in the middle of its tributary length
         ----+-------+----
+
+Two bodies that lie on each other share two contact points at least, and so do two parts of a lintel: a joint of one
+resists no rotation, and a cut brick that stands on it could turn freely.  A head joint of bricks has one.
 """
 
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,11 +22,14 @@ from damage.wall.floors import slabs
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
 from damage.wall.lintel import in_lintel
 from damage.wall.lintels import cut_places, cut_stiffness
+from damage.wall.split import cuts_of
 
 TINY = 1e-6  # [m], two positions closer than this are the same
 PLACES = {"interior": (0.0,), "corners": (-1.0, 1.0), "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3))}
 """Of the contact points between two facing cells, along the half length from their middle.  Two Gauss points integrate
 what is of third order along the cell exactly, and with it the energy of any opening that is linear."""
+_HALVES = (-0.5, 0.5)
+"""The same of a bed joint of a single cell: the middles of its halves."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +82,10 @@ def segments_of(options):
 def make_contacts(wall, options, bodies, n_bricks, cells, breaks):
     """All contact points: joints first, then the caps' glue."""
     pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
-    rows = [row for pair in pairs if pair[0] != CAP for row in _contact_rows(options, bodies, cells, *pair)]
+    joints = [tuple(_part_of(wall, bodies, cells, cell) for cell in pair[1:]) for pair in pairs]
+    shared = Counter(joints)
+    rows = [row for pair, joint in zip(pairs, joints) if pair[0] != CAP for row in _contact_rows(
+        options, bodies, cells, *pair, alone=shared[joint] == 1)]
     beside, cuts = _lintel_rows(wall, options, bodies, n_bricks, cells)
     rows += beside + [row for _, row in cuts]
     rows += [row for pair in pairs if pair[0] == CAP for row in _contact_rows(options, bodies, cells, *pair)]
@@ -149,7 +159,7 @@ def _lintel_rows(wall, options, bodies, n_bricks, cells):
         reversed(list(enumerate(cells.body))), enumerate(cells.body)))
     of_part = {number + k: place for k, place in enumerate(place for place in places for _ in range(place.parts))}
     ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
-    beside, cuts = [], []
+    beside, cuts, least = [], [], 2 // len(PLACES[options.contacts])
     for one, other in _touching(of_part, ends, bodies.z - half, bodies.z + half):
         cell, facing, x = right_cell[one], left_cell[other], ends[1][one]
         bottom, top = (pick(bodies.z[[one, other]] + sign * half[[one, other]]) for pick, sign in ((max, -1), (min, 1)))
@@ -159,7 +169,8 @@ def _lintel_rows(wall, options, bodies, n_bricks, cells):
             cuts += [(place, (CUT, one, other, cell, facing, x, bodies.z[one] + by, length)) for by in up]
             continue
         both_lintels = place is not None and of_part.get(other)
-        parts = max(1, round(segments_of(options) * (top - bottom) / (wall.brick.length / 2))) if both_lintels else 1
+        segments = round(segments_of(options) * (top - bottom) / (wall.brick.length / 2))
+        parts = max(least, segments) if both_lintels else 1
         size, at = (top - bottom) / parts, PLACES[options.contacts]
         beside += [(HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
                    for k in range(parts) for up in at]
@@ -188,9 +199,18 @@ def _head_pairs(bodies, n_bricks, cells):
     return pairs
 
 
-def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
-    """Contact points of one pair of facing cells, as `PLACES` says; of a cap's glue Gauss points, or else one in the
-    middle of each cell, or two under a cap of a single cell."""
+def _part_of(wall, bodies, cells, cell):
+    """The body of a cell, or GROUND, and whether the cell is of the right half of a brick that can split."""
+    if cell == GROUND:
+        return GROUND, False
+    body, middle = cells.body[cell], (cells.left[cell] + cells.right[cell]) / 2
+    half = bodies.length[body] / 2
+    return body, any(middle > cut for cut in cuts_of(wall, 0, bodies.x[body] - half, bodies.x[body] + half))
+
+
+def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alone=False):
+    """Contact points of one pair of facing cells, as `PLACES` says, but two where it is alone in its bed joint; of a
+    cap's glue Gauss points, or else one in the middle of each cell, or two under a cap of a single cell."""
     second = cells.body[second_cell]
     first = cells.body[first_cell]
     if first_cell == GROUND:  # bricks of the base are the first bodies
@@ -205,8 +225,9 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell):
     where = options.contacts
     if kind == CAP and where != "gauss":
         where = "corners" if hinge else "interior"
+    places = _HALVES if alone and kind == BED and where == "interior" else PLACES[where]
     return [(kind, first, second, first_cell, second_cell, *((1 - place) / 2 * start + (1 + place) / 2 * end),
-             length / len(PLACES[where])) for place in PLACES[where]]
+             length / len(places)) for place in places]
 
 
 def _strength_factors(first, second, variation, seed):

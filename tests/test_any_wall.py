@@ -1,0 +1,126 @@
+"""Any legal wall: random ones with openings off the grid, gables, floors and every kind of lintel."""
+
+from collections import Counter
+
+import numpy as np
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+import damage
+from damage.errors import InputError
+from damage.measure.summary import summarise
+from damage.wall.courses import built_runs
+from damage.wall.data import wall_from
+from damage.wall.kinds import BED, CUT, GROUND, HEAD
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+
+SIZES = st.sampled_from([(0.28, 0.1), (0.225, 0.075), (0.21, 0.06), (0.4, 0.2)])
+LINTELS = ("courses", "concrete", "timber", "steel", "arch")
+
+
+def metres(least, most):
+    """Lengths to 10 mm, as drawings have them."""
+    return st.integers(round(100 * least), round(100 * most)).map(lambda hundredths: hundredths / 100)
+
+
+@st.composite
+def walls(draw):
+    """Tables of a wall file; what is drawn need not be legal."""
+    brick_length, brick_height = draw(SIZES)
+    length, height = draw(metres(1.0, 4.0)), draw(metres(0.8, 2.4))
+    openings = draw(st.lists(st.fixed_dictionaries({
+        "left": metres(0.3, 2.5), "width": metres(0.3, 1.2), "height": metres(0.2, 1.2), "sill": metres(0.0, 0.9)}),
+        max_size=2))
+    table = {"name": "any", "length": length, "height": height, "precompression": draw(st.sampled_from([0.0, 1e5])),
+             "brick": {"length": brick_length, "height": brick_height, "thickness": 0.1}, "openings": openings,
+             "lintel": draw(st.sampled_from(LINTELS)), "base_course": draw(st.sampled_from(["whole", "half"]))}
+    if draw(st.booleans()):
+        table["outline"] = [[0.0, height / 2], [length / 2, height], [length, height / 2]]
+        table["precompression"] = 0.0
+    if draw(st.booleans()):
+        table["floors"] = [{"level": draw(metres(0.5, 2.0)), "mass": 500.0,
+                            "kind": draw(st.sampled_from(["timber", "concrete"]))}]
+    return table
+
+
+def laid_out(table, **options):
+    """The Layout of a table; a wall that is refused is not legal, and another one is drawn."""
+    try:
+        return lay_out(wall_from(table), ModelOptions(**options))
+    except InputError:
+        assume(False)
+
+
+any_legal_wall = settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=[
+    HealthCheck.filter_too_much, HealthCheck.too_slow])
+
+
+@any_legal_wall
+@given(walls(), st.sampled_from(["interior", "corners", "gauss"]), st.booleans())
+def test_every_joint_resists_rotation(table, placing, splits):
+    """Two bodies that lie on each other, or two parts of a lintel, share contact points at two places or more, so that
+    no brick, or half of one, can turn while a bed joint of its own is intact."""
+    layout = laid_out(table | {"brick": table["brick"] | ({"tensile_strength": 2e6} if splits else {})},
+                      contacts=placing)
+    contacts, course = layout.contacts, layout.bodies.course
+    along = np.where(contacts.upright, contacts.z, contacts.x)
+    in_lintel = (course[contacts.first] < -2) & (course[contacts.second] < -2) & (contacts.first >= 0)
+    asked = np.flatnonzero((contacts.kind == BED) | (contacts.kind == CUT) | (in_lintel & (contacts.kind == HEAD)))
+    places = {(contacts.first[row], contacts.second[row], round(along[row], 6)) for row in asked}
+    assert min(Counter((first, second) for first, second, _ in places).values()) >= 2
+
+
+def test_cut_bricks_beside_an_opening_off_the_grid_do_not_turn():
+    """Quarter bricks beside the window stand on bed joints of 40 to 60 mm.  With one contact point on each they turned
+    while these were intact: Psi of 3.2 and a crack of 14 mm.  Finer contact points and members of the scatter give 1.8
+    to 2.2 and 0.9 to 2.8 mm."""
+    wall = wall_from({
+        "name": "off-grid", "length": 1.68, "height": 1.2, "precompression": 5e4,
+        "brick": {"length": 0.28, "height": 0.1, "thickness": 0.1}, "joint": {"tensile_strength": 5e4, "cohesion": 7e4},
+        "openings": [{"left": 0.52, "width": 0.64, "height": 0.5, "sill": 0.4}]})
+    found = summarise(damage.run(wall, harmonic=(0.06, 0.6), cycles=4, rest=0.1))
+    assert found["max_psi"] < 2.6
+    assert found["max_crack_width_mm"] < 4
+
+
+@any_legal_wall
+@given(walls())
+def test_bodies_do_not_overlap_and_cover_what_is_drawn(table):
+    """The area of bricks, slabs and lintels is that of the courses between the outline and the openings: by hand, from
+    the table's numbers, where the outline is a rectangle."""
+    layout = laid_out(table)
+    wall, bodies, n = layout.wall, layout.bodies, layout.n_below_caps
+    x, z, length, height = (getattr(bodies, name)[:n] for name in ("x", "z", "length", "height"))
+    apart = np.maximum(np.abs(x[:, None] - x) - (length[:, None] + length) / 2,
+                       np.abs(z[:, None] - z) - (height[:, None] + height) / 2)
+    assert apart[~np.eye(n, dtype=bool)].min() > -1e-9
+    area = np.sum(length * height)
+    assert_allclose(area, wall.brick.height * sum(
+        right - left for course in range(wall.courses) for left, right in built_runs(wall, course))
+        + np.sum((length * height)[layout.n_bricks:]), rtol=1e-9)
+    if not wall.outline:
+        holes = sum(opening.width * wall.brick.height * (above - first) for opening in wall.openings
+                    for first, above in [wall.opening_courses(opening)])
+        assert_allclose(area, wall.length * wall.built_height - holes, rtol=1e-9)
+    of_bricks = slice(0, layout.n_bricks)
+    timber = sum(floor.mass for floor in wall.floors if floor.kind == "timber")
+    bricks_kg = wall.brick.density * wall.brick.thickness * np.sum((length * height)[of_bricks])
+    assert bricks_kg - 1e-6 <= bodies.mass[of_bricks].sum() <= bricks_kg + timber + 1e-6
+
+
+@any_legal_wall
+@given(walls())
+def test_bed_joints_cover_what_lies_on_what(table):
+    """The length of bed joints is that of the faces that touch, whatever the number of contact points on them."""
+    layout = laid_out(table)
+    bodies, contacts, n = layout.bodies, layout.contacts, layout.n_below_caps
+    left, right = bodies.x[:n] - bodies.length[:n] / 2, bodies.x[:n] + bodies.length[:n] / 2
+    bottom, top = bodies.z[:n] - bodies.height[:n] / 2, bodies.z[:n] + bodies.height[:n] / 2
+    overlap = np.minimum(right[:, None], right) - np.maximum(left[:, None], left)
+    touching = (np.abs(top[:, None] - bottom) < 1e-6) & (overlap > 1e-6)
+    bed = contacts.kind == BED
+    assert_allclose(contacts.length[bed & (contacts.first != GROUND)].sum(), overlap[touching].sum(), rtol=1e-9)
+    assert_allclose(contacts.length[bed & (contacts.first == GROUND)].sum(), np.sum((right - left)[bottom < 1e-6]),
+                    rtol=1e-9)
