@@ -6,6 +6,7 @@ from conftest import REPOSITORY, SHORT
 from numpy.testing import assert_allclose
 
 import damage
+from damage.measure.compare import compare_drift
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import ground_measures
 from damage.measure.patterns import compare_patterns
@@ -57,7 +58,10 @@ def test_a_wall_with_softening_joints_settles_and_is_shaken_alike(tmp_path, yade
 
 def test_a_wall_on_soil_lifts_off_alike(tmp_path, yade_command, damage_command):
     """With as many fibres as YADE has, undamped.  A base joint has cohesion and no tensile strength, which YADE's law
-    would not check: a wall that cannot lift off drifts by 20 % more."""
+    would not check: a wall that cannot lift off drifts by 20 % more.  The drift is compared sample by sample up to the
+    first failure, where the short static stage in YADE leaves a vibration of 0.8 %; then the largest drift and uplift,
+    which members with a scatter of 1e-9 share within 0.03 % and 0.3 %.  Their DI differs by 0.005, and by more between
+    processors: it depends on rounding and is not compared."""
     path = tmp_path / "small.py"
     path.write_text(SMALL.format(repository=str(REPOSITORY), joint=SOFT))
     words = [path, "--harmonic", 0.1, 0.15, "--rest", 0.1, "--soil", 3e8, "--lintel", 2, "--no-pictures"]
@@ -67,7 +71,7 @@ def test_a_wall_on_soil_lifts_off_alike(tmp_path, yade_command, damage_command):
     assert done.returncode == 0, done.stderr
     yade, reference = histories = [damage.read_history(tmp_path / f"{name}.h5") for name in ("yade", "reference")]
     assert_allclose(*(history.series["drift_ratio"].abs().max() for history in histories), rtol=0.03)
-    assert_allclose(*(history.index()["DI"].max() for history in histories), atol=0.02)
+    assert compare_drift(yade, reference)["rms_before_failure"] < 0.02
     base = (reference.joints["first_body"] < 0).to_numpy()
     assert reference.broken[-1][base].any()
     assert_allclose(yade.opening_m[:, base].max(), reference.opening_m[:, base].max(), rtol=0.1)
