@@ -10,6 +10,7 @@ import logging
 import os
 import sys
 from contextlib import nullcontext, redirect_stdout
+from functools import partial
 
 import damage.commands  # noqa: F401, fills the table
 from damage.commands.table import COMMANDS, Silence
@@ -33,9 +34,14 @@ def main(arguments=None):
     quiet = arguments[:1] == ["--quiet"]
     if "_ARGCOMPLETE" in os.environ:
         _complete()
+    with redirect_stdout(Silence()) if quiet else nullcontext():
+        return guarded(lambda: _run(arguments[quiet:], quiet))
+
+
+def guarded(run):
+    """The exit status of a command; an interrupt, and an error that is no fault of this software, are one line."""
     try:
-        with redirect_stdout(Silence()) if quiet else nullcontext():
-            return _run(arguments[quiet:], quiet)
+        return run()
     except KeyboardInterrupt:
         return 130
     except Exception as error:
@@ -91,16 +97,26 @@ def _failed(error):
 
 def _parser(whole=False):
     """The parser of all commands; whole: with the options of `reference`, which has a parser of its own."""
-    parser = OneLineParser(prog="python3 -m damage", allow_abbrev=False, description=(
+    parser = parser_of(COMMANDS, "python3 -m damage", (
         f"Damage of masonry walls under induced seismicity: masonry-damage {VERSION}. Installed by pip, it is "
-        "also the command damage, or masonry-damage."))
+        "also the command damage, or masonry-damage."), partial(_add_delegated, whole=whole))
     parser.add_argument("--version", action="store_true", help="print the version and the commit, and end")
     parser.add_argument("--quiet", action="store_true", help="before a command: print warnings and errors only")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
+    return parser
+
+
+def _add_delegated(commands, whole):
     run = {"reference": [make_parser("reference", "reference")]} if whole else {}
     for name, purpose in DELEGATED.items():
         commands.add_parser(name, help=purpose, parents=run.get(name, []), conflict_handler="resolve")
-    for name, (function, purpose, arguments) in COMMANDS.items():
+
+
+def parser_of(table, prog, description, add_others=lambda commands: None):
+    """The parser of a table of commands; add_others adds further ones before them."""
+    parser = OneLineParser(prog=prog, allow_abbrev=False, description=description)
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
+    add_others(commands)
+    for name, (function, purpose, arguments) in table.items():
         command = commands.add_parser(name, help=purpose, description=purpose, allow_abbrev=False)
         command.set_defaults(command=function)
         for add in arguments:

@@ -21,11 +21,11 @@ from damage.errors import InputError
 from damage.files import write_text
 from damage.history.schema import TABLES, markdown
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, read_table
-from damage.paper import report
-from damage.paper.verdict import judge
 from damage.studies.definition import load_study
 from damage.studies.members import most_members
 from damage.wall import plausible
+from paper import report
+from paper.verdict import judge
 from scripts import gallery, terms
 from scripts.document_tables import as_markdown, with_tables
 

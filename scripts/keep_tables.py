@@ -19,7 +19,7 @@ sys.path.insert(0, str(REPOSITORY))
 from damage.errors import InputError
 from damage.files import write_text
 from damage.measure.columns import CRITERIA, read_table
-from damage.paper.evidence import MODELS, Fell, NotThere, Point, comparable, load_runs
+from paper.evidence import MODELS, Fell, NotThere, Point, comparable, load_runs
 
 KEY = ["point", "solver"]
 CYCLES = [f"max_{slip}DI" for slip in CRITERIA.values()]

@@ -6,12 +6,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import trapezoid
 
-from benchmarks import after_peak, dilatancy
-from benchmarks.after_peak import PREDICTION, SCATTER, enough, wall_by
 from damage.units import GRAVITY
 from damage.wall.kinds import BED, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall, crushing_energy
+from paper import after_peak, dilatancy
+from paper.after_peak import PREDICTION, SCATTER, enough, wall_by
 
 
 def test_two_bricks_lift_by_the_integral_of_their_dilatancy_and_keep_their_friction():

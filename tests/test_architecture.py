@@ -18,14 +18,16 @@ ROOMS = [
     ("damage.measure", "damage.mechanics", "damage.exposure"),
     ("damage.draw",),
     ("damage.run",),
-    ("damage.reference", "damage.laboratory", "damage.studies", "damage.paper"),
+    ("damage.reference", "damage.laboratory", "damage.studies"),
     ("damage.life",),
     ("damage.html", "damage.export"),
     ("damage.commands",),
     ("damage",),  # its __init__ and __main__
     ("yade_scripts",),
     ("walls",),
-    ("verification", "workflow", "scripts", "docs"),
+    ("verification", "workflow"),
+    ("paper",),
+    ("scripts", "docs"),
     ("benchmarks", "examples"),
     ("tests",),
 ]

@@ -11,9 +11,11 @@ import pytest
 from conftest import REPOSITORY
 from test_paper import CYCLES, harmonic_row, world_of_the_paper
 
-from damage.__main__ import main
-from damage.paper import combinations
-from damage.paper.combinations import (
+from damage.studies.definition import load_study
+from damage.studies.grid import read_rows
+from paper import combinations
+from paper.__main__ import main
+from paper.combinations import (
     CHOICES,
     LIGHT,
     best,
@@ -26,8 +28,6 @@ from damage.paper.combinations import (
     table_of_best,
     table_of_effects,
 )
-from damage.studies.definition import load_study
-from damage.studies.grid import read_rows
 
 WALLS = read_rows(REPOSITORY / "studies" / "combinations.csv", "")
 

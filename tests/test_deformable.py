@@ -264,7 +264,7 @@ def test_first_periods_of_the_walls(name, by_order_2, by_order_3):
 @pytest.mark.parametrize("name", ["solid", "symmetric"])
 def test_first_periods_are_those_of_a_triangle_mesh(name):
     """Four cells a brick, of four constant-strain triangles each, whose nodes are the unknowns; two points a cell."""
-    from benchmarks.deformable import Mesh
+    from paper.deformable import Mesh
 
     by_modes, by_mesh = (lay_out(load_wall(f"walls/{name}.py"), ModelOptions(contacts="gauss", cells=cells,
                                                                              bricks="deformable")) for cells in (2, 4))

@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from benchmarks.dic_field import sampled_field
 from damage.__main__ import main
 from damage.errors import InputError
 from damage.history.reader import read_history
@@ -26,6 +25,7 @@ from damage.reference.session import run_reference
 from damage.wall.file import load_wall
 from damage.wall.kinds import HEAD
 from damage.wall.layout import lay_out
+from paper.dic_field import sampled_field
 
 NOISE = 1e-5
 """Of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""

@@ -24,10 +24,10 @@ from damage.history.moments import joint_states
 from damage.measure.columns import read_table
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row, write_table
-from damage.paper.evidence import Point, load_runs
 from damage.studies.tables import points_of
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
+from paper.evidence import Point, load_runs
 
 pytest.importorskip("jinja2")
 
@@ -357,14 +357,14 @@ class TestStudy:
         assert order == (["b_again.h5,", "a.h5,", "b.h5,"] if 2 * worse["b"] > worse["a"]
                          else ["a.h5,", "b_again.h5,", "b.h5,"])
 
-    @pytest.mark.parametrize("name, judged", [("harmonic", True), ("mine", False)])
-    def test_the_papers_statements_are_judged_by_its_studies_alone(self, study, name, judged):
-        for table in ("summary", "points"):
-            path = study / "tables" / f"{table}.csv"
-            write_table(read_table(path).assign(wall="symmetric", eigen_period_s=0.2), path)
-        (study / "study.toml").write_text(f'name = "{name}"\n')
-        assert ("The paper's statements" in page([], [study])) == judged
-        assert ("The paper's statements" in page([], [study.parent])) == judged
+    def test_documents_beside_the_tables_are_shown_as_text(self, study):
+        (study / "tables" / "lives.md").write_text("# Lives\n\n| a < b |\n")
+        (study.parent / "tables").mkdir()
+        (study.parent / "tables" / "verdict.md").write_text("holds\n")
+        alone, together = page([], [study]), page([], [study.parent])
+        for text in (alone, together):
+            assert "<summary>tables/lives.md</summary><pre># Lives\n\n| a &lt; b |\n</pre>" in text
+        assert "<pre>holds\n</pre>" in together and "verdict.md" not in alone
 
     def test_without_histories_the_tables_are_left(self, study):
         for path in (study / "runs").iterdir():

@@ -10,7 +10,6 @@ from conftest import REPOSITORY, contents, one_line_error
 from scipy import stats
 
 import damage
-from benchmarks import lives_walls
 from damage.__main__ import main
 from damage.draw.life import contributions_picture, life_picture
 from damage.exposure import places
@@ -38,6 +37,7 @@ from damage.reference.together import run_references
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
 from damage.studies.records import read_records
+from paper import lives_walls
 
 WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
 ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"

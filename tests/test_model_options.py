@@ -13,12 +13,12 @@ from damage.measure.columns import read_table
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row, write_table
 from damage.motion.loading import Harmonic
-from damage.paper.evidence import SHAPE
 from damage.run.options import free_name, make_parser, parse_run
 from damage.run.settings import RunSettings
-from damage.studies.choices_figure import choice
 from damage.wall.model_options import USUAL_MODEL, ModelOptions
 from damage.wall.parameters import Wall
+from paper.choices_figure import choice
+from paper.evidence import SHAPE
 
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])

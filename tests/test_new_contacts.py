@@ -12,7 +12,6 @@ from PIL import Image
 from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, come_to_rest, ended, run_to_the_end, shove, total_energy
 from test_plain import ACTIONS, act, as_bytes, make
 
-from benchmarks.overlaps import corners, depth, overlaps
 from damage.draw.animation import write_film
 from damage.draw.run import has_heap
 from damage.draw.wall import shape_at
@@ -33,6 +32,7 @@ from damage.wall.lintel import ElasticShare
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Opening, Wall
+from paper.overlaps import corners, depth, overlaps
 
 DIAMETER = 2 * 0.01 * 0.225
 """Twice the radius of the corners: 1 % of a whole brick's length."""

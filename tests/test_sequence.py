@@ -15,7 +15,7 @@ from damage.reference.session import run_reference
 from damage.run.options import parse_run
 from damage.run.schedule import base_acceleration, stages
 from damage.run.settings import SETTLE_S
-from damage.studies.sequence_figure import sequences
+from paper.sequence_figure import sequences
 
 DT = 2e-5
 

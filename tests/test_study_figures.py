@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 from small_history import make_history
 
-from damage.__main__ import main
 from damage.draw.panels import (
     NOTHING,
     describe_members,
@@ -28,12 +27,13 @@ from damage.measure.tables import index_table, write_table
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
-from damage.studies import figures as study_figures
-from damage.studies.choices_figure import choices
-from damage.studies.harmonic_figures import against_amplitude, drifts, evolution, motions
-from damage.studies.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
-from damage.studies.results import Missing, load_results, variants
 from damage.units import GRAVITY
+from paper import figures as study_figures
+from paper.__main__ import main
+from paper.choices_figure import choices
+from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
+from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
+from paper.results import Missing, load_results, variants
 
 AMPLITUDES_G = (0.025, 0.05, 0.1)
 SCALES = (0.5, 1.0, 1.5, 2.0)
@@ -234,7 +234,7 @@ class TestRecords:
         other = tmp_path / "huizinge" / "MID1_N_synthetic_acc_m_s2.csv"
         other.parent.mkdir()
         other.write_text("0.0,1.0\n0.1,1.0\n")
-        monkeypatch.setattr("damage.studies.ida_figures.shipped_record_path", lambda: other)
+        monkeypatch.setattr("paper.ida_figures.shipped_record_path", lambda: other)
         with pytest.raises(Missing, match="MID1_N_synthetic_acc_m_s2.csv"):
             records(results, ida.points)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from test_new_contacts import DIAMETER
 
-from benchmarks.falls import INTERVAL_S, first_fall, in_reference, in_yade, speeds
-from benchmarks.overlaps import overlaps
 from damage.run.settings import RESTS_BELOW_M_S, RESTS_FOR_S
+from paper.falls import INTERVAL_S, first_fall, in_reference, in_yade, speeds
+from paper.overlaps import overlaps
 
 pytestmark = [pytest.mark.yade, pytest.mark.long]
 

@@ -131,7 +131,7 @@ def test_joints_that_soften_do_so_alike(tmp_path, yade_command, damage_command):
 
 @pytest.mark.long
 def test_a_cycle_dissipates_alike(tmp_path, yade_command, damage_command):
-    """The area of each loop, and friction with fracture in it, within 5 %; benchmarks/laboratory.py yade_cycles."""
+    """The area of each loop, and friction with fracture in it, within 5 %; paper/laboratory.py yade_cycles."""
     wall, found = tmp_path / "panel.py", {}
     wall.write_text(SOFT.format(repository=str(REPOSITORY)))
     words = [wall, "--cyclic", "0.1,0.2", "--cycles", 1, "--boundary", "fixed", "--speed", 5e-3, "--fibres", 16,

@@ -59,8 +59,8 @@ def conclude(out, ended):
         print("error: no study has a run for this solver; choose another", file=sys.stderr)
         return 2
     print("figures and verdict", flush=True)
-    drawn = run("-m", "damage", "figures", out, "--out", out / "figures", "--records", ROOT / "records")
-    judged = run("-m", "damage", "paper", out)
+    drawn = run("-m", "paper", "figures", out, "--out", out / "figures", "--records", ROOT / "records")
+    judged = run("-m", "paper", "verdict", out, "--markdown", out / "tables" / "verdict.md")
     for name, status in ended.items():
         if status != 0:
             print(f"study {name}: FAILED, status {status}; see the logs in {out / name / 'logs'}", file=sys.stderr)

@@ -36,7 +36,7 @@ from damage.files import plain_file, whole_or_nothing
 from damage.measure.tables import describe_table
 from damage.provenance import measures_digest
 from damage.run.options import OneLineParser, number_from
-from damage.studies.definition import load_study
+from damage.studies.definition import CONCLUSION, load_study
 from damage.studies.tables import runs_there
 
 LOCK_PATIENCE_S = 10.0
@@ -102,9 +102,10 @@ def conclude(study, folder):
     """Run the command that sums a whole study up, where it names one; returns the exit status."""
     if study.conclusion is None:
         return 0
-    document = folder / "tables" / f"{study.conclusion}.md"
-    print(f"{study.conclusion}: {document}", flush=True)
-    return subprocess.run([sys.executable, "-m", "damage", study.conclusion, str(folder), "--markdown", str(document)],
+    package, command = CONCLUSION.fullmatch(study.conclusion).groups()
+    document = folder / "tables" / f"{command}.md"
+    print(f"{command}: {document}", flush=True)
+    return subprocess.run([sys.executable, "-m", package, command, str(folder), "--markdown", str(document)],
                           env={**os.environ, "PYTHONPATH": python_path()}, check=False).returncode
 
 

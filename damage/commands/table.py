@@ -15,10 +15,10 @@ class Silence(io.StringIO):
     """A stream that discards its output."""
 
 
-def command(purpose, *arguments):
-    """Make a function the command of its name."""
+def command(purpose, *arguments, table=COMMANDS):
+    """Make a function the command of its name, in this table."""
     def keep(function):
-        COMMANDS[function.__name__.strip("_").replace("_", "-")] = function, purpose, arguments
+        table[function.__name__.strip("_").replace("_", "-")] = function, purpose, arguments
         return function
     return keep
 

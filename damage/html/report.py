@@ -14,7 +14,7 @@ from damage.history.reader import read_history
 from damage.html.charts import over_time, states_legend
 from damage.html.library import PAGE, plotly_code, plotly_version
 from damage.html.run_part import run_part
-from damage.html.study_part import figures, is_of_paper, runs_of, studies_below, study_part, verdict_of
+from damage.html.study_part import documents, figures, runs_of, studies_below, study_part
 from damage.html.tables import energy_balance, measures, parameters, versions
 from damage.index import THRESHOLD
 from damage.provenance import commit
@@ -114,10 +114,10 @@ def _worst(studies, most):
 
 
 def _of_folder(folder, studies):
-    """Figures and verdict of all studies below a folder; figures only where it is not a study itself."""
-    mine = [study for study in studies if study.is_relative_to(folder)]
-    return {"name": folder.resolve().name, "verdict": verdict_of(folder) if any(map(is_of_paper, mine)) else None,
-            "figures": {"embedded": [], "named": []} if folder in studies else figures(folder)}
+    """Figures and documents of a folder of studies, none where it is a study itself, whose part has them."""
+    if folder in studies:
+        return {"name": folder.resolve().name, "documents": [], "figures": {"embedded": [], "named": []}}
+    return {"name": folder.resolve().name, "documents": documents(folder), "figures": figures(folder)}
 
 
 def _title(runs, studies):

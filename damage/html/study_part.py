@@ -1,4 +1,4 @@
-"""Part of the page on a study: completeness, points and runs, figures, fragility and verdict."""
+"""Part of the page on a study: completeness, points and runs, figures, fragility, and documents made of its tables."""
 
 import base64
 import math
@@ -10,18 +10,14 @@ import numpy as np
 from matplotlib.image import imread
 
 from damage.errors import InputError
-from damage.files import shipped_files
 from damage.html.packing import as_png
 from damage.html.tables import COLUMNS as MEANING
 from damage.html.tables import cell, digits_of
 from damage.measure.columns import read_table, slip_criteria
-from damage.paper.report import overview_table
-from damage.paper.verdict import HOLDS, UNJUDGED, judge
 from damage.provenance import shown_path
 from damage.studies.definition import load_study
 from damage.studies.fragility import fit_all, fragility_table, load_runs
 from damage.studies.fragility_picture import fragility_pictures
-from damage.studies.results import NEEDED
 from damage.studies.states import leading
 
 COLUMNS = ("solver", "wall", "motion", "members", "status", "collapsed", "pga_g", "pgv_m_s", "max_DI", "residual_DI",
@@ -32,6 +28,10 @@ OFTEN_SHARED = ("solver", "wall", "motion", "members", "status", "collapsed")
 """Columns of which a value that all points share is shown once, above the table."""
 OF_POINTS = {"members": "how many runs the point has in its solver", "collapsed": "how many of them collapsed",
              "status": "complete when all its runs are"}
+NEEDED = ("point", "solver", "wall", "members")
+"""Columns that every table of points has."""
+MOST_DOCUMENT_MB = 1.0
+"""Largest size of a document that is shown."""
 MOST_FIGURES_MB = 3.0
 """Largest size of all embedded figures; others are listed by name."""
 REPLICATES = 200
@@ -79,7 +79,8 @@ def study_part(folder, letters):
             "folder": shown_path(folder), "shared": [(name, _cell(points.iloc[0], name)[0]) for name in shared],
             "first": said_first(folder, summary, points), "heads": heads,
             "rows": [_point(row, content, summary, letters) for _, row in points.iterrows()], "n_runs": len(summary),
-            "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder)}
+            "slip": " and ".join(slip_criteria(summary)), "figures": figures(folder), "fragility": _fragility(folder),
+            "documents": documents(folder)}
 
 
 def _about(folder):
@@ -171,8 +172,8 @@ def _embedded(path):
     try:
         height, width = imread(path).shape[:2]
     except (OSError, ValueError, SyntaxError) as error:
-        raise InputError(f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it again: "
-                         "python3 -m damage figures") from error
+        raise InputError(f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it "
+                         "again") from error
     return {"name": path.stem, "data": base64.b64encode(path.read_bytes()).decode("ascii"), "width": width,
             "height": height, "words": figure_words(path.stem)}
 
@@ -189,7 +190,7 @@ def figure_words(name):
     return f"Figure {name}"
 
 
-# --- fragility, verdict ------------------------------------------------------------------------------
+# --- fragility, documents ----------------------------------------------------------------------------
 
 def _fragility(folder):
     """Curves, figures and bounds of a study with scattered strengths, None of another."""
@@ -210,23 +211,7 @@ def _drawn(name, figure):
     return {"name": name, "data": as_png(figure), "width": width, "height": height, "words": figure_words(name)}
 
 
-def is_of_paper(folder):
-    """Whether the study in a folder is one that ships, by its name: the paper's statements are about their walls and
-    motions, and about no study of one's own."""
-    return _about(folder).get("name") in shipped_files("studies", ".toml")
-
-
-def verdict_of(folder):
-    """The paper's statements as the tables below a folder judge them: {"heads", "rows", "unjudged"}, and how many
-    outcomes there are; None where none can be judged."""
-    try:
-        findings = judge(folder)
-    except InputError:
-        return None
-    judged = [finding for finding in findings if finding.verdict != UNJUDGED]
-    if not judged:
-        return None
-    heads, rows = overview_table(findings)
-    shown = [row for row in rows if set(row[2:]) != {UNJUDGED}]
-    return {"heads": heads, "rows": shown, "unjudged": [row[0] for row in rows if row not in shown],
-            "n": len(findings), "n_judged": len(judged), "n_hold": sum(finding.verdict == HOLDS for finding in judged)}
+def documents(folder):
+    """[(name, text)] of the documents that programs made of a folder's tables, as `conclusion` of a study does."""
+    return [(path.stem, path.read_text(encoding="utf-8", errors="replace"))
+            for path in sorted((folder / "tables").glob("*.md")) if path.stat().st_size < MOST_DOCUMENT_MB * 1e6]

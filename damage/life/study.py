@@ -26,7 +26,7 @@ def write_study(folder, wall, address, options, lives):
                      "options": {"address": str((folder / f"{point}.address.toml").resolve()), **options},
                      "lives": lives})
     text = [f"# {lives} lives of {shown_path(wall_path(wall))}; written by python3 -m damage life",
-            'name = "lives"', 'pictures = "none"', 'conclusion = "lives"']
+            'name = "lives"', 'pictures = "none"', 'conclusion = "python3 -m damage lives"']
     for run in runs:
         words = ", ".join(f"{name} = {json.dumps(value)}" for name, value in run.pop("options").items())
         text += ["", "[[runs]]", *_toml(run).splitlines(), f"options = {{ {words} }}"]

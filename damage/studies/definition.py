@@ -52,7 +52,10 @@ RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--qui
 
 SOLVERS = ("yade", "reference")
 PICTURES = ("all", "none")
-CONCLUSIONS = ("readings", "combinations", "lives")
+CONCLUSION = re.compile(r"python3 -m (damage|paper) ([a-z][a-z-]*)")
+"""A command of this software; it gets the study's folder and `--markdown tables/NAME.md`."""
+_OLDER_CONCLUSIONS = {"readings": "python3 -m paper readings", "combinations": "python3 -m paper combinations",
+                      "lives": "python3 -m damage lives"}
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
 MOST_DOTS = 100
@@ -65,7 +68,7 @@ DEEPEST = 20
 KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
     "title": "one line for people", "pictures": "of single runs: all (default) or none",
-    "conclusion": "a command that sums the whole study up, as readings does the paper's claims",
+    "conclusion": "the command that sums the whole study up, as python3 -m damage lives",
     "states": "damage states of fragility curves, as [\"moderate: max_psi > 2\"]: columns of summary.csv and levels",
     "intensity": "column of summary.csv that fragility curves are fitted against",
     "runs": "points of the study, one table [[runs]] each",
@@ -165,9 +168,9 @@ class Study:
                              "since it names a folder; rename the study")
         if self.pictures not in PICTURES:
             raise InputError(f"{self.path}: pictures = {self.pictures!r}; expected {' or '.join(PICTURES)}; correct it")
-        if self.conclusion not in (None, *CONCLUSIONS):
-            raise InputError(f"{self.path}: conclusion = {self.conclusion!r}; expected {' or '.join(CONCLUSIONS)}; "
-                             "correct it, or leave it out")
+        if self.conclusion is not None and not CONCLUSION.fullmatch(str(self.conclusion)):
+            raise InputError(f"{self.path}: conclusion = {self.conclusion!r}; expected a command of this software, as "
+                             "python3 -m damage lives; correct it, or leave it out")
         if not self.of_both:
             raise InputError(f"{self.path}: no runs; expected at least one table [[runs]] or [[grid]]; add one")
         if not self.runs:
@@ -202,10 +205,15 @@ def load_study(path, solver="yade", root=None):
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
     study = Study(name=table.get("name"), title=str(table.get("title", "")), path=path,
                   runs=tuple(run for run, _ in chosen), of_both=tuple(run for run, _ in runs),
-                  pictures=table.get("pictures", "all"), conclusion=table.get("conclusion"))
+                  pictures=table.get("pictures", "all"), conclusion=_conclusion(table.get("conclusion")))
     for run, where in chosen:  # last, as each may read a record
         _try_options(run, where, root)
     return study
+
+
+def _conclusion(given):
+    """The command that sums a study up; files of an older version name it alone."""
+    return _OLDER_CONCLUSIONS.get(given, given) if isinstance(given, str) else given
 
 
 def _without_many_dots(text):

@@ -11,7 +11,7 @@ known exactly, tau_0 is 0, and the interval of a new median is Student's, mean +
 logarithms (A. Gelman and others, 2013, Bayesian Data Analysis, 3rd edition, section 3.2).  Otherwise two neighbouring
 intensities bound a record's median, and the likelihood holds no information on a tau that is much less than their
 distance in ln x.  So tau_0 is the standard deviation of a uniform distribution of that width, of the median record.
-The runs of a record count as independent.  `benchmarks/fragility_coverage.py` measures how often the interval holds.
+The runs of a record count as independent.  `paper/fragility_coverage.py` measures how often the interval holds.
 """
 
 from dataclasses import dataclass

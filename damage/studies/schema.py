@@ -8,7 +8,7 @@ and values make sense is for `load_study` to say, which every command calls.
 
 from damage.run.options import file_path, make_parser
 from damage.studies.definition import (
-    CONCLUSIONS,
+    CONCLUSION,
     ENTRY_KEYS,
     GRID_KEYS,
     ID,
@@ -34,7 +34,7 @@ def study_schema():
         "required": ["name"], "anyOf": [{"required": ["runs"]}, {"required": ["grid"]}],
         "properties": _described(KEYS, {
             "name": _identifier(), "title": {"type": "string"}, "pictures": {"enum": list(PICTURES)},
-            "conclusion": {"enum": list(CONCLUSIONS)},
+            "conclusion": {"type": "string", "pattern": f"^{CONCLUSION.pattern}$"},
             "states": {"type": "array", "items": {"type": "string", "pattern": ">"}}, "intensity": {"type": "string"},
             "runs": {"type": "array", "items": _entry(grid=False)},
             "grid": {"type": "array", "items": _entry(grid=True)}})}

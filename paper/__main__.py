@@ -1,0 +1,97 @@
+"""Commands about the source paper, from a clone: python3 -m paper COMMAND.  Figures, verdict, modelling choices."""
+
+from damage.start import begin, leave
+
+if __name__ == "__main__":
+    begin()  # before what takes its time to import
+
+import sys
+from functools import partial
+from pathlib import Path
+
+from damage.__main__ import guarded, parser_of
+from damage.commands.table import JSON, command, file_arg, out
+from damage.errors import InputError
+from damage.files import json_text, write_text
+
+COMMANDS = {}
+command = partial(command, table=COMMANDS)
+
+
+def main(arguments=None):
+    """Run one command; returns the exit status as `python3 -m damage` does."""
+    return guarded(lambda: _run(sys.argv[1:] if arguments is None else list(arguments)))
+
+
+def _run(arguments):
+    asked = parser_of(COMMANDS, "python3 -m paper", __doc__).parse_args(arguments)
+    return asked.command(asked) or 0
+
+
+@command("figures 6 to 12 of the source paper and crack maps from the results of studies",
+         file_arg("results", "RESULTS_DIR", "folder that holds the studies' folders, each with tables/points.csv"),
+         out("folder for the figures"),
+         file_arg("--records", "DIR", "folder of records that do not ship (default records)", default=Path("records")))
+def _figures(asked):
+    from paper.figures import make_figures
+    from paper.results import load_results
+
+    made = 0
+    for name, outcome in make_figures(load_results(asked.results, asked.records), asked.out):
+        if isinstance(outcome, str):
+            print(f"not made: {name}: {outcome}")
+            continue
+        made += 1
+        print(*outcome, sep="\n", flush=True)
+    if made == 0:
+        raise InputError(f"{asked.results} allows no figure; expected results of the studies harmonic or ida")
+
+
+@command("judge the paper's statements by the tables of studies",
+         file_arg("results", "RESULTS_DIR", "folder with studies below it"), JSON,
+         file_arg("--markdown", "FILE", "write the document, too"),
+         file_arg("--readme", "README.md", "renew the results between its markers, too"))
+def _verdict(asked):
+    from paper.report import as_json, as_markdown, describe, update_readme
+    from paper.verdict import judge
+
+    findings = judge(asked.results)
+    if asked.markdown:
+        write_text(asked.markdown, as_markdown(findings))
+    if asked.readme:
+        update_readme(findings, asked.readme)
+    print(json_text(as_json(findings), indent=2) if asked.json else describe(findings))
+
+
+@command("which modelling choices move the paper's claims, by the tables of the study readings",
+         file_arg("results", "RESULTS_DIR", "folder with the study below it"),
+         file_arg("--markdown", "FILE", "write the document, too"))
+def _readings(asked):
+    from paper.readings import as_markdown, conclusions, judge_readings, table
+
+    found = judge_readings(asked.results)
+    if asked.markdown:
+        write_text(asked.markdown, as_markdown(found))
+    print("\n".join([*table(found), "", *conclusions(found)]))
+
+
+@command("combined modelling choices by the paper's claims that they meet, by the tables of the study combinations",
+         file_arg("results", "RESULTS", "folder with the study below it"),
+         file_arg("--markdown", "FILE", "write the document, too"))
+def _combinations(asked):
+    from paper.combinations import (
+        as_markdown,
+        conclusions,
+        judge_combinations,
+        table_of_best,
+        table_of_effects,
+    )
+
+    found = judge_combinations(asked.results)
+    if asked.markdown:
+        write_text(asked.markdown, as_markdown(found))
+    print("\n".join([*conclusions(found), "", *table_of_best(found), "", *table_of_effects(found)]))
+
+
+if __name__ == "__main__":
+    leave(main())

@@ -1,0 +1,381 @@
+"""The tables of docs/validation/after-the-peak.md: laws of the joint one at a time and together, beside tested walls.
+
+    python3 paper/after_peak.py [--out DIR] [TABLE ...]
+
+TABLE: laws, prediction, cycles, about 25 minutes on one core; scatter, consequences, tail, as many again; all by
+default, in the reference solver.  Histories that are already in DIR are not run again.
+"""
+
+import contextlib
+import io
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+from unittest import mock
+
+import numpy as np
+import pandas as pd
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+from damage import brick_of_masonry, read_history
+from damage.laboratory.pushed import SPECIMENS, TESTS, read_test
+from damage.measure import pushed
+from damage.measure.energy import DISSIPATED
+from damage.measure.summary import summarise
+from damage.reference.session import BACKEND
+from damage.reference.together import run_references
+from damage.run.session import run_session
+from damage.wall import layout as layouts
+from damage.wall.file import load_wall
+from damage.wall.kinds import GROUND, HEAD
+from damage.wall.layout import lay_out
+from damage.wall.materials import MATERIALS
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import crushing_energy, softening_energies
+from paper.softening import main, print_row, print_table
+
+HELD = {"squat_tested": [], "comp2_4": ["--boundary", "fixed"], "comp2_1": ["--boundary", "fixed"],
+        "comp2_3": ["--boundary", "fixed"]}
+"""Wall -> how it is held."""
+SLIDES = ("squat_tested", "comp2_4")
+"""The walls whose tests failed in shear; the others rocked."""
+FARTHEST = {"squat_tested": 0.3, "comp2_4": 0.3, "comp2_1": 4.0, "comp2_3": 2.0}
+"""To which drift a wall is pushed [%]."""
+SPEED = {True: 4e-3, False: 2e-2}
+"""Speed of the top of a wall that slides, and of one that rocks [m/s]."""
+SLIDING, ROCKING_SPEED = ("0.005,0.01,0.025,0.05,0.1,0.15,0.2,0.25,0.3", 8e-3), 8e-2
+CYCLES = {"squat_tested": SLIDING, "comp2_4": SLIDING, "comp2_1": ("0.5,1,2,3,3.5", ROCKING_SPEED),
+          "comp2_3": ("0.25,0.5,0.75,1,1.5,2", ROCKING_SPEED)}
+"""Amplitudes [%], one cycle each, and speed [m/s]."""
+SCATTER = 0.35
+"""Coefficient of variation of the joints' strengths."""
+ALONG_COURSES = 0.4
+"""Correlation of the strengths of neighbouring bed joints of a course (Heffler, Stewart, Masia, Corrêa 2008)."""
+MODULUS = MATERIALS["sarhosis-2021"].young_modulus
+
+
+class Law(NamedTuple):
+    """energies: (G_I, G_II) [J/m2], None by the rule; crushes: by the tested strength and the rule for its fracture
+    energy; modulus: of the masonry [Pa], None as tested; scatter: coefficient of variation; of: function in place of
+    `layouts.scattered`."""
+
+    energies: tuple | None = None
+    crushes: bool = False
+    modulus: float | None = None
+    scatter: float = 0.0
+    of: object = None
+
+
+def weaker_heads(wall, contacts, *scatters, share=0.3, usual=layouts.scattered):
+    """Contacts whose head joints have 0.3 of the strengths."""
+    contacts = usual(wall, contacts, *scatters)
+    factor = np.where(contacts.kind == HEAD, share, 1.0)
+    return replace(contacts, tensile_strength=contacts.tensile_strength * factor, cohesion=contacts.cohesion * factor)
+
+
+def along_courses(wall, contacts, scatter, _):
+    """Contacts whose strengths are correlated along courses, and independent between them."""
+    variation, seed = scatter
+    table = pd.DataFrame({"first": np.maximum(contacts.first, GROUND), "second": contacts.second,
+                          "x": contacts.x, "z": contacts.z.round(4), "head": contacts.kind == HEAD})
+    number = table.groupby(["first", "second"], sort=False).ngroup()
+    joints = table.groupby(number)[["x", "z", "head"]].mean()
+    random, normal = np.random.default_rng(seed), np.zeros(len(joints))
+    for _, rows in joints.groupby(["head", "z"]):
+        apart = np.abs(np.subtract.outer(rows.x.to_numpy(), rows.x.to_numpy())) / (wall.brick.length / 2)
+        normal[rows.index] = np.linalg.cholesky(ALONG_COURSES**apart) @ random.standard_normal(len(rows))
+    spread = np.sqrt(np.log1p(variation**2))
+    factor = np.exp(spread * normal - spread**2 / 2)[number]
+    return replace(contacts, **{name: np.where(contacts.elastic, np.inf, getattr(wall.joint, name) * factor)
+                                for name in ("tensile_strength", "cohesion")})
+
+
+LAWS = {
+    "rule": Law(), "clay strong, 19/353 J/m²": Law((19.0, 353.0)), "head joints at 0.3": Law(of=weaker_heads),
+    "strengths scatter by 0.35": Law(scatter=SCATTER),
+    "... correlated along courses": Law(scatter=SCATTER, of=along_courses),
+    "crushing softens": Law(crushes=True)}
+ROCKING = ("crushing softens",)
+"""Laws of walls that rock; without crushing, and with plastic crushing: paper/split_and_crush.py."""
+PREDICTION = Law(crushes=True, modulus=MODULUS, scatter=SCATTER)
+SEEDS = (1, 2)
+
+
+def wall_by(name, law):
+    """The wall of a shipped file by a Law."""
+    wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
+    energies = softening_energies(wall.joint.tensile_strength) if law.energies is None else dict(
+        zip(("mode_i_fracture_energy", "mode_ii_fracture_energy"), law.energies))
+    if law.crushes:
+        energies["compressive_strength"] = strength = 1e6 * float(
+            pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name], "fm_c_MPa"])
+        energies["compressive_fracture_energy"] = crushing_energy(strength)
+    joint, brick = replace(wall.joint, **energies), wall.brick
+    if law.modulus:
+        brick = brick_of_masonry(law.modulus, joint, length=brick.length, height=brick.height,
+                                 thickness=brick.thickness)
+    return replace(wall, joint=joint, brick=brick)
+
+
+def run(bench, name, label, law, words, seed=1):
+    """The History of a wall by a Law."""
+    words = [*words, *HELD[name]]
+    if law.scatter:
+        words += ["--strength-cov", law.scatter, "--strength-seed", seed]
+    kept = "_".join([name, label, *(str(word).strip("-") for word in words)])
+    out = bench.folder / f"{''.join(c if c.isalnum() or c in '._-' else '-' for c in kept)}.h5"
+    if not (out.exists() and read_history(out).complete):
+        quiet = io.StringIO()
+        with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet), \
+                mock.patch.object(layouts, "scattered", law.of or layouts.scattered):
+            status = run_session(BACKEND, REPOSITORY / "walls" / f"{name}.py", lambda: wall_by(name, law), [
+                *map(str, words), "--out", str(out), "--overwrite", "--no-pictures"], prog="after_peak")
+        if status != 0:
+            sys.exit(f"{out.stem} failed\n{quiet.getvalue()[-2000:]}")
+    return read_history(out)
+
+
+def push(name):
+    """The words of a push of a wall."""
+    return ["--pushover", FARTHEST[name], "--speed", SPEED[name in SLIDES]]
+
+
+HEADS = ("wall", "law", "peak [kN]", "test", "secant [kN/mm]", "test", "bilinear [kN]", "test",
+         "mean force to the test's ultimate drift [kN]", "test", "left there [kN]", "test", "ultimate drift [%]",
+         "test", "friction [J]", "fracture [J]", "failure (on stairs)", "test")
+
+
+class Curves(NamedTuple):
+    """What a run says beside its test, means over the directions of loading: forces [N], stiffness [N/m], drifts [-].
+
+    mean: force averaged up to the test's ultimate drift, and left: force there, NaN where the run did not go so far;
+    farthest: the drift that was reached; shares: of `pushed.mode_shares` up to the ultimate drift."""
+
+    peak: float
+    stiffness: float
+    bilinear: float
+    mean: float
+    left: float
+    ultimate: float
+    farthest: float
+    shares: dict
+
+    @property
+    def never_ended(self):
+        """Whether the force was 0.8 of the peak or more to the end."""
+        return self.ultimate > 0.99 * self.farthest
+
+
+def curves_of(name, history):
+    """The Curves of a run."""
+    reached, height = float(np.mean(read_test(SPECIMENS[name]).ultimate_drift)), history.attributes["drift_height_m"]
+    curves = [pushed.capacity_curve(history, sign) for sign in ((1, -1) if history.loading.cycles else (1,))]
+    if not history.loading.cycles:
+        curves = [pushed.averaged(curve, float(curve["drift_ratio"].max()) / 200) for curve in curves]
+    lines = [pushed.bilinear(curve, height) for curve in curves]
+    far = min(curve["drift_ratio"].max() for curve in curves)
+    of_lines = {key: float(np.mean([line[key] for line in lines])) for key in lines[0]}
+    there = np.mean([(pushed.mean_force(curve, reached), np.interp(reached, curve["drift_ratio"], curve["force_n"]))
+                     for curve in curves], axis=0) if far >= 0.99 * reached else (np.nan, np.nan)
+    return Curves(float(np.mean([curve["force_n"].max() for curve in curves])), of_lines["stiffness_n_per_m"],
+                  of_lines["force_n"], *there, of_lines["ultimate_drift"], float(far),
+                  pushed.mode_shares(history, until=of_lines["ultimate_drift"]))
+
+
+def tested_curves(name):
+    """The Curves of a test, whose force at its ultimate drift is 0.8 of the peak."""
+    test = read_test(SPECIMENS[name])
+    mean = np.mean([energy / drift / test.height for energy, drift in zip(test.energy_j, test.ultimate_drift)])
+    peak, ultimate = np.mean(test.peak_force_n), np.mean(test.ultimate_drift)
+    return Curves(peak, np.mean(test.stiffness_n_per_m), np.mean(test.bilinear_force_n), mean,
+                  pushed.ULTIMATE_SHARE * peak, ultimate, np.inf, {"mode": test.mode})
+
+
+def row(label, name, history):
+    """A run beside its test, both as means over the directions of loading."""
+    found, tested = curves_of(name, history), tested_curves(name)
+    lost, cells = history.series[list(DISSIPATED[:2])].iloc[-1], []
+    for key, unit in (("peak", 1e3), ("stiffness", 1e6), ("bilinear", 1e3), ("mean", 1e3), ("left", 1e3)):
+        cells += [f"{getattr(curves, key) / unit:.1f}" if np.isfinite(getattr(curves, key)) else "-"
+                  for curves in (found, tested)]
+    ultimate = f"over {100 * found.ultimate:.2f}" if found.never_ended else f"{100 * found.ultimate:.3f}"
+    print_row(SPECIMENS[name], label, *cells, ultimate, f"{100 * tested.ultimate:.2f}",
+              f"{lost.iloc[0]:.0f}", f"{lost.iloc[1]:.0f}",
+              f"{found.shares['mode']} ({100 * found.shares['stair_share']:.0f} %)", tested.shares["mode"])
+
+
+def laws(bench):
+    """Pushes by one law at a time."""
+    print_table(*HEADS)
+    for name in HELD:
+        for label, law in LAWS.items():
+            if (name in SLIDES) != (label in ROCKING):
+                row(label, name, run(bench, name, label, law, push(name)))
+
+
+def prediction(bench):
+    """Pushes by the prediction, with several draws of the strengths."""
+    print_table(*HEADS)
+    for name in HELD:
+        for seed in SEEDS:
+            row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, push(name), seed))
+
+
+def cycles(bench):
+    """Cycles by the prediction, and of the first wall by the rule."""
+    print_table(*HEADS)
+    for name, (amplitudes, speed) in CYCLES.items():
+        words = ["--cyclic", amplitudes, "--cycles", 1, "--speed", speed]
+        for label, law in {"prediction": PREDICTION, **({"rule": LAWS["rule"]} if name == SLIDES[0] else {})}.items():
+            row(label, name, run(bench, name, label, law, words))
+
+
+# --- draws of the strengths ------------------------------------------------------------------------
+
+DRAWS = 32
+DRAWN_FAR, DRAWN_SPEED, DRAWN_STEP = 0.26, 8e-3, 0.6
+"""To which drift walls are pushed with drawn strengths [%], how fast [m/s], and the share of the critical step: four
+times as fast as `prediction`, whose draws 1 and 2 are the same."""
+WALL_FILE = '''"""{name} by the prediction."""
+
+from paper.after_peak import PREDICTION, wall_by
+
+
+def wall():
+    return wall_by({name!r}, PREDICTION)
+'''
+
+
+def together(bench, runs):
+    """Histories of runs that advance eight at a time; runs: {name: [wall file, words, ...]}."""
+    paths = {name: bench.folder / f"{name}.h5" for name in runs}
+    lines = [(name, [words[0], *map(str, words[1:]), "--out", str(paths[name]), "--overwrite", "--no-pictures",
+                     "--quiet"])
+             for name, words in runs.items() if not (paths[name].exists() and read_history(paths[name]).complete)]
+    quiet = io.StringIO()
+    with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
+        failed = [name for name, status in run_references(iter(lines)) if status != 0]
+    if failed:
+        sys.exit(f"{', '.join(failed)} failed\n{quiet.getvalue()[-2000:]}")
+    return {name: read_history(path) for name, path in paths.items()}
+
+
+def scatter(bench):
+    """Pushes of the walls that slide by the prediction, over draws of the strengths."""
+    print_table("wall", "quantity", "test", "median", "5 % quantile", "95 % quantile", "smallest", "largest",
+                "draws for the median within 5 %")
+    for name in SLIDES:
+        path = bench.folder / f"{name}_prediction.py"
+        path.write_text(WALL_FILE.format(name=name))
+        step = DRAWN_STEP * natural_modes(lay_out(wall_by(name, PREDICTION)), 1).critical_time_step_s
+        histories = together(bench, {f"{name}_draw_{seed}": [
+            str(path), "--pushover", DRAWN_FAR, "--speed", DRAWN_SPEED, "--dt", f"{step:.4e}", *HELD[name],
+            "--strength-cov", SCATTER, "--strength-seed", seed] for seed in range(1, DRAWS + 1)})
+        draws, tested = [curves_of(name, history) for history in histories.values()], tested_curves(name)
+        for label, key, unit, digits in (("peak [kN]", "peak", 1e3, 1), ("bilinear [kN]", "bilinear", 1e3, 1),
+                                         ("mean force to the test's ultimate drift [kN]", "mean", 1e3, 1),
+                                         ("left there [kN]", "left", 1e3, 1),
+                                         ("ultimate drift [%]", "ultimate", 0.01, 3)):
+            values = np.array([getattr(draw, key) for draw in draws]) / unit
+            shown = [getattr(tested, key) / unit, *np.quantile(values, (0.5, 0.05, 0.95)), values.min(), values.max()]
+            print_row(SPECIMENS[name], label, *(f"{value:.{digits}f}" for value in shown), enough(values))
+        within = [[abs(getattr(draw, key) / getattr(tested, key) - 1) <= 0.15 for draw in draws]
+                  for key in ("peak", "bilinear", "mean")]
+        for label, hits in (
+                ("peak within 15 %", within[0]), ("bilinear force within 15 %", within[1]),
+                ("mean force within 15 %", within[2]),
+                ("last to two thirds of the test's drift", [draw.ultimate > tested.ultimate / 1.5 for draw in draws]),
+                ("keep 0.8 of the peak to the end", [draw.never_ended for draw in draws]),
+                ("fail on stairs", [draw.shares["mode"] == "shear, diagonal" for draw in draws])):
+            print_row(SPECIMENS[name], label, "", f"{sum(hits)} of {DRAWS}", *[""] * 5)
+
+
+def enough(values):
+    """Number of draws whose median's standard error, 1.25 s / sqrt(n), is a fortieth of it: 5 % at 95 % confidence."""
+    return int(np.ceil((1.2533 * np.std(values, ddof=1) / (0.025 * np.median(values))) ** 2))
+
+
+# --- damage ----------------------------------------------------------------------------------------
+
+MEMBERS = 4
+BGAR = ["--record", str(REPOSITORY / "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"), "--window", 17.5, 20.5,
+        "--rest", 0.5]
+MOTIONS = {"0.2 s, 0.05 g": ["--harmonic", 0.2, 0.05, "--rest", 0.5], "BGAR x 1": BGAR,
+           "BGAR x 2": [*BGAR, "--scale", 2], "BGAR x 1, twice": [*BGAR, "--sequence", "1,1"]}
+HARD = ["--harmonic", 0.1, 0.3, "--cycles", 5, "--rest", 0.5]
+EQUAL = 1e-3
+"""Coefficient of variation of strengths that are as good as equal: chance alone."""
+CRUSHES = 6.2e6
+"""Of COMP1_3's masonry [Pa], the wall by which the paper validates this material."""
+JOINTS = {"brittle": (False, EQUAL, False), "brittle, strengths scatter": (False, SCATTER, False),
+          "softening": (True, EQUAL, False), "softening, strengths scatter, crushing": (True, SCATTER, True)}
+"""Name -> whether the bond softens, coefficient of variation of the strengths, whether toes crush and soften."""
+SHAKEN_FILE = '''"""A wall with other joints."""
+
+from dataclasses import replace
+
+from damage.wall.file import load_wall
+from damage.wall.kinds import GROUND, HEAD
+from damage.wall.layout import lay_out
+
+
+def wall():
+    one = load_wall({path!r})
+    return replace(one, joint=replace(one.joint, **{changes!r}))
+'''
+
+
+def members(bench, wall, label, motions, number):
+    """{motion: [summary of each member]} of a wall with some of JOINTS; motions: {name: words}."""
+    softens, variation, crushes = JOINTS[label]
+    path = REPOSITORY / "walls" / f"{wall}.py"
+    changes = softening_energies(load_wall(path).joint.tensile_strength) if softens else {}
+    if crushes:
+        changes |= {"compressive_strength": CRUSHES, "compressive_fracture_energy": crushing_energy(CRUSHES)}
+    kept = "".join(c if c.isalnum() else "-" for c in f"{wall}-{label}")
+    file = bench.folder / f"{kept}.py"
+    file.write_text(SHAKEN_FILE.format(path=str(path), changes=changes))
+    histories = together(bench, {f"{kept}_{''.join(c if c.isalnum() else '-' for c in motion)}_{seed}": [
+        str(file), *words, "--strength-cov", variation, "--strength-seed", seed]
+        for motion, words in motions.items() for seed in range(1, number + 1)})
+    found = [summarise(history) for history in histories.values()]
+    return {motion: found[k * number:(k + 1) * number] for k, motion in enumerate(motions)}
+
+
+def measures(found):
+    """{name: values of the members} of summaries."""
+    return {"max DI": [one["max"]["DI"] for one in found], "residual DI": [one["residual"]["DI"] for one in found],
+            "largest offset [mm]": [one["max_offset_mm"] for one in found], "Psi": [one["max_psi"] for one in found],
+            "max drift [%]": [100 * one["max_drift_ratio"] for one in found]}
+
+
+def consequences(bench):
+    """The symmetric wall shaken, by joint law: medians of members, and their range."""
+    print_table("joints", "motion", *measures([]), "crushed [m]", "stand")
+    for label in JOINTS:
+        for motion, found in members(bench, "symmetric", label, MOTIONS, MEMBERS).items():
+            crushed = np.median([one["crushed_length_m"] for one in found])
+            standing = sum(one["collapsed_at_s"] is None for one in found)
+            print_row(label, motion, *(f"{np.median(of):.2g} ({min(of):.2g} to {max(of):.2g})"
+                                       for of in measures(found).values()), f"{crushed:.2g}",
+                      f"{standing} of {MEMBERS}")
+
+
+def tail(bench):
+    """The solid wall under a hard motion, equal strengths: quantiles of members."""
+    print_table("joints", "quantity", "median", "5 % quantile", "95 % quantile", "smallest", "largest")
+    for label in ("brittle", "softening"):
+        (found,) = members(bench, "solid", label, {"hard": HARD}, DRAWS).values()
+        for name, values in measures(found).items():
+            shown = [*np.quantile(values, (0.5, 0.05, 0.95)), min(values), max(values)]
+            print_row(label, name, *(f"{value:.2g}" for value in shown))
+
+
+TABLES = {table.__name__: table for table in (laws, prediction, cycles, scatter, consequences, tail)}
+
+
+if __name__ == "__main__":
+    main(TABLES, TABLES, "results/after_peak", __doc__)

@@ -1,0 +1,76 @@
+"""Joints that break in the rest after a motion: a table of docs/paper/open-points.md.
+
+    python3 paper/bouncing_caps.py [--out DIR]
+
+walls/symmetric.py in the reference solver, two cycles of 0.2 s and 0.075 g and 3 s of rest, with smaller steps, with
+damping, with other masses on top.  Histories that are already in DIR are not run again.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+import numpy as np
+
+from damage import read_history
+from damage.reference.session import run_reference
+
+MOTION = ["--harmonic", "0.2", "0.075", "--cycles", "2", "--rest", "3"]
+VARIANTS = {"as shipped": [], "half the step": ["--dt", "1.5e-5"], "a quarter of it": ["--dt", "0.75e-5"],
+            "β 1e-6 s": ["--beta", "1e-6"], "0.2 % at 5 and 20 Hz": ["--rayleigh", "0.002", "5", "20"],
+            "1 % at 5 and 20 Hz": ["--rayleigh", "0.01", "5", "20"], "mass spread": ["--top", "uniform"],
+            "loading beam": ["--top", "beam"]}
+LATE_S, END_S = 1.0, 3.4
+BREAKS = ("tension", "shear")
+
+
+def run(name, words, folder):
+    """The History of a variant, from `folder` if it is there."""
+    history = folder / f"{name.replace(' ', '_').replace('%', 'percent')}.h5"
+    if not (history.exists() and read_history(history).complete):
+        run_reference([str(REPOSITORY / "walls" / "symmetric.py"), *MOTION, *words, "--out", str(history),
+                       "--overwrite", "--no-pictures", "--quiet"])
+    return read_history(history)
+
+
+def frequency_hz(time_s, value):
+    """Of the largest part of a vibration over 15 Hz, where caps bounce."""
+    step_s = np.median(np.diff(time_s))
+    even = np.interp(np.arange(time_s[0], time_s[-1], step_s), time_s, value - value.mean())
+    size, frequency = np.abs(np.fft.rfft(even * np.hanning(len(even)), 8192)), np.fft.rfftfreq(8192, step_s)
+    return frequency[frequency > 15][np.argmax(size[frequency > 15])]
+
+
+def row_of(name, history):
+    """Breaks early and late, swing of gravity's energy, its frequency, and breaks while it is above zero."""
+    series, events = history.series, history.events
+    breaks = events[events["kind"].isin(BREAKS) & (events["time_s"] <= END_S)]
+    late = breaks[breaks["time_s"] > LATE_S]
+    time_s, gravity_j = (series[one].to_numpy() for one in ("time_s", "gravity_energy_j"))
+    rest = (time_s > LATE_S) & (time_s <= END_S)
+    above = (np.interp(late["time_s"], time_s, gravity_j) > 0).mean() if len(late) else np.nan
+    sway = series["top_displacement_m"].to_numpy()
+    return [name, len(breaks) - len(late), len(late), f"{gravity_j[rest].min():.0f} to {gravity_j[rest].max():.0f}",
+            f"{frequency_hz(time_s[rest], gravity_j[rest]):.1f}", f"{1e3 * np.ptp(sway[rest]) / 2:.2f}",
+            f"{above:.0%}" if len(late) >= 10 else "-", f"{(gravity_j[rest] > 0).mean():.0%}"]
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=Path("results/bouncing_caps"), metavar="DIR")
+    asked = parser.parse_args(arguments)
+    asked.out.mkdir(parents=True, exist_ok=True)
+    heads = ["variant", f"joints' breaks up to {LATE_S:g} s", f"from then to {END_S:g} s",
+             "swing of gravity's energy then [J]", "at [Hz]", "sway [mm]", "late breaks with caps above rest",
+             "of the time they are"]
+    print("| " + " | ".join(heads) + " |\n" + "| --- " * len(heads) + "|")
+    for name, words in VARIANTS.items():
+        print("| " + " | ".join(map(str, row_of(name, run(name, words, asked.out)))) + " |", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,140 @@
+"""Falls of one wall in both solvers: when the first brick fell, since when the heap rests, overlaps, and a picture.
+
+    python3 paper/falls.py --out docs/pictures/heaps.png        # a small dry spandrel, minutes
+    W="walls/symmetric.py --lintel none --harmonic 0.2 0.1 --new-contacts --after-fall --no-pictures"
+    ./yade $W --out yade.h5; python3 -m damage reference $W --out reference.h5
+    python3 paper/falls.py yade.h5 reference.h5 --out heaps.png
+
+The first brick has fallen once it is lower by half its height, by snapshots 10 ms (spandrel) or 20 ms apart,
+interpolated.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from types import SimpleNamespace
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import PolyCollection
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from damage.draw import style
+from damage.errors import InputError
+from damage.history.reader import read_history
+from damage.run.settings import RESTS_BELOW_M_S
+from damage.run.watch import fastest_fallen, lowest_places
+from damage.wall.geometry import body_corners, body_table
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Joint, Opening, Wall
+from paper.overlaps import overlaps
+from yade_scripts import COMMAND
+
+SECONDS, INTERVAL_S = 3.0, 0.01
+"""Of the spandrel: how long it is followed, and how often it is looked at [s]."""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("histories", nargs="*", metavar="FILE.h5")
+    parser.add_argument("--out", metavar="FILE.png", required=True)
+    options = parser.parse_args()
+    try:
+        falls = [of_history(read_history(path)) for path in options.histories] or [in_yade(), in_reference()]
+    except InputError as error:
+        sys.exit(f"error: {error}")
+    for fall in falls:
+        print(f"{fall.solver}: first brick falls at {first_fall(fall):.4f} s, all rest since "
+              f"{rests_since(fall):.2f} s; "
+              "largest overlaps: "
+              + ", ".join(f"{what} {1e3 * depth:.2f} mm" for what, depth in overlaps(fall).items()))
+    heaps(falls).savefig(options.out, dpi=130)
+
+
+def fall_of(solver, layout, at, motion, energy_j=None):
+    """A wall that falls: solver; layout; bodies as of `body_table`; at: (n,) [s]; displacement: (n, n_bodies, 3);
+    energy_j: (n,) elastic, kinetic and of gravity, or None."""
+    return SimpleNamespace(solver=solver, layout=layout, bodies=body_table(layout), at=np.asarray(at),
+                           displacement=np.asarray(motion, float), energy_j=energy_j)
+
+
+def of_history(history):
+    layout = lay_out(Wall.from_dict(history.parameters["wall"]), history.model)
+    return fall_of(history.solver, layout, history.snapshot_time_s, history.displacement)
+
+
+def spandrel():
+    """Layout of three dry courses over an opening without a lintel, as in tests/yade_checks/fallen_wall.py."""
+    joint = Joint(tensile_strength=0.0, cohesion=0.0)
+    return lay_out(Wall("spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=joint),
+                   ModelOptions(lintel="none"))
+
+
+def in_yade():
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "fall.npz"
+        subprocess.run([*COMMAND, ROOT / "tests/yade_checks/fallen_wall.py", "interior", str(SECONDS), out], check=True,
+                       stdout=subprocess.DEVNULL)
+        with np.load(out) as found:
+            return fall_of("yade", spandrel(), found["time_s"], found["place"], found["energy_j"])
+
+
+def in_reference(seconds=SECONDS):
+    from damage.reference.solver import ReferenceSolver
+
+    layout = spandrel()
+    wall = ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True)
+    at, motion = [0.0], [wall.displacement]
+    while at[-1] < seconds:
+        wall.run(round(INTERVAL_S / wall.time_step))
+        at.append(wall.step * wall.time_step)
+        motion.append(wall.displacement)
+    return fall_of("reference", layout, at, motion)
+
+
+def first_fall(fall):
+    """When the first brick is lower by half its height [s]."""
+    lowest = lowest_places(fall.layout)
+    over = (fall.displacement[:, :len(lowest), 1] - lowest).min(axis=1)
+    after = int(np.argmax(over < 0))
+    return float(np.interp(0.0, -over[after - 1:after + 1], fall.at[after - 1:after + 1]))
+
+
+def speeds(fall):
+    """Of the fastest fallen brick between one instant and the next, (n - 1,) [m/s]."""
+    return np.array([fastest_fallen(fall.layout, now, before, interval) for now, before, interval in zip(
+        fall.displacement[1:], fall.displacement, np.diff(fall.at))])
+
+
+def rests_since(fall):
+    """Since when all fallen bricks are at rest [s]."""
+    return fall.at[1 + np.flatnonzero(speeds(fall) > RESTS_BELOW_M_S)[-1]]
+
+
+@style.styled
+def heaps(falls):
+    """Figure of the heaps at the last instants, side by side in true scale, over the outlines of the wall."""
+    figure, axes = plt.subplots(1, len(falls), figsize=(2 * style.COLUMN_WIDTH, 0.62 * style.COLUMN_WIDTH), sharey=True)
+    for ax, fall in zip(axes, falls):
+        caps = fall.bodies["course"].to_numpy() < 0
+        before, now = (body_corners(fall.bodies, motion) for motion in (0 * fall.displacement[-1],
+                                                                         fall.displacement[-1]))
+        for corners, face, edge in ((before, "none", "0.85"), (now[~caps], style.BRICK_COLOUR, style.DARK),
+                                    (now[caps], style.CAP_COLOUR, style.DARK)):
+            ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=0.4))
+        ax.axhline(0, color=style.DARK, lw=0.6)
+        ax.set(aspect="equal", xlim=(before[..., 0].min() - 0.1, before[..., 0].max() + 0.1), xlabel="x [m]",
+               ylim=(-0.05, before[..., 1].max() + 0.05), title=f"{fall.solver}, {fall.at[-1]:.1f} s")
+    axes[0].set_ylabel("z [m]")
+    figure.tight_layout()
+    return figure
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,148 @@
+"""The tables of docs/validation/laboratory.md: all tested walls by all laws of the joint, beside the tests.
+
+    python3 paper/laboratory.py [--out DIR] [TABLE ...]
+
+TABLE: laws, cycles; both by default, in the reference solver, about half an hour on one core.  And yade: pushes and a
+short cycle in both solvers, half an hour or so; yade_cycles: what cycles dissipate in both.  Histories that are already
+in DIR are not run again.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY))
+
+from damage.laboratory.pushed import SPECIMENS, read_test
+from damage.measure import pushed
+from damage.measure.energy import DISSIPATED
+from damage.measure.summary import summarise
+from paper.softening import main, print_row, print_table
+
+WALLS = {"squat_tested": (0.3, []), "comp2_1": (0.3, ["--boundary", "fixed"]),
+         "comp2_3": (0.3, ["--boundary", "fixed"]), "comp2_4": (0.3, ["--boundary", "fixed"])}
+"""Wall -> the drift to which it is pushed [%], and how it is held."""
+LAWS = {"rule, tested c and φ": "rule", "5/50, calibrated": "5/50", "11/209, clay": "11/209", "brittle": "brittle",
+        "paper's joints, brittle": "paper"}
+"""What a table calls a case, and what the bench does."""
+CLAY_MODULUS = 4850e6
+"""Of masonry [Pa], at which the clay walls have the measured stiffness: COMP2_4's."""
+SLOW, QUICK = ["--speed", 2e-3], ["--speed", 1e-2]
+CYCLES = ["--cyclic", "0.025,0.05,0.1,0.2,0.3", "--cycles", 1, "--speed", 5e-3]
+
+
+def row(history, wall, law):
+    """One wall by one law beside its test."""
+    test, found, shares = read_test(SPECIMENS[wall]), summarise(history), pushed.mode_shares(history)
+    line = pushed.bilinear(pushed.envelope(history), history.attributes["drift_height_m"])
+    crack, most = pushed.drift_at_first_crack(history), float(history.series["drift_ratio"].abs().max())
+    fell = line["ultimate_drift"] < 0.99 * most
+    peak, measured = found["peak_force_n"], float(np.mean(test.peak_force_n))
+    print_row(f"{test.specimen}", law, f"{peak / 1e3:.1f}", f"{100 * (peak / measured - 1):+.0f} %",
+              f"{found['secant_stiffness_n_per_m'] / 1e6:.0f}",
+              f"{100 * (found['secant_stiffness_n_per_m'] / np.mean(test.stiffness_n_per_m) - 1):+.0f} %",
+              f"{shares['mode']} ({100 * shares['stair_share']:.0f} %)", test.mode,
+              f"{100 * crack:.4f}" if crack else "-", f"{100 * test.first_crack:.4f}" if test.first_crack else "-",
+              f"{100 * line['ultimate_drift']:.3f}" if fell else f"over {100 * most:.2f}",
+              " / ".join(f"{100 * drift:.2f}" for drift in test.ultimate_drift))
+
+
+HEADS = ("wall", "joints", "peak [kN]", "to the test", "secant [kN/mm]", "to the test", "failure (on stairs)", "test",
+         "first crack at [%]", "test", "80 % of the peak left at [%]", "test")
+
+
+def laws(bench):
+    """All walls by all laws, pushed over at 2 mm/s."""
+    print_table(*HEADS)
+    for wall, (drift, held) in WALLS.items():
+        words = ["--pushover", drift, *held, *SLOW]
+        for label, case in LAWS.items():
+            row(bench.run(wall, case, words), wall, label)
+        if wall.startswith("comp"):
+            row(bench.run(wall, "rule", words, CLAY_MODULUS), wall, "rule, E 4.85 GPa")
+
+
+def cycles(bench):
+    """Full cycles, one at each amplitude, at 5 mm/s, by the rule."""
+    print_table("wall", "amplitude [%]", "drift [%]", "force [kN]", "dissipated [J]", "equivalent damping",
+                "DI at both ends", "DI_open", "DI_slip")
+    for wall, (_, held) in WALLS.items():
+        cycle_rows(wall, bench.run(wall, "rule", [*CYCLES, *held]))
+
+
+def cycle_rows(label, history):
+    for cycle in pushed.cycles_table(history).to_dict("records"):
+        pairs = [f"{cycle[f'{name}_at_max']:.3f}, {cycle[f'{name}_at_min']:.3f}"
+                 for name in ("DI", "DI_open", "DI_slip")]
+        print_row(label, f"{cycle['amplitude_pct']:g}", f"{cycle['max_drift_pct']:.3f}, {cycle['min_drift_pct']:.3f}",
+                  f"{cycle['max_force_kn']:.1f}, {cycle['min_force_kn']:.1f}", f"{cycle['dissipated_j']:.0f}",
+                  f"{cycle['equivalent_damping']:.2f}", *pairs)
+
+
+def yade(bench):
+    """Pushes at 10 mm/s by the rule in both solvers, with YADE's fibres and damping, and a cycle of 0.05 %."""
+    print_table("wall", "solver", *HEADS[2:])
+    alike = ["--relaxation", "local"]
+    for wall, (_, held) in WALLS.items():
+        words = ["--pushover", 0.12, *held, *QUICK, "--fibres", 16]
+        for solver, history in (("reference", bench.run(wall, "rule", [*words, *alike])),
+                                ("YADE", bench.run_in_yade(wall, "rule", words))):
+            row(history, wall, solver)
+    words = ["--cyclic", "0.05", "--cycles", 1, *QUICK, "--fibres", 16]
+    cycled = {"squat_tested, reference": bench.run("squat_tested", "rule", [*words, *alike]),
+              "squat_tested, YADE": bench.run_in_yade("squat_tested", "rule", words)}
+    print_table("wall, solver", "amplitude [%]", "drift [%]", "force [kN]", "dissipated [J]", "equivalent damping",
+                "DI at both ends", "DI_open", "DI_slip")
+    for label, history in cycled.items():
+        cycle_rows(label, history)
+
+
+IN_BOTH = {"squat_tested": ("COMP1_3", "0.05", QUICK), "small_wall": ("small wall", "0.1,0.2,0.4", [])}
+"""Wall -> what a table calls it, amplitudes of its cycles [%], and their speed."""
+
+
+PERTURBED = 5
+"""Runs in the reference solver whose bricks start off by 1e-9 m, as a measure of chance."""
+
+
+def yade_cycles(bench):
+    """What walls dissipate in each cycle in both solvers, by the rule, as 16 fibres: in all, and in joints."""
+    print_table("wall", "solver", "amplitude [%]", "force [kN]", "loop [J]", "YADE to reference",
+                "friction and fracture [J]", "YADE to reference", "of it fracture [J]")
+    for wall, (label, amplitudes, speed) in IN_BOTH.items():
+        words = ["--cyclic", amplitudes, "--cycles", 1, *WALLS.get(wall, (0, ["--boundary", "fixed"]))[1], *speed,
+                 "--fibres", 16]
+        alike = [*words, "--relaxation", "local"]
+        reference = by_cycle(bench.run(wall, "rule", alike))
+        yade = by_cycle(bench.run_in_yade(wall, "rule", words))
+        perturbed = [by_cycle(bench.run(wall, "rule", [*alike, "--perturb", 1e-9, "--seed", seed]))
+                     for seed in range(1, PERTURBED + 1)]
+        for cycles in zip(reference, yade, *perturbed):
+            for solver, (cycle, in_joints, fracture) in zip(("reference", "YADE"), cycles):
+                (first, joints, _), loop = cycles[0], cycle["dissipated_j"]
+                more = [f"{100 * (here / there - 1):+.1f} %" if solver == "YADE" else ""
+                        for here, there in ((loop, first["dissipated_j"]), (in_joints, joints))]
+                print_row(label, solver, f"{cycle['amplitude_pct']:g}",
+                          f"{cycle['max_force_kn']:.1f}, {cycle['min_force_kn']:.1f}", f"{loop:.1f}", more[0],
+                          f"{in_joints:.1f}", more[1], f"{fracture:.2f}")
+            values = zip(*((one["dissipated_j"], in_joints, fracture) for one, in_joints, fracture in cycles[2:]))
+            loop, in_joints, fracture = (f"{min(of):.{digits}f} to {max(of):.{digits}f}"
+                                         for of, digits in zip(values, (1, 1, 2)))
+            print_row(label, f"reference, {PERTURBED} perturbed", f"{cycle['amplitude_pct']:g}", "", loop, "",
+                      in_joints, "", fracture)
+
+
+def by_cycle(history):
+    """[(row of `pushed.cycles_table`, dissipated by friction and fracture, by fracture [J]), ...] of the cycles."""
+    lost = history.series[list(DISSIPATED[:2])].to_numpy()[pushed.cycle_edges(history)]
+    return [(cycle, float(both.sum()), float(both[1]))
+            for cycle, both in zip(pushed.cycles_table(history).to_dict("records"), np.diff(lost, axis=0))]
+
+
+TABLES = {table.__name__: table for table in (laws, cycles, yade, yade_cycles)}
+
+
+if __name__ == "__main__":
+    main(TABLES, ("laws", "cycles"), "results/laboratory", __doc__)

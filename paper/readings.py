@@ -1,0 +1,149 @@
+"""Sensitivity of the paper's claims to modelling choices that its text leaves open, one at a time.
+
+A reading is the model as it is by default but for one choice; `studies/readings.toml` runs them, on the symmetric wall
+whole, on the others what the claims about them need.  Criteria are those of the verdict.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from damage.errors import InputError
+from damage.measure.columns import CRITERIA
+from paper.evidence import ANY_STEP, SOFTENS, Evidence, comparable, exactly, gather, load_runs
+from paper.verdict import DIFFERS, HOLDS, UNJUDGED, judge_with, shipped_records
+
+SOLVER = "reference"
+LETTERS = {"displacement": "d", "accumulated": "a", "shear-limit": "s"}
+"""What a cell has for a criterion of slip by which the claim holds."""
+OTHER_PERIOD = 0.01
+"""Share within which the period of an intact wall is the one that a reading asks for."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """words: what is chosen; lintel; cycles of the harmonic motions; changes: {column: function of it that says which
+    runs have the choice} over `paper.evidence.USUAL`."""
+
+    words: str
+    lintel: str = "elastic"
+    cycles: int = 3
+    changes: dict[str, Callable] = field(default_factory=dict, hash=False)
+
+
+def _symmetric_of(period_s):
+    return exactly(wall="symmetric") | {
+        "eigen_period_s": lambda found_s: (found_s / period_s - 1).abs() <= OTHER_PERIOD}
+
+
+READINGS = (
+    Reading("by default"),
+    Reading("lintel of 2 courses", lintel="2"),
+    Reading("lintel of 1 course", lintel="1"),
+    Reading("no lintel", lintel="none"),
+    Reading("contacts at the joints' ends", changes=exactly(contacts="corners")),
+    Reading("0.3 MPa in the piers", changes=exactly(load="piers")),
+    Reading("mass spread over the top", changes=exactly(top="uniform")),
+    Reading("2 cycles", cycles=2),
+    Reading("5 cycles", cycles=5),
+    Reading("10 cycles", cycles=10),
+    Reading("2 % damping", changes={"alpha_1_s": lambda alpha: alpha > 0, "beta_s": lambda beta: beta > 0}),
+    Reading("softening joints", changes={SOFTENS: lambda energy: energy > 0} | ANY_STEP),
+    Reading("T0 0.175 s", changes=_symmetric_of(0.175) | ANY_STEP),
+)
+"""The default first; the choices of `docs/paper/open-points.md` that move DI most, and what real walls have."""
+
+
+def judge_readings(folder):
+    """{Reading: Findings on all claims} from the tables below a folder, of the readings that have runs.
+
+    InputError where there is no table, or no run of the reference solver.
+    """
+    runs, records = load_runs(folder), shipped_records()
+    runs = runs[runs["solver"] == SOLVER]
+    found = {}
+    for reading in READINGS:
+        mine = comparable(runs, reading.changes)
+        points = gather(mine)
+        harmonic = [key for key in points if key[:2] == ("symmetric", reading.lintel) and len(key) == 4]
+        if all(cycles != reading.cycles for *_, cycles in harmonic):
+            continue
+        found[reading] = judge_with(SOLVER, [Evidence(mine, points, reading.lintel, slip, records, reading.cycles)
+                                             for slip in CRITERIA])
+    if not found:
+        raise InputError(f"{folder}: its tables hold no reading of the reference solver; expected the results of "
+                         "./run_all.sh readings")
+    return found
+
+
+def table(found):
+    """Lines of a Markdown table: a row a claim that a reading judges, a column a reading; below it how many hold."""
+    claims = dict.fromkeys(finding.claim for findings in found.values() for finding in findings
+                           if finding.claim.predicted and finding.verdict != UNJUDGED)
+    lines = ["| claim | " + " | ".join(reading.words for reading in found) + " |", "| --- " * (1 + len(found)) + "|"]
+    for claim in claims:
+        cells = [_cell([one for one in findings if one.claim == claim]) for findings in found.values()]
+        lines.append(f"| {claim.id}, {claim.text} | " + " | ".join(cells) + " |")
+    for words, counted in (*((f"hold, slip by {slip}", [slip]) for slip in CRITERIA), ("hold by any", list(CRITERIA))):
+        cells = [str(len(holding(findings, counted))) for findings in found.values()]
+        lines.append(f"| **{words}** | " + " | ".join(cells) + " |")
+    judged = [str(len({one.claim for one in findings if one.claim.predicted and one.verdict != UNJUDGED}))
+              for findings in found.values()]
+    return [*lines, "| **of so many judged** | " + " | ".join(judged) + " |"]
+
+
+def holding(findings, slips):
+    """The predicted claims that hold by one of these criteria of slip, in their order."""
+    return list(dict.fromkeys(one.claim for one in findings
+                              if one.claim.predicted and one.verdict == HOLDS and one.slip in slips))
+
+
+def _cell(findings):
+    """Letters of the criteria by which a claim holds.
+
+    >>> from types import SimpleNamespace as One
+    >>> _cell([One(slip="displacement", verdict=HOLDS), One(slip="shear-limit", verdict=DIFFERS)])
+    'd'
+    """
+    held = "".join(LETTERS[one.slip] for one in findings if one.verdict == HOLDS)
+    return held or ("–" if any(one.verdict == DIFFERS for one in findings) else "?")
+
+
+def conclusions(found):
+    """Lines that say which reading meets most, and what none does."""
+    counts = {reading: len(holding(findings, list(CRITERIA))) for reading, findings in found.items()}
+    most = max(counts.values())
+    best = [reading.words for reading, count in counts.items() if count == most]
+    met = {claim for findings in found.values() for claim in holding(findings, list(CRITERIA))}
+    judged = dict.fromkeys(one.claim for findings in found.values() for one in findings
+                           if one.claim.predicted and one.verdict == DIFFERS)
+    left = dict.fromkeys(one.claim.id for findings in found.values() for one in findings
+                         if one.claim.predicted and one.claim not in met and one.claim not in judged)
+    default = next(iter(found))
+    gained = {reading.words: [claim.id for claim in holding(findings, list(CRITERIA))
+                              if claim not in holding(found[default], list(CRITERIA))]
+              for reading, findings in found.items() if reading != default}
+    lost = {reading.words: [claim.id for claim in holding(found[default], list(CRITERIA))
+                            if any(one.claim == claim and one.verdict == DIFFERS for one in findings)
+                            and claim not in holding(findings, list(CRITERIA))]
+            for reading, findings in found.items() if reading != default}
+    return [f"Most claims, {most}, hold in: {', '.join(best)}.",
+            "No reading meets, by any criterion of slip: "
+            f"{', '.join(claim.id for claim in judged if claim not in met) or 'nothing'}.",
+            *([f"Not judged, for want of runs: {', '.join(left)}."] if left else []),
+            *(f"{words}: gains {', '.join(gained[words]) or 'nothing'}; loses {', '.join(lost[words]) or 'nothing'}."
+              for words in gained)]
+
+
+def as_markdown(found):
+    """The conclusions and the table as a document."""
+    return "\n".join([_HEAD, "", *(f"- {line}" for line in conclusions(found)), "", _CELLS, "", *table(found)]) + "\n"
+
+
+_HEAD = """# Single readings of the paper
+
+Written by `python3 -m paper readings RESULTS --markdown docs/paper/single-readings.md` from the tables of
+`./run_all.sh readings`; do not edit by hand. Choices combined: [readings](readings.md)."""
+_CELLS = """Each column is the default model with one modelling choice changed, in the reference solver. Each row is a
+claim, whose criterion is in `docs/paper/verdict.md`. A cell lists the criteria of slip by which the claim holds: d by
+displacement, a accumulated, s by the shear limit; – it differs by all; ? it cannot be judged. The runs are single: a
+borderline claim may change with another draw of the strengths."""

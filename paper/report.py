@@ -1,0 +1,272 @@
+"""The verdict on the paper as text, JSON, Markdown, and as a block of the README."""
+
+from dataclasses import asdict
+from itertools import groupby
+from operator import attrgetter
+from pathlib import Path
+
+from damage.errors import InputError
+from damage.files import write_text
+from paper.criteria import BUILT_TO_MEET
+from paper.margins import EDGE
+from paper.verdict import DIFFERS, HOLDS, IN_PART, UNJUDGED, statement_verdict
+
+STATEMENTS = {
+    "P1": "natural period of the solid wall 0.06 s",
+    "P2": "natural period of the perforated walls about 0.2 s",
+    "P3": "solid wall: slight damage only under the harmonic motions",
+    "P4": "symmetric, 0.33 s, 0.025 g: negligible damage",
+    "P5": "symmetric, 0.33 s, 0.1 g: the maximum DI is reached in the first cycle and not exceeded later",
+    "P6": "symmetric, 0.2 s, 0.025 and 0.1 g: the maximum DI grows in every cycle",
+    "P7": "asymmetric wall: similar to the symmetric",
+    "P8": "0.06 s: slight damage even at higher amplitude",
+    "P9": "0.33 and 1 s: maximum DI grows linearly with amplitude, to 0.13 and 0.10 at 0.1 g; residual negligible",
+    "P10": "0.2 s: substantially higher damage; the same DI_open and DI_slip at 0.05, 0.075, 0.1 g, DI_drift grows",
+    "P11": "residual damage only at 0.2 s: cracks at 0.05 and 0.075 g, residual drift at 0.1 g",
+    "P12": "last full cycle at 0.2 s: 0.20, 0.20, 0.24, 0.32, 0.39 s for 0.01, 0.025, 0.05, 0.075, 0.1 g",
+    "P13": "records: PGA 0.08 g (Huizinge) and 0.11 g (Zeerijp), Sa(0.2 s) close to 0.15 g, eight scale factors",
+    "P14": "Huizinge: residual DI negligible at low PGA, 0.11 at the largest; from cracks, not from drift",
+    "P15": "records: maximum DI almost linear in maximum drift; residual DI linear, then a plateau",
+    "P16": "no viscous damping: friction is the only dissipation",
+    "P17": "squat wall: stiffness and peak force very close to the test, unloading reasonable, cracks captured",
+}
+SOLVER_NAMES = {"yade": "YADE", "reference": "reference solver"}
+_SLIPS = {"displacement": "slip by displacement", "accumulated": "slip accumulated",
+          "shear-limit": "slip by shear limit"}
+ON_EDGE = ", borderline"
+"""Suffix of a verdict that a small change of its limit would change."""
+BEGIN, END = "<!-- paper verdict: begin, written by python3 -m paper verdict -->", "<!-- paper verdict: end -->"
+
+
+def _by(findings, name):
+    """(value of an attribute, findings) in the order of the findings, of which equal values stand together."""
+    return [(value, list(members)) for value, members in groupby(findings, attrgetter(name))]
+
+
+def merged(findings):
+    """(source, variants in words, value, verdict) of one claim, variants with the same outcome together; source:
+    solver and model in words."""
+    lines = []
+    for source, members in _by(findings, "source"):
+        outcomes, lintels = {}, _distinct(members, "lintel")
+        for finding in members:
+            outcomes.setdefault((finding.value, _outcome(finding)), set()).add((finding.lintel, finding.slip))
+        lines += [(source_in_words(*source), variants_in_words(pairs, lintels), *outcome)
+                  for outcome, pairs in outcomes.items()]
+    return lines
+
+
+def source_in_words(solver, model):
+    """
+    >>> source_in_words("yade", ""), source_in_words("reference", "deformable bricks")
+    ('YADE', 'reference solver, deformable bricks')
+    """
+    return ", ".join(filter(None, (SOLVER_NAMES[solver], model)))
+
+
+def _outcome(finding):
+    return finding.verdict + ON_EDGE * finding.on_edge
+
+
+def lintel_in_words(lintel):
+    """
+    >>> lintel_in_words("elastic"), lintel_in_words("2"), lintel_in_words("none")
+    ('elastic lintel', 'lintel of 2 courses', 'no lintel')
+    """
+    return {"elastic": "elastic lintel", "none": "no lintel", "1": "lintel of 1 course"}.get(
+        lintel, f"lintel of {lintel} courses")
+
+
+def variants_in_words(pairs, lintels):
+    """Words for a set of (lintel, slip criterion) of those that these lintels, a list, have in all.
+
+    >>> both = ["elastic", "none"]
+    >>> variants_in_words({("elastic", slip) for slip in _SLIPS}, both)
+    'elastic lintel'
+    >>> variants_in_words({("elastic", "displacement"), ("none", "displacement")}, both)
+    'slip by displacement'
+    """
+    of = {lintel: [slip for slip in _SLIPS if (lintel, slip) in pairs] for lintel in lintels}
+    said = {lintel: "" if len(slips) == len(_SLIPS) else " and ".join(_SLIPS[slip] for slip in slips)
+            for lintel, slips in of.items() if slips}
+    if len(said) == len(lintels) and len(set(said.values())) == 1:
+        return said[lintels[0]] or "all variants"
+    return "; ".join(", ".join(filter(None, (lintel_in_words(lintel), words))) for lintel, words in said.items())
+
+
+# --- on the screen ----------------------------------------------------------------------------------
+
+def describe(findings):
+    """The whole verdict as lines for people."""
+    lines = []
+    for claim, members in _by(findings, "claim"):
+        lines.append(f"{claim.id:5s}{claim.text} ({claim.figure})")
+        lines.append(f"     paper: {claim.paper}; holds if {claim.criterion}")
+        lines += [f"     {verdict:22s}{source}, {variants}: {value}"
+                  for source, variants, value, verdict in merged(members)]
+    return "\n".join([*lines, "", *tallies(findings)])
+
+
+def _without_offsets(findings):
+    """`before_offsets` of each solver that has such runs."""
+    return [before_offsets(solver) for solver in dict.fromkeys(
+        finding.solver for finding in findings if finding.before_offsets)]
+
+
+def before_offsets(solver):
+    """Notes on solvers some of whose runs lack the offsets that `displacement` needs."""
+    return (f"{SOLVER_NAMES[solver]}: some histories are older than the joint offsets; their slip by displacement is "
+            "judged by accumulated slip")
+
+
+def tallies(findings):
+    """How many claims hold, lines of a Markdown table with a row a solver and lintel, and notes below it.
+
+    By each criterion of slip alone, and by any of them; what the model was built to meet is counted apart.
+    """
+    head = ["predictions that hold", *_SLIPS.values(), "by any of these", "differ by all", "cannot be judged",
+            "built to meet", "borderline"]
+    rows = []
+    for source, lintel in _distinct(findings, "source", "lintel"):
+        mine = [finding for finding in findings if (finding.source, finding.lintel) == (source, lintel)]
+        predicted, built = ([one for one in mine if one.claim.predicted == which] for which in (True, False))
+        best = _best(predicted)
+        edge = _distinct([one for one in mine if one.on_edge], "claim.id")
+        cells = [f"{source_in_words(*source)}, {lintel_in_words(lintel)}", *(
+                     sum(one.verdict == HOLDS for one in predicted if one.slip == slip) for slip in _SLIPS),
+                 f"{best.count(HOLDS)} of {len(best)}", best.count(DIFFERS), best.count(UNJUDGED),
+                 f"{_best(built).count(HOLDS)} of {len(_best(built))}", ", ".join(edge) or "none"]
+        rows.append(cells)
+    notes = _without_offsets(findings)
+    return as_table(head, rows).split("\n") + ([""] if notes else []) + [f"- {note}" for note in notes]
+
+
+def as_table(heads, rows):
+    """
+    >>> print(as_table(["a", "b"], [[1, "2"]]))
+    | a | b |
+    | --- | --- |
+    | 1 | 2 |
+    """
+    lines = ("| " + " | ".join(map(str, cells)) + " |" for cells in (heads, ["---"] * len(heads), *rows))
+    return "\n".join(lines).replace("|  |", "| |")
+
+
+def _best(findings):
+    """The best verdict on each claim by any criterion of slip, a list."""
+    return [min((finding.verdict for finding in members), key=(HOLDS, DIFFERS, UNJUDGED).index)
+            for _, members in _by(findings, "claim")]
+
+
+def _distinct(findings, *names):
+    """The distinct values of these attributes of the findings, in their order."""
+    return list(dict.fromkeys(map(attrgetter(*names), findings)))
+
+
+# --- JSON -------------------------------------------------------------------------------------------
+
+def as_json(findings):
+    """The verdict as plain lists and dictionaries: claims with their findings, statements with their verdicts."""
+    claims = [{"id": claim.id, "statement": claim.statement, "predicted": claim.predicted, **asdict(claim), "findings":
+               [vars(finding) | {"claim": claim.id, "on_edge": finding.on_edge} for finding in members]}
+              for claim, members in _by(findings, "claim")]
+    statements = [{"statement": statement, "text": STATEMENTS[statement],
+                   "verdicts": [{"solver": source[0], "model": source[1], "lintel": lintel, "slip": slip,
+                                 "verdict": statement_verdict(_variant(members, source, lintel, slip))}
+                                for source, lintel, slip in _distinct(findings, "source", "lintel", "slip")]}
+                  for statement, members in _by(findings, "claim.statement")]
+    return {"statements": statements, "claims": claims}
+
+
+def _variant(findings, source, lintel, slip):
+    return [finding for finding in findings if (finding.source, finding.lintel, finding.slip) == (source, lintel, slip)]
+
+
+# --- Markdown -----------------------------------------------------------------------------------------
+
+def as_markdown(findings):
+    """The verdict as a document: an overview, then a section a statement with its claims."""
+    head = _HEAD.format(edge=EDGE, built=", ".join(BUILT_TO_MEET))
+    parts = [head, "\n".join(overview(findings)), "\n".join(tallies(findings))]
+    for statement, members in _by(findings, "claim.statement"):
+        parts.append(f"## {statement}: {STATEMENTS[statement]}")
+        for claim, own in _by(members, "claim"):
+            parts.append(f"**{claim.id}**, {claim.text} ({claim.figure}). Paper: {claim.paper}. Holds if "
+                         f"{claim.criterion}.")
+            parts.append("\n".join(["| solver | variant | value | verdict |", "| --- | --- | --- | --- |", *(
+                f"| {source} | {variants} | {value} | {verdict} |"
+                for source, variants, value, verdict in merged(own))]))
+    return "\n\n".join(parts) + "\n"
+
+
+_HEAD = """# Verdict on the paper's statements
+
+Written by `python3 -m paper verdict RESULTS_DIR --markdown docs/paper/verdict.md` from the tables of studies; do not
+edit by hand.
+
+Paper: Sarhosis, Dais, Smyrou, Bal, Drougkas (2021), *Engineering Structures* 243, 112529,
+doi:10.1016/j.engstruct.2021.112529. Each of its statements is split into claims that a number decides. The criteria
+are in `paper/criteria.py`, each with its reason. They were fixed before the studies were run. A wall that
+collapsed differs from the paper's, which did not. `docs/paper/open-points.md` explains where and why results differ.
+The Huizinge motion is a synthetic substitute for the record.
+
+- A statement *holds* (*differs*) when all (none) of its judged claims hold; otherwise the table gives their number.
+- Three outcomes separated by strokes: slip by displacement / accumulated / by the shear limit, as defined in
+  `docs/model/model.md`.
+- *Borderline*: the verdict changes when the limit of the criterion changes by {edge:.0%} (of R²: the variance that a
+  line leaves unexplained).
+- Claims that the model was built to meet are counted separately from predictions: {built}."""
+
+
+def overview(findings):
+    """Lines of the Markdown table with a row a statement."""
+    heads, rows = overview_table(findings)
+    return as_table(["", "the paper", *heads], rows).split("\n")
+
+
+def overview_table(findings):
+    """(heads of solvers and lintels, rows) of a table with a row a statement: its name, its words, outcomes."""
+    variants = _distinct(findings, "source", "lintel")
+    rows = [[statement, STATEMENTS[statement], *(
+                 _cell([_short(_variant(members, source, lintel, slip)) for slip in _SLIPS])
+                 for source, lintel in variants)]
+            for statement, members in _by(findings, "claim.statement")]
+    return [f"{source_in_words(*source)}, {lintel_in_words(lintel)}" for source, lintel in variants], rows
+
+
+def _cell(outcomes):
+    """One outcome where all are the same, or each in the order of the criteria.
+
+    >>> _cell(["holds", "holds", "differs"]), _cell(["holds"] * 3)
+    ('holds / holds / differs', 'holds')
+    """
+    return " / ".join(outcomes if len(set(outcomes)) > 1 else outcomes[:1])
+
+
+def _short(findings):
+    """The verdict on a statement in a few words."""
+    verdict = statement_verdict(findings)
+    if verdict != IN_PART:
+        return verdict
+    judged = [finding.verdict for finding in findings if finding.verdict != UNJUDGED]
+    return f"{judged.count(HOLDS)} of {len(judged)} hold"
+
+
+def update_readme(findings, path):
+    """Put the tallies of the reference solver with elastic lintels, a row a model, between the two markers of a README,
+    those of all findings where it has none; returns its path.
+
+    Raises InputError where the markers are missing.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; give the README to write into") from error
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not (begin and end):
+        raise InputError(f"{path} lacks the line {BEGIN if not begin else END}; expected both markers around the "
+                         "results")
+    shown = [one for one in findings if (one.solver, one.lintel) == ("reference", "elastic")] or findings
+    block = "\n".join(tallies(shown))
+    return write_text(path, f"{before}{BEGIN}\n\n{block}\n\n{END}{after}")

@@ -1,0 +1,98 @@
+"""Equal events on a wall whose piers have a straight or a stepped crack at their foot: how far the wall walks.
+
+    python3 paper/stepped_cracks.py [--events 4]
+
+All other joints are too strong to fail.  A pier rocks about either end of its crack.  Where one end is higher by h, a
+rotation θ moves the end that is lifted sideways by h θ, to the side of the lower one whichever way the pier rocks.  If
+it lands there, the pier walks down the steps; on a straight crack it has no such direction.
+"""
+
+import argparse
+import csv
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from damage.history.reader import read_history
+
+ROOT = Path(__file__).resolve().parents[1]
+STRONG = """from dataclasses import replace
+
+from damage.wall.file import load_wall
+
+
+def wall():
+    wall = load_wall("symmetric")
+    return replace(wall, joint=replace(wall.joint, tensile_strength=9e6, cohesion=9e6))
+"""
+LENGTH, PIER = 4.05, 1.0125  # [m]
+TWO_STEPS = [(0.0, 0.15), (0.5625, 0.15), (0.5625, 0.075), (0.675, 0.075), (0.675, 0.0), (PIER, 0.0)]
+ONE_STEP = [(LENGTH - PIER, 0.075), (3.375, 0.075), (3.375, 0.0), (LENGTH, 0.0)]
+"""Cracks (x, z) [m] down to the right at the foot of the left and of the right pier, as a shaken wall has them."""
+
+
+def mirrored(line):
+    return [(round(LENGTH - x, 4), z) for x, z in reversed(line)]
+
+
+CRACKS = {"straight": [[(0.0, 0.0), (PIER, 0.0)], [(LENGTH - PIER, 0.0), (LENGTH, 0.0)]],
+          "down to the right": [TWO_STEPS, ONE_STEP],
+          "down to the left": [mirrored(ONE_STEP), mirrored(TWO_STEPS)],
+          "down to the opening": [TWO_STEPS, mirrored(TWO_STEPS)]}
+
+
+def write_cracks(path, lines):
+    """A crack file of the polylines, slightly open."""
+    with open(path, "w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(["crack", "point", "x_m", "z_m", "width_mm"])
+        for number, line in enumerate(lines):
+            for point, (x, z) in enumerate(line, start=1):
+                rows.writerow([number, point, x, z, 0.05 if point < len(line) else ""])
+
+
+def run(folder, cracks, events):
+    """The History of a wall with these cracks under so many equal events: BGAR HGE x 1.4, 45 mm/s."""
+    (folder / "strong.py").write_text(STRONG)
+    write_cracks(folder / "cracks.csv", cracks)
+    subprocess.run([sys.executable, "-m", "damage", "reference", folder / "strong.py", "--cracked",
+                    folder / "cracks.csv", "--record", "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv", "--scale",
+                    "1.4", "--window", "18.7", "20.9", "--rest", "0.1", "--sequence", ",".join("1" * events),
+                    "--no-pictures", "--quiet", "--overwrite", "--out", folder / "run.h5"],
+                   cwd=ROOT, check=True)
+    return read_history(folder / "run.h5")
+
+
+def offsets(history, left, right):
+    """Offset of the bed joints between two places x [m] that slipped most, at the end of each event [mm], to the right
+    positive."""
+    joints, shock = history.joints, history.series["shock"].to_numpy()
+    last = np.flatnonzero(np.diff(shock, append=-1))
+    bed = np.flatnonzero((joints["kind"].astype(str) == "bed") & joints["x_m"].between(left, right)
+                         & (joints["z_m"] < 0.2))
+    offset = 1e3 * history.offset_m[np.ix_(last, bed)]
+    return offset[:, np.abs(offset[-1]).argmax()]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--events", type=int, default=4)
+    events = parser.parse_args().events
+    heads = ["cracks", "largest drift [%]", "left pier has walked [mm]", "right pier [mm]"]
+    print("| " + " | ".join(heads) + " |\n|" + " --- |" * len(heads))
+    for name, cracks in CRACKS.items():
+        with TemporaryDirectory() as folder:
+            history = run(Path(folder), cracks, events)
+            walked = [", ".join(f"{value:+.2f}" for value in offsets(history, *pier))
+                      for pier in ((0.0, PIER), (LENGTH - PIER, LENGTH))]
+            drift = 100 * history.series["drift_ratio"].abs().max()
+        print(f"| {name} | {drift:.2f} | {walked[0]} | {walked[1]} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
