@@ -10,10 +10,18 @@ from pathlib import Path
 from damage.version import VERSION
 
 HERE = Path(__file__).parent
-MODEL = ("units.py", "wall", "motion", "run/run.py", "run/schedule.py", "run/settings.py", "run/watch.py")
-"""What of the package decides the values of any run; the solver's own folder comes to it."""
-BUILT_IN = "mechanics"
-"""What the solver of this package uses besides."""
+RUN = "run/session.py", "exposure"
+"""What runs a wall in any solver, and draws its motions.  What these and the solver's modules import, and so on, decides
+the values of a run."""
+DECIDES_NOTHING = {
+    "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "history",
+                                 "mechanics/cache.py"),
+    "words": ("provenance.py", "version.py", "run/opening.py", "run/progress.py", "run/report.py", "measure/columns.py",
+              "motion/plausible.py", "wall/plausible.py", "wall/caps.py"),
+    "options, whose values are inputs of a run": ("run/options.py",),
+    "makes numbers out of a history": tuple(f"measure/{name}.py" for name in (
+        "cycles", "ground", "limits", "members", "motion", "pushed", "storeys", "summary", "tables", "vibration"))}
+"""{why: modules and folders of the package that a run imports and that decide none of its values}."""
 MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py",
             "wall/geometry.py", *(f"measure/{name}.py" for name in (
                 "brick_stress", "cracks", "cycles", "energy", "ground", "limits", "motion", "pushed", "storeys",
@@ -77,11 +85,31 @@ def file_origin(path):
 def model_digest(solver_folder):
     """Twelve hexadecimal digits of the code of the model in one solver; comments and docstrings do not count.
 
-    solver_folder: path of the solver's package, whose modules all count.
+    solver_folder: path of the solver's package, whose modules all count, as do those of this package that they and
+    `RUN` import, but for `DECIDES_NOTHING`.
     """
-    folder = Path(solver_folder)
-    names = [*MODEL, BUILT_IN] if HERE in folder.parents else MODEL
-    return _digest_of([*(path for name in names for path in _modules(HERE / name)), *_modules(folder)])
+    return _digest_of(model_modules(Path(solver_folder)))
+
+
+def model_modules(solver_folder):
+    """Paths of the modules whose code decides the values of a run in the solver of a folder, a list."""
+    nothing = [HERE / name for names in DECIDES_NOTHING.values() for name in names]
+    own, found = _modules(solver_folder), set()
+    left = {*own, *(path for name in RUN for path in _modules(HERE / name))}
+    while left:
+        found |= left
+        left = {path for one in left for path in _imported(one)
+                if not any(path.is_relative_to(other) for other in nothing)} - found
+    return [*sorted(found - {*own}, key=lambda path: path.relative_to(HERE).parts), *own]
+
+
+def _imported(path):
+    """Paths of the modules of this package that a module imports when it is loaded."""
+    for node in _tree_of(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] == HERE.name:
+            place = HERE.joinpath(*node.module.split(".")[1:])
+            names = [place.with_suffix(".py"), *(place / f"{alias.name}.py" for alias in node.names)]
+            yield from filter(Path.is_file, names)
 
 
 @cache
@@ -109,9 +137,14 @@ def code_of(path):
 
 @cache  # digests of two solvers have most modules in common
 def _code_of_text(text):
+    return ast.dump(_tree_of(text))
+
+
+@cache
+def _tree_of(text):
     tree = ast.parse(text)
     _drop_docstrings(tree)
-    return ast.dump(tree)
+    return tree
 
 
 def _drop_docstrings(node):

@@ -11,7 +11,17 @@ from conftest import REPOSITORY, contents
 from test_architecture import read_modules
 
 from damage.history.head import read_head
-from damage.provenance import MEASURES, UNKNOWN, code_of, commit, file_origin, measures_digest, model_digest
+from damage.provenance import (
+    DECIDES_NOTHING,
+    MEASURES,
+    UNKNOWN,
+    code_of,
+    commit,
+    file_origin,
+    measures_digest,
+    model_digest,
+    model_modules,
+)
 from damage.reference.session import run_reference
 
 STUDY = """
@@ -141,6 +151,48 @@ def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
     first, second = map(contents, paths)
     assert first.keys() == second.keys() and len(first) > 50
     assert [name for name in first if first[name] != second[name]] == []
+
+
+SOLVERS = {"reference": REPOSITORY / "damage" / "reference", "yade": REPOSITORY / "yade_scripts"}
+
+
+def test_the_model_s_digest_is_of_all_modules_that_a_run_loads(tmp_path):
+    """A settled, cracked wall is shaken by a sequence at an address, in a process of its own: each module of the package
+    that it has loaded counts, or is named with why it need not."""
+    program = ("import sys; from damage.reference.session import run_reference; "
+               "assert run_reference(sys.argv[1:]) == 0; print(*(m for m in sys.modules if m.startswith('damage.')))")
+    (tmp_path / "cracks.csv").write_text("crack,point,x_m,z_m,width_mm\na,1,0.0,0.15,0.1\na,2,0.4,0.15,0.1\n")
+    words = ["benchmarks/small_wall.py", "--address", "studies/addresses/garsthuizen.toml", "--life", "1", "--settle",
+             "hogging", "--distortion", "1/2000", "--cracked", str(tmp_path / "cracks.csv"), "--rest", "0",
+             "--no-pictures", "--out", str(tmp_path / "a.h5")]
+    done = subprocess.run([sys.executable, "-c", program, *words], cwd=REPOSITORY, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    loaded = {name.removeprefix("damage.").replace(".", "/") for name in done.stdout.splitlines()[-1].split()}
+    counted = {path.relative_to(REPOSITORY / "damage").with_suffix("").as_posix()
+               for path in model_modules(SOLVERS["reference"])}
+    named = [name.removesuffix(".py") for names in DECIDES_NOTHING.values() for name in names]
+    folders = {path.parent.relative_to(REPOSITORY / "damage").as_posix()
+               for path in (REPOSITORY / "damage").rglob("__init__.py")}
+    assert [name for name in sorted(loaded - counted - folders)
+            if not any(name == one or name.startswith(f"{one}/") for one in named)] == []
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_every_module_of_the_model_changes_its_digest(solver, tmp_path, monkeypatch):
+    for name in ("damage", "yade_scripts"):
+        shutil.copytree(REPOSITORY / name, tmp_path / name, ignore=shutil.ignore_patterns("data", "__pycache__", "page"))
+    monkeypatch.setattr("damage.provenance.HERE", tmp_path / "damage")
+    folder = tmp_path / SOLVERS[solver].relative_to(REPOSITORY)
+    digests, modules = {model_digest.__wrapped__(folder)}, model_modules(folder)
+    for path in modules:
+        text = path.read_text()
+        path.write_text(f"{text}\nCHANGED = 1\n")
+        digests.add(model_digest.__wrapped__(folder))
+        path.write_text(text)
+    assert len(digests) == 1 + len(modules)
+    assert {"run/base.py", "run/before.py", "measure/crack_mapping.py", "exposure/models/bommer_2022.py",
+            "wall/joint_law.py"} <= {path.relative_to(tmp_path / "damage").as_posix() for path in modules
+                                     if path.is_relative_to(tmp_path / "damage")}
 
 
 def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():

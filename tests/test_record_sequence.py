@@ -55,6 +55,19 @@ class TestReading:
         (event,) = read_sequence(file_of(tmp_path, "record\nmine.csv\n"), 2.0)
         assert event.loading.peak_g == pytest.approx(1 / 9.81)
 
+    def test_the_working_folder_does_not_decide_which_record_is_meant(self, tmp_path, monkeypatch):
+        """A batch and its shards have other working folders than the file's, each with a file of that name."""
+        elsewhere = tmp_path / "elsewhere"
+        elsewhere.mkdir()
+        (tmp_path / "mine.csv").write_text("time_s,acc_m_s2\n0,0\n0.005,1\n0.01,0\n")
+        (elsewhere / "mine.csv").write_text("time_s,acc_m_s2\n0,0\n0.005,5\n0.01,0\n")
+        (elsewhere / "other.csv").write_text("time_s,acc_m_s2\n0,0\n0.005,5\n0.01,0\n")
+        monkeypatch.chdir(elsewhere)
+        (event,) = read_sequence(file_of(tmp_path, "record\nmine.csv\n"), 2.0)
+        assert event.loading.peak_g == pytest.approx(1 / 9.81)
+        assert "is in the working folder; expected it from the folder of this file" in one_line_error(
+            read_sequence, file_of(tmp_path, "record\nother.csv\n"), 2.0)
+
     @pytest.mark.parametrize("text, message", [
         ("record,scale\nBGAR_HGE,1\nBGAR_HGX,1\n", "line 3: BGAR_HGX: no such file"),
         ("record,scale\nBGAR_HGE,large\n", "line 2: scale = 'large'"),

@@ -10,6 +10,7 @@ A life is drawn by its number: the same file and number give the same life, what
 have the same terms of ln PGV at every address, component and threshold (common random numbers).
 """
 
+import hashlib
 import tomllib
 from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
@@ -88,6 +89,15 @@ class Draws:
 
     exposure: Exposure
     choices: Choices = Choices()
+
+    def digest(self):
+        """SHA-256 of what lives are drawn from besides the seed and choices: events, their medians, the components, and
+        the content of their records."""
+        events, components = self.exposure.catalogue, self.components
+        records = [read_record(shipped_records()[name]).sha256 for name in sorted(set(components["record"]))]
+        parts = [events.time, events.magnitude, events.id, self.exposure.median_mm_s.tolist()]
+        text = "\n".join([components.to_csv(index=False), *records, *(str(one) for part in parts for one in part)])
+        return hashlib.sha256(text.encode()).hexdigest()
 
     def pgv(self, number):
         """(PGV of every event (n_events,) [mm/s], shares (n_events,) that choose the components, signs (n_events,)) of

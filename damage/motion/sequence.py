@@ -7,7 +7,7 @@ import numpy as np
 
 from damage.csv_table import CsvTable
 from damage.errors import InputError
-from damage.files import is_there
+from damage.files import is_there, shipped_path
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Loading, Recorded
 
@@ -28,7 +28,7 @@ class Event:
 def read_sequence(path, rest_s, **preparation):
     """The events of a CSV file, a tuple of Event in the order of its rows.
 
-    Columns: record, the path of a record (from the working folder, or from the file's) or the name of one that ships;
+    Columns: record, the path of a record from the file's folder or the name or path of one that ships;
     component, for such a name without its end, as HGE of BGAR; scale (1 where empty); start_s, end_s, the window (whole
     record where empty); rest_s (the given one where empty).  preparation: baseline_order and band_hz of all records.
     Raises InputError with the line where one of them cannot be.
@@ -80,7 +80,10 @@ def _record(folder, record, component):
     if not record:
         raise InputError("no record; expected its path, or the name of one that ships")
     name = f"{record}_{component}" if component else record
-    if name in shipped_records() or is_there(record):
-        return name if name in shipped_records() else record
-    beside = folder / record
-    return beside if is_there(beside) else name
+    beside, ships = folder / record, name in shipped_records()
+    if not ships and is_there(beside):
+        return beside
+    if not ships and not shipped_path(record) and is_there(record):
+        raise InputError(f"{record} is in the working folder; expected it from the folder of this file, {folder}, which "
+                         "is the same wherever a run starts; move it, or give its path from there")
+    return name if ships else shipped_path(record) or name

@@ -45,8 +45,8 @@ from damage.studies.grid import expand, read_rows
 from damage.studies.states import check_choices
 from damage.wall.file import shipped_walls
 
-PATH_OPTIONS = ("--record", "--vertical", "--cracked", "--settle", "--address")
-"""Options that name a file; --settle may name a profile instead."""
+PATH_OPTIONS = ("--record", "--vertical", "--cracked", "--settle", "--address", "--continue")
+"""Options that name a file; --settle may name a profile instead.  So does --sequence, where it ends in .csv."""
 RESERVED_OPTIONS = ("--members", "--out", "--overwrite", "--no-pictures", "--quiet", "--view", "--help", "-h")
 """Options of a run that the batch sets by itself, or that mean nothing in one."""
 
@@ -405,9 +405,11 @@ def _try_options(run, where, root):
 def names_file(option, word):
     """Whether the word after an option names a file.
 
-    >>> names_file("--settle", "hogging"), names_file("--settle", "dip.csv")
-    (False, True)
+    >>> names_file("--settle", "hogging"), names_file("--settle", "dip.csv"), names_file("--sequence", "1,0.5")
+    (False, True, False)
     """
+    if option == "--sequence":
+        return word.lower().endswith(".csv")
     return option in PATH_OPTIONS and not (option == "--settle" and word in PROFILES)
 
 

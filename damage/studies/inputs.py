@@ -2,12 +2,16 @@
 
 A study keeps a note of them for each point (DIR/runs/.inputs/RUN) and compares it before it continues.  The wall file
 counts by the Wall that it makes, so that a module that it imports counts and a comment does not; options count by the
-values that a run gets, defaults included.
+values that a run gets, defaults included.  A history that runs continue counts by its content, lives by all that they are
+drawn from.
 """
 
+import hashlib
 import json
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 
+from damage.checks import check_file
+from damage.exposure.lives import read_address
 from damage.motion.record import Record
 from damage.run.settings import RunSettings
 from damage.wall.file import load_wall
@@ -20,15 +24,25 @@ NO_INPUT = {RunSettings: {"out", "overwrite", "pictures", "quiet", "view", "comm
 
 @dataclass(frozen=True)
 class Inputs:
-    """The wall as built, and the settings of a point's first run; the others differ from it by their number alone."""
+    """The wall as built, and the settings of a point's first run; the others differ from it by their number alone.
+
+    continued: SHA-256 of the history that the runs continue; drawn_from: of what their lives are drawn from; or None.
+    """
 
     wall: Wall
     settings: RunSettings
+    continued: str | None = None
+    drawn_from: str | None = None
 
 
 def inputs_of(run, root):
     """The Inputs of a StudyRun; root: the repository.  Raises InputError where wall, options or a file are bad."""
-    return Inputs(load_wall(root / run.wall), run.settings(root))
+    settings = run.settings(root)
+    continued = settings.continued and hashlib.sha256(
+        check_file(settings.continued, "the history of the run that is continued (.h5)").read_bytes()).hexdigest()
+    lives = run.varied == ("--life",)
+    address = root / run.words[run.words.index("--address") + 1] if lives else None
+    return Inputs(load_wall(root / run.wall), settings, continued, read_address(address).digest() if lives else None)
 
 
 def as_note(inputs):
