@@ -11,8 +11,8 @@ from damage.version import VERSION
 
 HERE = Path(__file__).parent
 RUN = "run/session.py", "exposure"
-"""What runs a wall in any solver, and draws its motions.  What these and the solver's modules import, and so on, decides
-the values of a run."""
+"""What runs a wall in any solver, and draws its motions.  What these and the solver's modules import, and so on,
+decides the values of a run."""
 DECIDES_NOTHING = {
     "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "history",
                                  "mechanics/cache.py"),

@@ -157,7 +157,7 @@ SOLVERS = {"reference": REPOSITORY / "damage" / "reference", "yade": REPOSITORY 
 
 
 def test_the_model_s_digest_is_of_all_modules_that_a_run_loads(tmp_path):
-    """A settled, cracked wall is shaken by a sequence at an address, in a process of its own: each module of the package
+    """A settled, cracked wall is shaken by a life at an address, in a process of its own: each module of the package
     that it has loaded counts, or is named with why it need not."""
     program = ("import sys; from damage.reference.session import run_reference; "
                "assert run_reference(sys.argv[1:]) == 0; print(*(m for m in sys.modules if m.startswith('damage.')))")
@@ -180,7 +180,8 @@ def test_the_model_s_digest_is_of_all_modules_that_a_run_loads(tmp_path):
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_every_module_of_the_model_changes_its_digest(solver, tmp_path, monkeypatch):
     for name in ("damage", "yade_scripts"):
-        shutil.copytree(REPOSITORY / name, tmp_path / name, ignore=shutil.ignore_patterns("data", "__pycache__", "page"))
+        shutil.copytree(REPOSITORY / name, tmp_path / name, ignore=shutil.ignore_patterns(
+            "data", "__pycache__", "page"))
     monkeypatch.setattr("damage.provenance.HERE", tmp_path / "damage")
     folder = tmp_path / SOLVERS[solver].relative_to(REPOSITORY)
     digests, modules = {model_digest.__wrapped__(folder)}, model_modules(folder)

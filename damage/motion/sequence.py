@@ -84,6 +84,6 @@ def _record(folder, record, component):
     if not ships and is_there(beside):
         return beside
     if not ships and not shipped_path(record) and is_there(record):
-        raise InputError(f"{record} is in the working folder; expected it from the folder of this file, {folder}, which "
-                         "is the same wherever a run starts; move it, or give its path from there")
+        raise InputError(f"{record} is in the working folder; expected it from the folder of this file, {folder}, "
+                         "which is the same wherever a run starts; move it, or give its path from there")
     return name if ships else shipped_path(record) or name

@@ -2,8 +2,8 @@
 
 A study keeps a note of them for each point (DIR/runs/.inputs/RUN) and compares it before it continues.  The wall file
 counts by the Wall that it makes, so that a module that it imports counts and a comment does not; options count by the
-values that a run gets, defaults included.  A history that runs continue counts by its content, lives by all that they are
-drawn from.
+values that a run gets, defaults included.  A history that runs continue counts by its content, lives by all
+that they are drawn from.
 """
 
 import hashlib
