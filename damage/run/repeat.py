@@ -62,6 +62,7 @@ def _settings_of(history, joint, backend):
         raise InputError(f"--continue {history.path}: its command, {command!r}, cannot be repeated ({error}); expected "
                          "its files in this folder; or give both halves in one run, as --sequence 1,0.5") from error
     settings = settings.for_joint(joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
+    settings = settings.for_period(history.eigen_period_s)
     other = [name for name, value in json.loads(json.dumps(settings.as_dict())).items()
              if name != "command" and history.parameters[name] != value]
     if other:
