@@ -6,6 +6,7 @@ from damage.commands.table import JSON, arg, command, file_arg, show
 from damage.errors import InputError, warn
 from damage.motion.loading import PERIODS_S
 from damage.run.options import add_preparation, number_from, recorded
+from damage.run.plausible import implausible_motion
 
 
 @command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
@@ -23,8 +24,7 @@ def _record(asked):
     if asked.period is not None:
         loading = loading.for_period(asked.period)
     found = motion_summary(loading, asked.period)
-    if implausible := implausible_peak(found["pga_g"]):
-        warn(implausible)
+    warn(*implausible_motion(loading), *filter(None, [implausible_peak(found["pga_g"])]))
     if asked.plot:
         _plot_motion(loading, found, asked.plot)
     show(asked, found, describe)

@@ -246,18 +246,23 @@ def motion_summary(loading, eigen_period_s=None) -> dict:
             "filtered": [] if loading.band_hz is None else list(measures), **measures}
 
 
+def _describe_sampling(found: dict) -> str:
+    """How walls take the samples of a `motion_summary`, in words."""
+    if found["interpolated_for_s"] is None:
+        return (f"taken as it is by walls of a first period from {LEAST_A_PERIOD * found['time_step_s']:g} s, by "
+                "stiffer ones interpolated (--period T1_S shows that motion)")
+    return (f"interpolated (band-limited) for a wall of {found['interpolated_for_s']:g} s; lines between samples would "
+            f"take off {100 * found['lost_by_lines']:.2g} % at that period")
+
+
 def describe(found: dict) -> str:
     """A `motion_summary` as lines for people."""
     names = list(found)
     measures = {name: found[name] for name in names[names.index("filtered") + 1:] if name != "sa_g"}
     band = "none (--band LOW_HZ HIGH_HZ for a band-pass)" if found["band_hz"] is None else \
         "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*found["band_hz"])
-    step = f"time step: {found['time_step_s']:g} s, "
-    step += f"taken as it is by walls of a first period from {LEAST_A_PERIOD * found['time_step_s']:g} s, by stiffer " \
-        "ones interpolated (--period T1_S shows that motion)" if found["interpolated_for_s"] is None else \
-        f"interpolated (band-limited) for a wall of {found['interpolated_for_s']:g} s; lines between samples would " \
-        f"take off {100 * found['lost_by_lines']:.2g} % at that period"
-    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2", f"filter: {band}", step]
+    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2", f"filter: {band}",
+             f"time step: {found['time_step_s']:g} s, {_describe_sampling(found)}"]
     lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
     lines += [f"sa_g({period} s){value:>{28 - len(period) - 8}.4f}" for period, value in found["sa_g"].items()]
     if abs(found["end_velocity_cm_s"]) > MOST_END_VELOCITY * found["pgv_cm_s"]:

@@ -39,9 +39,9 @@ def describe_sampling(loading):
     if loading.lost_by_lines is None:
         return []
     step_s = loading.record.time_step_s
-    return [f"record: its step of {step_s:g} s is more than a tenth of the first period; interpolated (band-limited) to "
-            f"{step_s / FINER:g} s, as lines between samples would take off "
-            f"{100 * loading.lost_by_lines:.2g} % at that period"]
+    return [f"record: its step of {step_s:g} s is more than a tenth of the first period; interpolated (band-limited) "
+            f"to {step_s / FINER:g} s, as lines between samples would take off {100 * loading.lost_by_lines:.2g} % at "
+            "that period"]
 
 
 def sequence_lines(settings):
