@@ -8,6 +8,7 @@ from conftest import one_line_error
 
 import damage
 from damage.__main__ import main
+from damage.draw.words import run_title
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.motion.formats import read_record
@@ -64,6 +65,7 @@ def test_the_run_says_that_it_interpolates_and_what_lines_would_take_off(runs):
     assert "record interpolated, as lines between its samples would take off 42 % at the first period" in describe(
         summarise(runs[0.02]))
     assert "interpolated" not in describe(summarise(runs[0.002]))
+    assert ["interpolated" in run_title(runs[step_s]) for step_s in (0.02, 0.002)] == [True, False]
 
 
 def settings(*words):
