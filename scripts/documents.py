@@ -21,6 +21,7 @@ from damage.errors import InputError
 from damage.files import write_text
 from damage.history.schema import TABLES, markdown
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, read_table
+from damage.run import plausible as motions
 from damage.studies.definition import load_study
 from damage.studies.members import most_members
 from damage.wall import plausible
@@ -91,7 +92,8 @@ def tables_of_code():
     summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
     return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
             **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
-            "plausible values": plausible.markdown(), "studies that ship": table_of_studies(ROOT / "studies"),
+            "plausible values": plausible.markdown(), "plausible motions": motions.markdown(),
+            "studies that ship": table_of_studies(ROOT / "studies"),
             "gallery": gallery.markdown(), "replaced terms": terms.glossary_table().rstrip()}
 
 

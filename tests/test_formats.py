@@ -292,6 +292,11 @@ class TestMiniSeed:
             ("M/S**2", "M/S", "M/S of NL.BGAR..HGE"),
             ('Station code="BGAR"', 'Station code="OTHER"', "obspy says"),
             ("213867.4766", "0", "no sensitivity of NL.BGAR..HGE"),
+            ("213867.4766", "427734.9532", "other.xml: sensitivity of NL.BGAR..HGE: 427735, but the gains of its 2 "
+             "stages make 213867.4 (0.5099 x 419430); expected the same within 5%"),
+            ("419430</Value>", "4194300</Value>", "213867.5, but the gains of its 2 stages make 2138674 "),
+            ("COUNTS", "V", "other.xml: sensitivity of NL.BGAR..HGE: 213867.5 V per M/S**2 (by the gains of its 2 "
+             "stages 213867.4); expected counts per M/S**2"),
             ("<Network", "<Nonsense", "obspy says"),
         ],
     )
@@ -300,6 +305,38 @@ class TestMiniSeed:
         assert old in text
         path = write(tmp_path, text.replace(old, new), "other.xml")
         assert says in one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"), path)
+
+    @pytest.mark.usefixtures("obspy")
+    def test_a_velocity_in_the_first_stage_is_refused(self, tmp_path):
+        head, stage, rest = self.STATION_XML.read_text().partition('<Stage number="1">')
+        path = write(tmp_path, head + stage + rest.replace("M/S**2", "M/S", 1), "other.xml")
+        message = one_line_error(read_record, shipped_record_path("NL.BGAR..HGE"), path)
+        assert "is per M/S**2, but its first stage takes M/S; expected M/S**2 of both" in message
+
+    def test_a_sensitivity_within_the_tolerance_and_one_without_stages_are_taken(self, obspy, tmp_path):
+        usual = read_record(shipped_record_path("NL.BGAR..HGE"))
+        text = self.STATION_XML.read_text().replace("213867.4766", "220000")
+        path = write(tmp_path, text, "other.xml")
+        found = read_record(shipped_record_path("NL.BGAR..HGE"), path)
+        assert_allclose(found.acceleration_m_s2, usual.acceleration_m_s2 * 213867.4766 / 220000, rtol=ROUND_OFF)
+        inventory = obspy.read_inventory(str(self.STATION_XML))
+        for channel in inventory[0][0]:
+            channel.response.response_stages = []
+        inventory.write(str(path), format="STATIONXML")
+        assert_allclose(read_record(shipped_record_path("NL.BGAR..HGE"), path).acceleration_m_s2,
+                        usual.acceleration_m_s2, rtol=1e-6)
+
+    def test_samples_in_a_physical_unit_are_no_counts(self, trace, tmp_path):
+        """They were taken for counts: a PGA of 0.11 g was read as 5e-7 g."""
+        whole = read_record(self.saved(trace, tmp_path), self.STATION_XML)
+        counts, trace.data = trace.data, trace.data / 213867.4766
+        del trace.stats.mseed  # with the encoding of whole numbers
+        message = one_line_error(read_record, self.saved(trace, tmp_path), self.STATION_XML)
+        peak = np.abs(trace.data).argmax()
+        assert f"are no whole numbers, such as number {peak}, {trace.data[peak]:.6g}; expected counts" in message
+        trace.data = counts.astype(np.float32)  # counts all the same
+        again = read_record(self.saved(trace, tmp_path), self.STATION_XML)
+        assert again.acceleration_m_s2.tobytes() == whole.acceleration_m_s2.tobytes()
 
     def test_without_obspy_the_extra_is_named(self, monkeypatch):
         monkeypatch.setitem(sys.modules, "obspy", None)

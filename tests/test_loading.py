@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose
 from damage.errors import InputError
 from damage.motion.drive import Drive
 from damage.motion.formats import read_record, shipped_record_path
-from damage.motion.loading import EASE_S, FreeVibration, Harmonic, Recorded, TopDisplacement
-from damage.motion.record import Record, aligned_with, band_passed, baseline_corrected, windowed
+from damage.motion.loading import EASE_S, FreeVibration, Harmonic, Recorded, TopDisplacement, loading_from_dict
+from damage.motion.record import Record, aligned_with, band_passed, baseline_corrected, interpolated, windowed
 from damage.units import GRAVITY
 
 STEP_LIMITS_S = (1.63e-5, 3e-5, 1.3e-3, 0.05)
@@ -122,6 +122,33 @@ class TestRecorded:
         assert_allclose(found, 2 * expected.acceleration_m_s2, rtol=1e-14)
         windowed_first = band_passed(windowed(record, 3, 5), 0.5, 20).acceleration_m_s2
         assert np.abs(found / 2 - windowed_first).max() > 1e-3
+
+    def test_a_record_is_interpolated_for_a_wall_whose_period_has_fewer_than_ten_steps(self):
+        """Lines between samples took off 13 % at five steps a period, 42 % at 2.5 of them."""
+        load = Recorded(noise(), -2.0, (3, 5), vertical=noise("up", seed=2), band_hz=(0.5, 20))
+        assert load.for_period(0.05) is load and load.lost_by_lines is None  # bit for bit what it was
+        driven = load.for_period(0.025)
+        assert driven.lost_by_lines == pytest.approx(0.125, abs=1e-3)
+        assert load.for_period(0.0127).lost_by_lines == pytest.approx(0.415, abs=2e-3)
+        for found, record in zip(driven.motion, (load.record, load.vertical)):
+            expected = interpolated(band_passed(record, 0.5, 20), (3, 5))
+            assert found.time_step_s == expected.time_step_s == 0.0005
+            assert_allclose(found.acceleration_m_s2, -2 * expected.acceleration_m_s2, rtol=1e-14)
+        assert driven.duration_s == pytest.approx(load.duration_s) and driven.name == load.name
+        assert driven.preferred_step_s(3e-5) == pytest.approx(0.0005 / 17)
+        assert driven.applied() is driven.motion[0] and driven.peak_g > load.peak_g
+
+    def test_the_table_of_a_motion_says_whether_it_was_interpolated(self):
+        load = Recorded(noise(), 2.0, (3, 5), baseline_order=1)
+        assert not {"interpolated_for_s", "lost_by_lines"} & load.as_dict().keys()
+        driven = load.for_period(0.025)
+        table = json.loads(json.dumps(driven.as_dict()))
+        assert (table["interpolated_for_s"], table["lost_by_lines"], table["time_step_s"]) == (
+            0.025, driven.lost_by_lines, 0.005)
+        again = loading_from_dict(table)
+        assert json.loads(json.dumps(again.as_dict())) == table
+        assert_allclose(2 * again.unscaled(noise()).acceleration_m_s2, driven.applied().acceleration_m_s2, rtol=1e-14)
+        assert table["pga_g"] == driven.peak_g > load.as_dict()["pga_g"]
 
     def test_vertical_gets_the_same_preparation(self):
         east, up = noise("east"), noise("up", seed=2)

@@ -9,6 +9,7 @@ from conftest import REPOSITORY, one_line_error
 import damage
 from damage.__main__ import main
 from damage.motion.formats import shipped_record_path
+from damage.run import plausible as motions
 from damage.run.options import parse_run
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
@@ -99,8 +100,31 @@ def test_a_run_refuses_a_wall_and_a_motion_unless_they_are_accepted():
     assert "peak of 49 g, expected up to 5 g" in one_line_error(settings("--harmonic", 0.2, 49).check_plausible, WALL)
     shaken = ("--harmonic", 0.2, 1, "--sequence", "0.1,-6")
     assert "peak of 6 g" in one_line_error(settings(*shaken).check_plausible, WALL)
-    settings("--harmonic", 0.2, 5).check_plausible(WALL)
+    settings("--record", "BGAR_HGE", "--scale", 40).check_plausible(WALL)  # 4.4 g
     settings("--harmonic", 0.2, 49, "--accept-implausible").check_plausible(IN_MPA)
+
+
+@pytest.mark.parametrize("words, says", [
+    (("--harmonic", 0.2, 5), "--harmonic AMPLITUDE_G = 5 g, expected 0.0001 to 2 g: 5 % is 5e-2 g, 5 m/s2 is 0.5097 g"),
+    (("--harmonic", 0.2, 0), "--harmonic AMPLITUDE_G = 0 g, expected"),
+    (("--harmonic", 0.2, 0.05, "--sequence", "100,60"), "AMPLITUDE_G = 5 g"),
+    (("--harmonic", 200, 0.05), "--harmonic PERIOD_S = 200 s, expected 0.01 to 10 s: 200 ms is 200e-3 s"),
+    (("--record", "BGAR_HGE", "--scale", 0), "--scale = 0, expected 0.01 to 100."),
+    (("--record", "BGAR_HGE", "--scale", -0.001), "--scale = -0.001, expected 0.01 to 100."),
+    (("--record", "BGAR_HGE", "--sequence", "150,1"), "--sequence = 150, expected 0.01 to 100, or 0: 150 % is 150e-2"),
+    (("--record", "BGAR_HGE", "--sequence", "0,0"), "BGAR_HGE_x1: the base stands still"),
+    (("--cyclic", "0.1,25"), "--pushover, --cyclic = 25 %, expected 0.0001 to 20 %")])
+def test_a_motion_or_push_beyond_the_ranges_is_refused_unless_it_is_accepted(words, says):
+    """`--harmonic 0.2 5` and `--scale 0` ran without a word."""
+    said = one_line_error(settings(*words).check_plausible, WALL)
+    assert says in said and "--accept-implausible" in said
+    settings(*words, "--accept-implausible").check_plausible(WALL)
+
+
+def test_usual_motions_and_a_pause_are_plausible():
+    for words in ((), ("--harmonic", 0.2, 2), ("--record", "BGAR_HGE", "--scale", -3, "--sequence", "1,0,-0.5"),
+                  ("--free-vibration",), ("--cyclic", "0.025,0.05,2"), ("--settle", "hogging")):
+        settings(*words).check_plausible(WALL)
 
 
 def test_modes_refuses_a_wall_unless_it_is_accepted(tmp_path, capsys):
@@ -122,7 +146,10 @@ def test_a_record_in_gal_is_warned_of(tmp_path, capsys):
     path.write_text("\n".join(["time_s,acc_m_s2", *in_gal]))
     assert main(["record", str(path)]) == 0
     assert "cm/s2 (gal) where m/s2 is expected" in capsys.readouterr().err
+    assert main(["record", "BGAR_HGE", "--scale", "250"]) == 0
+    assert "warning: --scale = 250, expected 0.01 to 100: 250 % is 250e-2\n" in capsys.readouterr().err
 
 
 def test_the_document_has_the_ranges():
-    assert markdown() in (REPOSITORY / "docs/reference/ranges.md").read_text()
+    text = (REPOSITORY / "docs/reference/ranges.md").read_text()
+    assert markdown() in text and motions.markdown() in text

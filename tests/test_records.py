@@ -10,12 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from damage.errors import InputError
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.record import (
     Record,
     aligned_with,
     band_passed,
     baseline_corrected,
+    interpolated,
     scaled,
     whole_steps,
     windowed,
@@ -98,6 +100,55 @@ class TestWindow:
     )
     def test_outside_reversed_or_too_short(self, t0, t1):
         assert "window" in one_line_error(windowed, sine_record(), t0, t1)
+
+
+def sines(rate_hz, until_s=4.0):
+    """Seven sines up to 21.75 Hz, of which a sampling at 50 Hz holds everything, sampled at a rate [Hz]."""
+    time_s = np.arange(round(until_s * rate_hz) + 1) / rate_hz
+    values = sum(np.sin(2 * np.pi * hz * time_s + hz) for hz in (1.3, 4.7, 8.1, 11.9, 15.3, 18.2, 21.75))
+    return Record(f"sines_{rate_hz:g}", 1 / rate_hz, values, start_utc="2018-01-08T14:00:37Z")
+
+
+class TestInterpolation:
+    def test_a_coarse_sampling_holds_what_a_fine_one_does(self):
+        coarse, true = interpolated(sines(50)), sines(500)
+        assert coarse.time_step_s == pytest.approx(true.time_step_s)
+        assert coarse.start_utc == true.start_utc and coarse.duration_s == pytest.approx(4.0)
+        off = np.abs(coarse.acceleration_m_s2 - true.acceleration_m_s2)
+        assert off[640:-640].max() < 2e-4 * np.abs(true.acceleration_m_s2).max()
+        lines = np.interp(true.time_s, sines(50).time_s, sines(50).acceleration_m_s2)
+        assert np.abs(lines - true.acceleration_m_s2).max() > 0.3 * np.abs(true.acceleration_m_s2).max()
+
+    def test_samples_stay(self):
+        record = Record("noise", 0.01, np.random.default_rng(3).normal(size=300))
+        assert_allclose(interpolated(record).acceleration_m_s2[::10], record.acceleration_m_s2, rtol=0, atol=5e-5)
+
+    @pytest.mark.parametrize("values", [np.ones(300), np.linspace(-3, 5, 300), np.array([1.0, 2.0])])
+    def test_ends_do_not_ring(self, values):
+        """A record that begins and ends away from zero, or on a trend: a zero-padded one would swing by 9 % there."""
+        fine = interpolated(Record("r", 0.02, values))
+        lines = np.interp(fine.time_s, 0.02 * np.arange(values.size), values)
+        assert_allclose(fine.acceleration_m_s2, lines, rtol=0, atol=1e-4)
+
+    def test_a_record_cut_in_full_motion_stays_bounded(self):
+        cut = Record("sine", 0.02, np.sin(2 * np.pi * 5.0 * 0.02 * np.arange(300) + 1.0))
+        assert np.abs(interpolated(cut).acceleration_m_s2).max() < 1.01
+        fast = Record("sine", 0.02, np.sin(2 * np.pi * 20.0 * 0.02 * np.arange(300) + 1.0))
+        assert np.abs(interpolated(fast).acceleration_m_s2).max() < 1.05
+
+    def test_a_window_is_the_part_of_the_whole(self):
+        record = sines(50, 10.0)
+        part, whole, cut = interpolated(record, (4.0, 6.0)), interpolated(record), windowed(record, 4.0, 6.0)
+        assert (part.duration_s, part.start_utc) == (pytest.approx(cut.duration_s), cut.start_utc)
+        assert_allclose(part.acceleration_m_s2, whole.acceleration_m_s2[2000:3001], rtol=0, atol=1e-12)
+        with pytest.raises(InputError, match="expected 0 <= start < end"):
+            interpolated(record, (4.0, 60.0))
+
+    def test_a_record_that_gets_too_long_is_refused(self):
+        long = Record("long", 0.01, np.zeros(100_001))
+        with pytest.raises(InputError, match="100001 samples of 0.01 s to interpolate; expected up to 100000"):
+            interpolated(long)
+        assert interpolated(long, (0.0, 10.0)).duration_s == pytest.approx(10.0)
 
 
 class TestAlignment:

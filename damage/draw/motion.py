@@ -53,5 +53,6 @@ def _over_time(ax, time_s, values, label):
 def _preparation(measures):
     """Text: the processing steps of the motion."""
     band = measures["band_hz"]
-    parts = preparation(measures["scale"], measures["window_s"], measures["baseline_order"], band)
+    parts = preparation(measures["scale"], measures["window_s"], measures["baseline_order"], band,
+                        measures["interpolated_for_s"])
     return ", ".join(parts if band else [*parts, "not filtered"])

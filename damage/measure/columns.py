@@ -66,6 +66,9 @@ PARAMETERS = {
     "speed_m_s": Column("m/s", "of a pushed top"),
     "scale": Column("1", "factor on the record"),
     "window_start_s, window_end_s": Column("s", "part of the record that was used"),
+    "lost_by_lines": Column("1", "of a record in steps of more than a tenth of `eigen_period_s`, which is "
+                            "interpolated, band-limited: share of the motion at that period that lines between its "
+                            "samples would take off; empty where samples are taken as they are"),
     "vertical": Column("1", "1 with the record's vertical component, else 0"),
     "shocks": Column("1", "how many, of a sequence"),
     "motion_duration_s, rest_s": Column("s", "of the base's motion, and of the free vibration after it"),

@@ -62,9 +62,9 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         "crushed_length_m": float(history.joint_length_m[crushed].sum()),
         "split_length_m": float((history.joints["length_m"] - history.joint_length_m).iloc[broken].sum()),
         "energy_error_fraction": energy_error, "warnings": warnings_of(history, energy_error, elastic),
-        **motion_measures(history), "period_s": period_of(history), **first_loading(history),
-        **cracks, **cycle_measures(history), **energy_measures(history), **ground_measures(history, psi_from),
-        **stress_measures(history),
+        **motion_measures(history), "lost_by_lines": history.loading.lost_by_lines, "period_s": period_of(history),
+        **first_loading(history), **cracks, **cycle_measures(history), **energy_measures(history),
+        **ground_measures(history, psi_from), **stress_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"], cracks["max_crack_width_mm"]),
     }
 

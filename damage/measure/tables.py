@@ -38,7 +38,7 @@ def summary_row(history, run="", point=""):
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     numbers = summarise(history)
-    for key in ("complete", "warnings", *APPLIED):
+    for key in ("complete", "warnings", "lost_by_lines", *APPLIED):
         del numbers[key]  # status and the columns say it
     for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
@@ -72,6 +72,7 @@ def _motion_columns(history):
             "motion_period_s": given.get("period_s"),
             **{name: given.get(name) for name in ("amplitude_g", "cycles", "speed_m_s", "scale")},
             "window_start_s": start, "window_end_s": end,
+            "lost_by_lines": loading.lost_by_lines,
             "vertical": int(given.get("vertical") is not None), "shocks": len(history.sequence),
             "motion_duration_s": given.get("duration_s"), "rest_s": history.parameters.get("rest_s")}
 

@@ -33,6 +33,11 @@ QUIET_S = 2.0
 
 ACCELERATION_UNITS = {"M/S**2", "M/S^2", "M/S2", "M/SEC**2", "M/S/S"}
 """Spellings of m/s2 that StationXML files use, in capitals."""
+COUNTS_UNITS = {"COUNTS", "COUNT"}
+"""Those of a digitiser's counts."""
+SENSITIVITY_TOLERANCE = 0.05
+"""Largest difference of an overall sensitivity from the product of its stages' gains, as a share: room for gains at
+several frequencies."""
 
 MOST_PARTS = 1000
 """Of a miniSEED file, before those that follow each other are joined, which takes a time by their number squared."""
@@ -184,7 +189,7 @@ def _read_miniseed(path, data: bytes, response) -> Record:
     trace = _only_trace(obspy, path, data)
     beside = Path(path).parent / f"{trace.stats.network}.{trace.stats.station}.xml"
     sensitivity, station_sha256 = _sensitivity(obspy, Path(response) if response else beside, trace)
-    counts = trace.data.astype(np.float64)
+    counts = _counts(path, trace)
     quiet = round(QUIET_S / trace.stats.delta)
     if counts.size < quiet:
         raise InputError(f"{path}: {counts.size} samples; expected {quiet} or more, as the mean of the first"
@@ -193,6 +198,18 @@ def _read_miniseed(path, data: bytes, response) -> Record:
         acceleration = (counts - counts[:quiet].mean()) / sensitivity
     start_utc = str(trace.stats.starttime)
     return Record(trace.id, trace.stats.delta, acceleration, start_utc, str(path), beside_sha256=(station_sha256,))
+
+
+def _counts(path, trace) -> np.ndarray:
+    """The samples of a trace, float64; InputError of such as no digitiser gives."""
+    counts = trace.data.astype(np.float64)
+    off = np.abs(np.where(np.isfinite(counts) & (counts != np.round(counts)), counts, 0.0))
+    if off.any():
+        raise InputError(f"{path}: {np.count_nonzero(off)} of {counts.size} samples are no whole numbers, such as "
+                         f"number {off.argmax()}, {counts[off.argmax()]:.6g}; expected counts, as recorded: these were "
+                         "filtered or are in a physical unit already; fetch the raw record, or give it as CSV with "
+                         "its unit")
+    return counts
 
 
 def _obspy(path):
@@ -244,13 +261,34 @@ def _sensitivity(obspy, station_xml: Path, trace) -> tuple[float, str]:
                          " or another path given as response")
     text = check_file(station_xml, f"the StationXML of {trace.id}", MOST_MB).read_bytes()
     begin = trace.stats.starttime
-    found = _quietly(station_xml, f"the StationXML of {trace.id} at {begin}", lambda: obspy.read_inventory(
-        io.BytesIO(without_entities(text)), format="STATIONXML").get_response(trace.id, begin).instrument_sensitivity)
+    response = _quietly(station_xml, f"the StationXML of {trace.id} at {begin}", lambda: obspy.read_inventory(
+        io.BytesIO(without_entities(text)), format="STATIONXML").get_response(trace.id, begin))
+    found = response.instrument_sensitivity
     units = str(found.input_units).upper() if found and found.value and math.isfinite(found.value) else "no sensitivity"
     if units not in ACCELERATION_UNITS:
         raise InputError(f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
                          " in counts per M/S**2, give an acceleration channel")
+    _check_sensitivity(f"{station_xml}: sensitivity of {trace.id}", found, response.response_stages)
     return found.value, hashlib.sha256(text).hexdigest()
+
+
+def _check_sensitivity(where, overall, stages) -> None:
+    """InputError where an overall sensitivity is not in counts, or not what the gains of its stages say."""
+    gains = [stage.stage_gain for stage in stages if stage.stage_gain is not None]
+    product = math.prod(gains)
+    by_stages = f" (by the gains of its {len(gains)} stages {product:.7g})" if gains else ""
+    if str(overall.output_units).upper() not in COUNTS_UNITS:
+        raise InputError(f"{where}: {overall.value:.7g} {overall.output_units} per {overall.input_units}{by_stages}; "
+                         "expected counts per M/S**2 at the end of all stages: correct the StationXML, or give the "
+                         "record as CSV with its unit")
+    if gains and not abs(overall.value - product) <= SENSITIVITY_TOLERANCE * abs(product):
+        raise InputError(f"{where}: {overall.value:.7g}, but the gains of its {len(gains)} stages make {product:.7g} "
+                         f"({' x '.join(f'{gain:.7g}' for gain in gains)}); expected the same within "
+                         f"{SENSITIVITY_TOLERANCE:.0%}: one of the two is wrong, correct the StationXML")
+    for stage in stages[:1]:
+        if stage.input_units and str(stage.input_units).upper() not in ACCELERATION_UNITS:
+            raise InputError(f"{where} is per {overall.input_units}, but its first stage takes {stage.input_units}; "
+                             "expected M/S**2 of both: correct the StationXML")
 
 
 def without_entities(xml: bytes) -> bytes:

@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # signal and integrate where they are used: half a second
 
 from damage.errors import InputError
-from damage.motion.record import Record
+from damage.motion.record import LEAST_A_PERIOD, Record
 from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = (0.06, 0.08, 0.1, 0.15, 0.2, 0.25, 0.33, 0.5, 1.0)
@@ -82,12 +82,16 @@ def applied_measures(record: Record | None, eigen_period_s: float | None) -> dic
     measures = {
         "pgv_m_s": lambda: pgv_m_s(record),
         "avg_sa_g": lambda: avg_sa_g(rested(record, AVERAGE_PERIODS_S[-1])),
-        "sa_eigen_period_g": lambda: None if eigen_period_s is None else float(
-            response_spectrum(rested(record, eigen_period_s), [eigen_period_s])[0]),
+        "sa_eigen_period_g": lambda: None if eigen_period_s is None else sa_g(record, eigen_period_s),
         "arias_m_s": lambda: arias_m_s(record),
         "d5_75_s": lambda: significant_duration_s(record, 0.05, 0.75),
         "d5_95_s": lambda: significant_duration_s(record, 0.05, 0.95)}
     return {name: _where_it_applies(measures[name]) for name in APPLIED}
+
+
+def sa_g(record: Record, period_s: float) -> float:
+    """5 % spectral acceleration at a period, the rest after the motion included [g]."""
+    return float(response_spectrum(rested(record, period_s), [period_s])[0])
 
 
 def _where_it_applies(measure):
@@ -222,16 +226,33 @@ def summary(record: Record) -> dict:
     }
 
 
-def motion_summary(loading) -> dict:
-    """The `summary` of a `damage.motion.loading.Recorded` as a run applies it, with what prepared it.
+def motion_summary(loading, eigen_period_s=None) -> dict:
+    """The `summary` of a `damage.motion.loading.Recorded` as a run applies it, with what prepared it; of a wall with
+    that first period [s] also "sa_eigen_period_g", of the motion `for_period`.
 
     Beside the measures: "motion", its name; "gravity_m_s2", 1 g; "scale", "window_s", "baseline_order" and "band_hz" as
-    given; "filtered", the names of the measures that are of a band-passed motion: all of them or none.
+    given; "time_step_s" of the record, "interpolated_for_s" and "lost_by_lines" of the Recorded; "filtered", the names
+    of the measures that are of a band-passed motion: all of them or none.
     """
+    if eigen_period_s is not None:
+        loading = loading.for_period(eigen_period_s)
     measures = summary(loading.applied())
+    if eigen_period_s is not None:
+        measures["sa_eigen_period_g"] = sa_g(loading.applied(), eigen_period_s)
     return {"motion": loading.name, "gravity_m_s2": GRAVITY, "scale": loading.scale, "window_s": loading.window_s,
             "baseline_order": loading.baseline_order, "band_hz": loading.band_hz,
+            "time_step_s": loading.record.time_step_s, "interpolated_for_s": loading.interpolated_for_s,
+            "lost_by_lines": loading.lost_by_lines,
             "filtered": [] if loading.band_hz is None else list(measures), **measures}
+
+
+def _describe_sampling(found: dict) -> str:
+    """How walls take the samples of a `motion_summary`, in words."""
+    if found["interpolated_for_s"] is None:
+        return (f"taken as it is by walls of a first period from {LEAST_A_PERIOD * found['time_step_s']:g} s, by "
+                "stiffer ones interpolated (--period T1_S shows that motion)")
+    return (f"interpolated (band-limited) for a wall of {found['interpolated_for_s']:g} s; lines between samples would "
+            f"take off {100 * found['lost_by_lines']:.2g} % at that period")
 
 
 def describe(found: dict) -> str:
@@ -240,7 +261,8 @@ def describe(found: dict) -> str:
     measures = {name: found[name] for name in names[names.index("filtered") + 1:] if name != "sa_g"}
     band = "none (--band LOW_HZ HIGH_HZ for a band-pass)" if found["band_hz"] is None else \
         "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*found["band_hz"])
-    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2", f"filter: {band}"]
+    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2", f"filter: {band}",
+             f"time step: {found['time_step_s']:g} s, {_describe_sampling(found)}"]
     lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
     lines += [f"sa_g({period} s){value:>{28 - len(period) - 8}.4f}" for period, value in found["sa_g"].items()]
     if abs(found["end_velocity_cm_s"]) > MOST_END_VELOCITY * found["pgv_cm_s"]:

@@ -6,7 +6,7 @@ makes the record again.
 
 import math
 import re
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
@@ -32,15 +32,15 @@ class Loading:
 
     drive: what it prescribes on a wall, a Drive; duration_s: of the base's motion [s]; cycle_edges_s: where the
     motion's own cycles begin and end, (k,) [s]; peak_g: largest acceleration of the base [g]; pga_g,
-    sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where unknown; moves:
-    whether there is a motion at all.
+    sa_02_s_g: peak and 5 % spectral acceleration at 0.2 s [g] of the base along the wall, None where unknown;
+    lost_by_lines: of an interpolated record, else None; moves: whether there is a motion at all.
     Every one has a name, too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
     duration_s = 0.0
     cycle_edges_s = np.zeros(0)
     peak_g = 0.0
-    pga_g = sa_02_s_g = None
+    pga_g = sa_02_s_g = lost_by_lines = None
     moves = True
 
     @property
@@ -55,6 +55,10 @@ class Loading:
         """The time step that fits the motion, at most max_step_s, here to six digits of it [s]: its last bits come out
         of linear algebra and differ with the machine and its threads, and a wall that cracks follows them."""
         return float(f"{max_step_s:.5e}")
+
+    def for_period(self, period_s: float) -> "Loading":
+        """The loading as it drives a wall of that first period [s]."""
+        return self
 
     def applied(self) -> Record | None:
         """The base's motion along the wall as a record; None where it stands still, and of what a history keeps of a
@@ -135,7 +139,7 @@ class Harmonic(Loading):
 
 @dataclass(frozen=True)
 class Recorded(Loading):
-    """Base acceleration of a record, after baseline, band-pass, window and scale, in this order.
+    """Base acceleration of a record, after baseline, band-pass, interpolation, window and scale, in this order.
 
     record: horizontal component.
     scale: factor on both components.
@@ -143,6 +147,8 @@ class Recorded(Loading):
     vertical: component along z with the same step, length and start, or None.
     baseline_order: order of the polynomial that is taken off, or None.
     band_hz: corners of the zero-phase band-pass [Hz], or None.
+    interpolated_for_s: first period [s] of the wall for which both components are interpolated, band-limited
+        (`for_period`), or None: lines between the record's samples.
     """
 
     record: Record
@@ -151,6 +157,7 @@ class Recorded(Loading):
     vertical: Record | None = None
     baseline_order: int | None = None
     band_hz: tuple[float, float] | None = None
+    interpolated_for_s: float | None = None
 
     def __post_init__(self):
         for key in ("window_s", "band_hz"):
@@ -172,9 +179,24 @@ class Recorded(Loading):
             record = prepare.baseline_corrected(record, self.baseline_order)
         if self.band_hz is not None:
             record = prepare.band_passed(record, *self.band_hz)
-        if self.window_s is not None:
+        if self.interpolated_for_s is not None:
+            record = prepare.interpolated(record, self.window_s)
+        elif self.window_s is not None:
             record = prepare.windowed(record, *self.window_s)
         return prepare.scaled(record, self.scale)
+
+    def for_period(self, period_s: float) -> "Recorded":
+        """As of any Loading: interpolated where the record has fewer than LEAST_A_PERIOD samples in the period."""
+        coarse = self.record.time_step_s > period_s / prepare.LEAST_A_PERIOD
+        return replace(self, interpolated_for_s=float(period_s)) if coarse else self
+
+    @property
+    def lost_by_lines(self) -> float | None:
+        """Share of the motion at the wall's first period that lines between the record's samples would take off, where
+        it is interpolated: 1 - sinc^2(step / period)."""
+        if self.interpolated_for_s is None:
+            return None
+        return float(1 - np.sinc(self.record.time_step_s / self.interpolated_for_s) ** 2)
 
     def applied(self) -> Record:
         """As of any Loading: the prepared horizontal record."""
@@ -204,7 +226,8 @@ class Recorded(Loading):
 
     def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost between steps."""
-        return self.record.time_step_s / prepare.whole_steps(self.record.time_step_s, max_step_s)
+        step_s = self.motion[0].time_step_s
+        return step_s / prepare.whole_steps(step_s, max_step_s)
 
     @property
     def drive(self) -> Drive:
@@ -227,7 +250,8 @@ class Recorded(Loading):
             time_step_s=float(self.record.time_step_s), scale=float(self.scale), pga_g=pga_g(self.motion[0]),
             sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]), window_s=_floats(self.window_s),
             baseline_order=None if self.baseline_order is None else int(self.baseline_order),
-            band_hz=_floats(self.band_hz), duration_s=float(self.duration_s)).as_dict()
+            band_hz=_floats(self.band_hz), duration_s=float(self.duration_s),
+            interpolated_for_s=self.interpolated_for_s, lost_by_lines=self.lost_by_lines).as_dict()
 
 
 @dataclass(frozen=True)
@@ -235,8 +259,8 @@ class RecordedMotion(Loading):
     """A `Recorded` as read from a history: without the samples, which stay in the record's file.
 
     horizontal, vertical: {"record": its name, "file": without its folder, "sha256", "start_utc"} of the components;
-    time_step_s: of the record [s]; pga_g, sa_02_s_g: of the motion as it was used [g]; the rest as in `Recorded`.
-    None is what an older file does not say.
+    time_step_s: of the record's file [s]; pga_g, sa_02_s_g: of the motion as it was used [g]; the rest as in
+    `Recorded`.  None is what an older file does not say.
     """
 
     name: str
@@ -250,6 +274,8 @@ class RecordedMotion(Loading):
     baseline_order: int | None = None
     band_hz: tuple[float, float] | None = None
     duration_s: float | None = None
+    interpolated_for_s: float | None = None
+    lost_by_lines: float | None = None
 
     @property
     def drive(self) -> Drive:
@@ -261,12 +287,15 @@ class RecordedMotion(Loading):
 
     def unscaled(self, record: Record) -> Record:
         """The horizontal component as it was prepared, at scale 1, made from its record."""
-        return Recorded(record, window_s=self.window_s, baseline_order=self.baseline_order,
-                        band_hz=self.band_hz).motion[0]
+        return Recorded(record, window_s=self.window_s, baseline_order=self.baseline_order, band_hz=self.band_hz,
+                        interpolated_for_s=self.interpolated_for_s).motion[0]
 
     def as_dict(self) -> dict:
-        """The table of which `loading_from_dict` makes this again, fit for JSON."""
+        """The table of which `loading_from_dict` makes this again, fit for JSON; a motion whose samples were taken as
+        they are says nothing of interpolation."""
         table = {"kind": "record", **asdict(self)}
+        if self.interpolated_for_s is None:
+            del table["interpolated_for_s"], table["lost_by_lines"]
         return table | {"sa_0.2_s_g": table.pop("sa_02_s_g")}
 
 

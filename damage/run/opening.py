@@ -2,6 +2,7 @@
 
 import math
 
+from damage.motion.record import FINER
 from damage.wall.caps import describe_top
 from damage.wall.floors import describe_floors
 from damage.wall.geometry import body_table, joint_table
@@ -29,7 +30,18 @@ def opening_lines(layout, loading, modes, time_step):
         f"{describe_share(elastic_share(wall, joint_table(layout), body_table(layout)))}",
         f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
         f"({time_step / modes.critical_time_step_s:.2f} of the critical)",
-        f"motion: {loading.name}"]
+        f"motion: {loading.name}",
+        *describe_sampling(loading)]
+
+
+def describe_sampling(loading):
+    """A line about a Loading whose record is interpolated, in a list; none where it is not."""
+    if loading.lost_by_lines is None:
+        return []
+    step_s = loading.record.time_step_s
+    return [f"record: its step of {step_s:g} s is more than a tenth of the first period; interpolated (band-limited) "
+            f"to {step_s / FINER:g} s, as lines between samples would take off {100 * loading.lost_by_lines:.2g} % at "
+            "that period"]
 
 
 def sequence_lines(settings):

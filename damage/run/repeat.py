@@ -46,12 +46,12 @@ def earlier_runs(settings, layout, backend, model, time_step):
         if history.time_step_s != time_step:
             raise InputError(f"--continue {path}: its time step is {history.time_step_s!r} s, expected that of this "
                              f"run, {time_step!r} s; give --dt {history.time_step_s!r}")
-        settings = _settings_of(history, layout.wall.joint, backend)
+        settings = settings_of(history, layout.wall.joint, backend)
         found.insert(0, settings)
     return tuple(found)
 
 
-def _settings_of(history, joint, backend):
+def settings_of(history, joint, backend):
     """The RunSettings of a History by its command."""
     command = history.command
     words = command.split()
@@ -62,6 +62,7 @@ def _settings_of(history, joint, backend):
         raise InputError(f"--continue {history.path}: its command, {command!r}, cannot be repeated ({error}); expected "
                          "its files in this folder; or give both halves in one run, as --sequence 1,0.5") from error
     settings = settings.for_joint(joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
+    settings = settings.for_period(history.eigen_period_s)
     other = [name for name, value in json.loads(json.dumps(settings.as_dict())).items()
              if name != "command" and history.parameters[name] != value]
     if other:

@@ -180,6 +180,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     if settings.settlement:
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
+    settings = settings.for_period(float(modes.period_s[0]))
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)

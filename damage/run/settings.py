@@ -9,12 +9,13 @@ import numpy as np
 from damage.checks import check_range, check_whole
 from damage.errors import InputError
 from damage.index import THRESHOLD
-from damage.motion.loading import HIGHEST_G
+from damage.motion.loading import HIGHEST_G, Recorded
 from damage.motion.plausible import implausible_peak
 from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
 from damage.run.before import Surveyed
+from damage.run.plausible import implausible_motion
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT, check_plausible
@@ -175,8 +176,23 @@ class RunSettings:
         if self.accept_implausible:
             return
         check_plausible(wall)
-        if message := implausible_peak(self.peak_g):
-            raise InputError(f"{message}. Correct the unit, or accept all values as given: {ACCEPT}")
+        found = implausible_motion(self.loading, (1.0,) if self.life else self.sequence)
+        if found := found + list(filter(None, [implausible_peak(self.peak_g)])):
+            raise InputError(f"{'; '.join(found)}. Correct the value or its unit, or accept all values as given: "
+                             f"{ACCEPT}")
+
+    def for_period(self, period_s):
+        """These settings with their motions as they drive a wall of that first period [s] (`Loading.for_period`).
+        Raises InputError of a record whose samples cannot hold that period, unless implausible values are accepted."""
+        motions = {id(one): one for one in (self.loading, *(event.loading for event in self.events))}
+        for one in motions.values():
+            if isinstance(one, Recorded) and one.record.time_step_s > period_s / 2 and not self.accept_implausible:
+                raise InputError(f"{one.record.name}: a time step of {one.record.time_step_s:g} s; expected at most "
+                                 f"half of the wall's first period of {period_s:.3g} s, which its samples do not hold: "
+                                 f"look at the time column, give a finer record, or accept it: {ACCEPT}")
+        driven = {key: one.for_period(period_s) for key, one in motions.items()}
+        return replace(self, loading=driven[id(self.loading)], events=tuple(
+            replace(event, loading=driven[id(event.loading)]) for event in self.events))
 
     def check_offsets(self, contacts):
         """InputError where the bricks' offsets come near what breaks a joint of these `Contacts`."""

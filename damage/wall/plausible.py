@@ -96,18 +96,25 @@ def implausible(wall):
         opening.lintel for opening in wall.openings if opening.lintel)
     given = [(f"{type(record).__name__}.{name}", value) for record in records
              for name, value in vars(record).items() if value]
-    found = [_message_of(name, value) for name, value in given
-             if name in RANGES and not RANGES[name].least <= value <= RANGES[name].most]
-    return list(dict.fromkeys(found))  # several openings may have the same fault
+    found = [message_of(name, value, RANGES[name]) for name, value in given if name in RANGES]
+    return list(dict.fromkeys(filter(None, found)))  # several openings may have the same fault
 
 
-def _message_of(name, value):
-    """An implausible value, what was expected, and in which units it would be plausible."""
-    least, most, unit, others, _, zero = RANGES[name]
-    meant = [f"{short(value)} {other} is {_in_si(value, size)} {unit}" for other, size in others.items()
-             if least <= value * size <= most]
-    return (f"{name} = {short(value)} {unit}, expected {short(least)} to {short(most)} {unit}{', or 0' * zero}"
-            + (f": {', '.join(meant)}" if meant else ""))
+def message_of(name, value, of):
+    """Of an implausible value what was expected by a Range, and in which units it would be plausible; None of a
+    plausible one.  The sign does not count.
+
+    >>> message_of("--scale", -250.0, Range(0.01, 100, "", {"%": 0.01}, ""))
+    '--scale = -250, expected 0.01 to 100: -250 % is -250e-2'
+    """
+    least, most, unit, others, _, zero = of
+    if least <= abs(value) <= most or (zero and value == 0):
+        return None
+    space = " " * bool(unit)
+    meant = [f"{short(value)} {other} is {_in_si(value, size)}{space}{unit}" for other, size in others.items()
+             if least <= abs(value) * size <= most]
+    return (f"{name} = {short(value)}{space}{unit}, expected {short(least)} to {short(most)}{space}{unit}"
+            f"{', or 0' * zero}" + (f": {', '.join(meant)}" if meant else ""))
 
 
 def short(number):
@@ -129,7 +136,12 @@ def _in_si(value, size):
 
 def markdown():
     """The ranges as a table of the documents."""
-    rows = (f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' * one.zero} | {one.why} |"
-            for name, one in RANGES.items())
-    return "\n".join(["| field | from | to | unit | or 0 | near the limits |", "| --- | --- | --- | --- | --- | --- |",
-                      *rows])
+    return rows("field", RANGES)
+
+
+def rows(what, ranges):
+    """{name: Range} as a table of the documents; what: the heading of the names."""
+    lines = (f"| `{name}` | {short(one.least)} | {short(one.most)} | {one.unit} | {'yes' * one.zero} | {one.why} |"
+             for name, one in ranges.items())
+    return "\n".join([f"| {what} | from | to | unit | or 0 | near the limits |",
+                      "| --- | --- | --- | --- | --- | --- |", *lines])

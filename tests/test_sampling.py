@@ -1,0 +1,138 @@
+"""Runs with records in coarse steps: both samplings of one motion give one result."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from conftest import one_line_error
+
+import damage
+from damage.__main__ import main
+from damage.draw.words import run_title
+from damage.measure.summary import summarise
+from damage.measure.tables import summary_row
+from damage.motion.formats import read_record
+from damage.motion.intensity import sa_g
+from damage.motion.loading import Recorded
+from damage.reference.session import BACKEND
+from damage.run.opening import describe_sampling
+from damage.run.options import parse_run
+from damage.run.repeat import settings_of
+from damage.run.report import describe
+
+STIFF = damage.Wall("stiff", 0.84, 1.5, precompression=0.1e6,
+                    brick=damage.Brick(length=0.21, height=0.06, thickness=0.1))
+"""Its first period is 0.0508 s: 2.5 steps of 0.02 s."""
+PERIOD_S = 0.0508
+
+
+def sampled(folder, step_s, name="", scale=1.0):
+    """A record's file of 0.8 s: sines up to 21.75 Hz that swell and ebb, of which steps of 0.02 s hold everything."""
+    time_s = np.arange(round(0.8 / step_s) + 1) * step_s
+    acc_g = scale * np.sin(np.pi * time_s / 0.8)**2 * sum(
+        g * np.sin(2 * np.pi * hz * time_s) for hz, g in ((4.0, 0.01), (12.0, 0.015), (19.7, 0.025), (21.75, 0.01)))
+    path = folder / f"{name or f'every_{1e3 * step_s:g}_ms'}.csv"
+    path.write_text("time_s,acc_g\n" + "".join(f"{t:.4f},{a:.9f}\n" for t, a in zip(time_s, acc_g)))
+    return path
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """{step [s]: History} of the stiff wall under both files."""
+    folder = tmp_path_factory.mktemp("sampling")
+    return {step_s: damage.run(STIFF, sampled(folder, step_s), rest=0.1) for step_s in (0.02, 0.002)}
+
+
+def test_a_record_in_coarse_steps_drives_a_stiff_wall_as_one_in_fine_steps(runs):
+    """By lines between its samples it had 27 % less drift and base shear, and Sa(T1) was a third too small."""
+    coarse, fine = (summarise(runs[step_s]) for step_s in (0.02, 0.002))
+    for name in ("max_drift_ratio", "peak_base_shear_n", "sa_eigen_period_g", "pgv_m_s", "avg_sa_g", "arias_m_s",
+                 "d5_75_s"):
+        assert coarse[name] == pytest.approx(fine[name], rel=0.01), name
+    rows = [summary_row(runs[step_s]) for step_s in (0.02, 0.002)]
+    for name in ("pga_g", "sa_0.2_s_g", "peak_base_shear_n"):
+        assert rows[0][name] == pytest.approx(rows[1][name], rel=0.01), name
+    assert runs[0.02].eigen_period_s == pytest.approx(PERIOD_S, abs=1e-4)
+    assert coarse["peak_base_shear_n"] > 1000
+
+
+def test_the_run_says_that_it_interpolates_and_what_lines_would_take_off(runs):
+    lost = 1 - np.sinc(0.02 / runs[0.02].eigen_period_s) ** 2
+    assert summarise(runs[0.02])["lost_by_lines"] == summary_row(runs[0.02])["lost_by_lines"] == pytest.approx(lost)
+    assert runs[0.02].parameters["loading"]["interpolated_for_s"] == runs[0.02].eigen_period_s
+    assert summarise(runs[0.002])["lost_by_lines"] is None and "lost_by_lines" in summary_row(runs[0.002])
+    assert "interpolated_for_s" not in runs[0.002].parameters["loading"]
+    assert "record interpolated, as lines between its samples would take off 42 % at the first period" in describe(
+        summarise(runs[0.02]))
+    assert "interpolated" not in describe(summarise(runs[0.002]))
+    assert ["interpolated" in run_title(runs[step_s]) for step_s in (0.02, 0.002)] == [True, False]
+
+
+def settings(*words):
+    return parse_run([str(word) for word in words], "test", "reference")
+
+
+def test_the_first_lines_of_a_run_name_steps_and_loss(tmp_path):
+    driven = settings("--record", sampled(tmp_path, 0.02)).for_period(PERIOD_S)
+    assert describe_sampling(driven.loading) == [
+        "record: its step of 0.02 s is more than a tenth of the first period; interpolated (band-limited) to 0.002 s, "
+        "as lines between samples would take off 42 % at that period"]
+    asked = settings("--record", "BGAR_HGE")
+    assert asked.for_period(0.0532) == asked and describe_sampling(asked.loading) == []  # the stiffest wall that ships
+    assert settings("--harmonic", 0.2, 0.1).for_period(0.01).loading.lost_by_lines is None
+
+
+def test_all_events_of_a_sequence_are_interpolated_and_stay_the_same_motion(tmp_path):
+    for name, scale in (("one", 1.0), ("two", 0.5)):
+        sampled(tmp_path, 0.02, name, scale)
+    (tmp_path / "sequence.csv").write_text("record,scale\none.csv,1\ntwo.csv,3\none.csv,0.5\n")
+    asked = settings("--sequence", tmp_path / "sequence.csv")
+    driven = asked.for_period(PERIOD_S)
+    first, second, third = (event.loading for event in driven.events)
+    assert first is third and driven.loading is second and driven.peak_g > asked.peak_g
+    assert {one.interpolated_for_s for one in (first, second)} == {PERIOD_S}
+    assert [event.factor for event in driven.events] == [1, 3, 0.5] and driven.duration_s == asked.duration_s
+    assert len(driven.as_dict()["motions"]) == 2
+
+
+def test_a_record_whose_steps_exceed_half_the_period_is_refused_unless_it_is_accepted(tmp_path):
+    words = "--record", sampled(tmp_path, 0.04)
+    said = one_line_error(settings(*words).for_period, PERIOD_S)
+    assert "every_40_ms: a time step of 0.04 s; expected at most half of the wall's first period of 0.0508 s" in said
+    driven = settings(*words, "--accept-implausible").for_period(PERIOD_S)
+    assert driven.loading.interpolated_for_s == PERIOD_S
+
+
+def test_record_shows_the_motion_of_a_wall_with_a_period(tmp_path, capsys):
+    path = str(sampled(tmp_path, 0.02))
+    assert main(["record", path]) == 0
+    plain = capsys.readouterr().out
+    assert "time step: 0.02 s, taken as it is by walls of a first period from 0.2 s, by stiffer ones inter" in plain
+    assert main(["record", path, "--period", str(PERIOD_S)]) == 0
+    shown = capsys.readouterr().out
+    assert "time step: 0.02 s, interpolated (band-limited) for a wall of 0.0508 s; lines between samples would" in shown
+    expected = sa_g(Recorded(read_record(sampled(tmp_path, 0.002))).applied(), PERIOD_S)
+    (line,) = (line for line in shown.splitlines() if line.startswith("sa_eigen_period_g"))
+    assert float(line.split()[1]) == pytest.approx(expected, rel=2e-3)
+    assert "sa_eigen_period_g" not in plain
+
+
+def test_members_take_the_interpolated_motion(tmp_path, damage_command):
+    wall = tmp_path / "pier.toml"
+    wall.write_text('name = "pier"\nlength = 0.42\nheight = 0.6\nprecompression = 0.1e6\n'
+                    'brick = { length = 0.21, height = 0.06, thickness = 0.1 }\n')
+    done = damage_command("reference", wall, "--record", sampled(tmp_path, 0.01), "--window", "0.3", "0.5", "--rest",
+                          "0", "--no-pictures", "--members", "2", "--out", tmp_path / "members.h5")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("record: its step of 0.01 s is more than a tenth of the first period") == 1
+    assert done.stdout.count("record interpolated, as lines between its samples would take off") == 1
+
+
+def test_a_run_that_is_repeated_gets_the_interpolated_motion(runs, tmp_path):
+    """A solver that keeps no state repeats the run that another continues, by its command."""
+    done = SimpleNamespace(command=f"yade stiff.py --record {sampled(tmp_path, 0.02)} --rest 0.1", path="first.h5",
+                           parameters=runs[0.02].parameters, eigen_period_s=runs[0.02].eigen_period_s)
+    again = settings_of(done, STIFF.joint, BACKEND)
+    assert again.loading.as_dict() == runs[0.02].parameters["loading"]
+    done.eigen_period_s = 0.2
+    assert "no longer describes it: loading was" in one_line_error(settings_of, done, STIFF.joint, BACKEND)
