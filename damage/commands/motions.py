@@ -9,17 +9,18 @@ from damage.run.options import add_preparation, recorded
 
 @command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
          "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
-         "acc_gal or acc_g; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as "
+         "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as "
          "BGAR_HGE"), JSON, add_preparation,
          file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"))
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary
-    from damage.motion.plausible import implausible_peak
+    from damage.motion.plausible import faint_warnings, implausible_peak, implausible_velocity
 
     loading = recorded(asked)
     found = motion_summary(loading)
-    if implausible := implausible_peak(found["pga_g"]):
+    for implausible in filter(None, (implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))):
         warn(implausible)
+    warn(*faint_warnings(found["pga_g"]))
     if asked.plot:
         _plot_motion(loading, found, asked.plot)
     show(asked, found, describe)

@@ -75,7 +75,8 @@ def describe(summary):
         lines.append(f"joints that ended, as their faces no longer overlapped: {summary['ended_joints']}")
     if summary["pgv_m_s"] is not None and summary["avg_sa_g"] is not None:
         lines.append(f"motion as applied: PGV {summary['pgv_m_s']:.3g} m/s, AvgSa {summary['avg_sa_g']:.3g} g, "
-                     f"Arias intensity {summary['arias_m_s']:.3g} m/s")
+                     f"Arias intensity {summary['arias_m_s']:.3g} m/s"
+                     + (f"; record in {summary['record_unit']}" if summary["record_unit"] else ""))
     if summary["period_elongation"] is not None:
         lines.append(f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
                      f"{summary['period_elongation']:.2f} of the intact wall's period")

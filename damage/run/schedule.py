@@ -51,6 +51,16 @@ def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
     return settings.time_step_s
 
 
+def check_sampling(settings, period_s):
+    """Raise InputError where the samples of a record are too far apart for a wall with this first period [s]."""
+    for event in settings.recorded:
+        record = event.loading.record
+        if record.time_step_s > 0.5 * period_s:
+            raise InputError(f"record {record.name}: a time step of {record.time_step_s:g} s; expected at most "
+                             f"{0.5 * period_s:.3g} s, half the wall's first period, or the motion that shakes it is "
+                             "not in the record; give one with more samples")
+
+
 def check_top(settings, layout, time_step):
     """Raise InputError where the rotational spring at the top is too stiff for the time step [s]: its own frequency on
     the body that carries the top has to stay below half of the stable one with its joints."""
