@@ -98,7 +98,7 @@ def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
     """The history, its tables, pictures and report."""
     (tmp_path / "w.py").write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
     record = tmp_path / "pulse.csv"
-    record.write_text("time_s,acc_m_s2\n0,0\n0.01,1\n0.02,0\n")
+    record.write_text("time_s,acc_m_s2\n0,0\n0.005,1\n0.01,0\n")
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
     out = tmp_path / "a.h5"

@@ -9,8 +9,8 @@ from damage.run.options import add_preparation, recorded
 
 @command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
          "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
-         "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as "
-         "BGAR_HGE"), JSON, add_preparation,
+         "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that "
+         "ships, as BGAR_HGE"), JSON, add_preparation,
          file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"))
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary

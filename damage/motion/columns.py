@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from damage.units import GRAVITY
 
 UNITS_M_S2 = {"m_s2": 1.0, "cm_s2": 0.01, "mm_s2": 0.001, "gal": 0.01, "g": GRAVITY, "mg": GRAVITY / 1000}
 """Units of the acceleration, and their factors to m/s2; 1 gal is 1 cm/s2, 1 mg a thousandth of g."""
+
+MOST_COMMENTS = 10_000
+"""Different lines of comments in which a unit is looked for."""
 
 EXPECTED_HEADER = ("time_s and one of " + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
                    + ', or with units in brackets, as "time [s]" and "acc [cm/s2]"')
@@ -71,6 +75,7 @@ def read_columns(path, lines: list[str], unit=None, sample_step_s=None) -> Colum
     step_s = sample_step_s if alone else uniform_step(path, [i for i, _ in rows], values[:, 0], sample_step_s)
     check_step(path, step_s)
     comments = {line: i for i, line in enumerate(lines, 1) if line.lstrip().startswith("#")}
+    comments = dict(islice(comments.items(), MOST_COMMENTS))
     named = [(header_unit, *header)] if header else []
     named += [(one, i, line) for line, i in comments.items() for one in units_in(line)]
     taken, words = _taken(path, named, unit, bool(header))
@@ -201,7 +206,10 @@ def as_float(cell: str) -> float:
     >>> [as_float(cell) for cell in ("1.5D-03", "-.25", "0.15-101")]
     [0.0015, -0.25, 1.5e-102]
     """
-    cell = re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", cell)
+    try:
+        return float(cell)
+    except ValueError:
+        cell = re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", cell)
     return float(re.sub(r"(?<=\d)([-+]\d{3})$", r"e\1", cell) if "." in cell and "e" not in cell.lower() else cell)
 
 

@@ -109,7 +109,8 @@ def _read_text(path, data: bytes, unit=None, sample_step_s=None) -> Record:
     if suffix != ".at2" and (suffix == ".csv" or not is_at2(lines)):
         return _read_csv(path, lines, unit, sample_step_s)
     if sample_step_s is not None:
-        raise InputError(f"{path}: --sample-step {sample_step_s:g} of an AT2 file: its header has DT; leave it out")
+        raise InputError(f"{path}: --sample-step {sample_step_s:g} of an AT2 file: expected the DT of its header; "
+                         "leave it out")
     return read_at2(path, lines, unit)
 
 

@@ -230,8 +230,8 @@ def motion_summary(loading) -> dict:
     band-passed motion: all of them or none.
     """
     measures = summary(loading.applied())
-    return {"motion": loading.name, "unit": loading.record.unit, "gravity_m_s2": GRAVITY,
-            "scale": loading.scale, "window_s": loading.window_s, "baseline_order": loading.baseline_order, "band_hz": loading.band_hz,
+    return {"motion": loading.name, "unit": loading.record.unit, "gravity_m_s2": GRAVITY, "scale": loading.scale,
+            "window_s": loading.window_s, "baseline_order": loading.baseline_order, "band_hz": loading.band_hz,
             "filtered": [] if loading.band_hz is None else list(measures), **measures}
 
 
