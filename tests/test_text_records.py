@@ -20,6 +20,7 @@ from damage.motion.sequence import read_sequence
 from damage.run.opening import record_lines
 from damage.run.options import parse_run
 from damage.run.schedule import check_sampling
+from damage.studies.definition import load_study
 from damage.studies.inputs import as_note, differences
 from damage.units import GRAVITY
 from damage.wall.parameters import Wall
@@ -150,6 +151,18 @@ class TestStatedUnit:
         refused = one_line_error(read_sequence, written(tmp_path, "record\npulse.txt\n", "none.csv"), 1.0)
         assert "line 2: " in refused and "no line names the unit" in refused
         assert "--sequence" in one_line_error(parse_run, ["--sequence", str(path), "--unit", "g"], "test", "yade")
+
+    def test_rows_of_a_study_have_a_column(self, tmp_path):
+        paths = [written(tmp_path, rows(TIME_S, PULSE_G)), written(tmp_path, "# acc_g\n" + rows(TIME_S, PULSE_G), "g.txt")]
+        written(tmp_path, f"record,unit\n{paths[0]},cm_s2\n{paths[1]},file\n", "rows.csv")
+        study = ('name = "s"\n[[grid]]\nwall = "walls/solid.py"\nrows = "rows.csv"\n'
+                 'options = { record = "{record}", unit = "{unit}" }\n')
+        runs = load_study(written(tmp_path, study, "s.toml"), "reference", REPOSITORY).runs
+        peaks = [run.settings(REPOSITORY).peak_g for run in runs]
+        assert_allclose(peaks, [0.0015 / 9.81, 0.15], rtol=1e-3)
+        written(tmp_path, f"record,unit\n{paths[0]},file\n", "rows.csv")
+        with pytest.raises(InputError, match="no line names the unit"):
+            load_study(written(tmp_path, study, "s.toml"), "reference", REPOSITORY)
 
     def test_tables_of_studies_may_name_the_files_own_unit(self, tmp_path):
         path = written(tmp_path, "time_s,acc_g\n" + rows(TIME_S, PULSE_G))

@@ -28,6 +28,7 @@ def check_step(path, step_s: float):
                          f"of a wall is not in the record: {_WAY_OUT}")
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of times that no clock shows, which are refused
 def uniform_step(path, lines: list[int], time_s: np.ndarray, given_s: float | None = None) -> float:
     """The constant step [s] of a column of times (n_samples,) in these lines; given_s: what --sample-step says of it.
 
