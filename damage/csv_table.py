@@ -1,6 +1,7 @@
 """Tables in CSV with comment lines (`#`), a header and one row a line; complaints name the line."""
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -53,6 +54,10 @@ class CsvTable:
     def _check_header(self, names, line, required, optional):
         missing = [name for name in required if name not in names]
         unknown = [name for name in names if name not in (*required, *optional)]
+        if missing and len(names) == 1 and (other := re.search(r"[;\t]", names[0])):
+            mark = "semicolons" if other[0] == ";" else "tabulators"
+            raise InputError(f"{self.path} line {line}: {mark} between the columns; expected commas, and numbers "
+                             "with decimal points; save it as such CSV")
         if missing or unknown or len(set(names)) < len(names):
             wrong = (f"no column {', '.join(missing)}" if missing else
                      f"unknown column {', '.join(map(repr, unknown))}" if unknown else "a column twice")
@@ -108,6 +113,6 @@ def _lines(path):
         lines = text_lines(path, data, 2 * MOST_ROWS)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path} cannot be read as text ({error}); expected CSV in UTF-8") from error
-    if b"\0" in data:
+    if any("\0" in line for line in lines):
         raise InputError(f"{path} holds a zero byte; expected text, CSV in UTF-8; write the file again")
     return lines

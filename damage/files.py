@@ -6,6 +6,7 @@ import itertools
 import json
 import math
 import os
+import re
 import stat
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -53,12 +54,13 @@ LONGEST_LINE = 100_000
 
 
 def text_lines(path, data, most, errors="strict"):
-    """Lines of a text file's bytes in UTF-8, without their ends; errors: what to do with other bytes, as of `open`.
+    """Lines of a text file's bytes in UTF-8 or UTF-16, without their ends; errors: what to do with other bytes, as of
+    `open`.
 
     Raises InputError for more than `most` lines, or one over LONGEST_LINE: either would take far more memory, once it
     is cut in parts, than the file has bytes.
     """
-    text = io.TextIOWrapper(io.BytesIO(data), "utf-8-sig", errors)
+    text = io.TextIOWrapper(io.BytesIO(data), _encoding(data), errors)
     lines = [line.rstrip("\n") for line in itertools.islice(text, most + 1)]
     if len(lines) > most:
         raise InputError(f"{path}: more than {most} lines; expected fewer, take some out")
@@ -67,6 +69,19 @@ def text_lines(path, data, most, errors="strict"):
         raise InputError(f"{path} line {longest + 1}: {len(lines[longest])} characters; expected up to {LONGEST_LINE}, "
                          "break it into rows")
     return lines
+
+
+def _encoding(data):
+    """UTF-16 where a byte order mark says so, or zeros between the first letters; UTF-8 otherwise.
+
+    >>> [_encoding(text.encode(name)) for text, name in (("time", "utf-16"), ("time", "utf-16-be"), ("time", "utf-8"))]
+    ['utf-16', 'utf-16-be', 'utf-8-sig']
+    """
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    if re.match(rb"(?:[\t\n\r -~]\0){4}", data):
+        return "utf-16-le"
+    return "utf-16-be" if re.match(rb"(?:\0[\t\n\r -~]){4}", data) else "utf-8-sig"
 
 
 def plain_file(path, flags):

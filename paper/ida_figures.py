@@ -71,7 +71,7 @@ def _unscaled_motion(results, point):
     file, sha256 = loading.horizontal["file"], loading.horizontal["sha256"]
     for path in (*shipped_record_path().parents[1].glob(f"*/{file}"), own / file):
         if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256:
-            return loading.unscaled(read_record(path))
+            return loading.unscaled(read_record(path, **loading.horizontal.get("given", {})))
     raise Missing(f"no record {file} with the bytes that the runs read, neither shipped nor in {own}/")
 
 

@@ -109,7 +109,7 @@ class TestGrid:
     def test_the_first_file_that_is_there_counts(self, tmp_path):
         path = write_study(tmp_path, f'[[runs]]\n{WALL}options = {{ record = ["own.csv", "{BGAR}"] }}\n')
         assert load_study(path).runs[0].words == ("--record", BGAR)
-        (tmp_path / "own.csv").write_text("0,0\n0.1,1\n0.2,0\n")
+        (tmp_path / "own.csv").write_text("time_s,acc_g\n0,0\n0.01,1\n0.02,0\n")
         assert load_study(path).runs[0].words == ("--record", str(tmp_path / "own.csv"))
 
 

@@ -36,9 +36,12 @@ class TestCsv:
         assert_allclose(record.acceleration_m_s2, [0.1, -0.2, 0.3], rtol=ROUND_OFF)
         assert len(record.sha256) == 64
 
-    def test_without_a_header_the_unit_is_m_s2(self, tmp_path):
-        record = read_record(write(tmp_path, "0,0.1\n0.01,0.2\n"))
+    def test_without_a_header_the_unit_is_asked_for(self, tmp_path):
+        path = write(tmp_path, "0,0.1\n0.01,0.2\n")
+        assert "no line names the unit" in one_line_error(read_record, path)
+        record = read_record(path, unit="m_s2")
         assert_allclose(record.acceleration_m_s2, [0.1, 0.2], rtol=ROUND_OFF)
+        assert (record.unit, record.given) == ("m_s2 (--unit)", {"unit": "m_s2"})
 
     def test_g_in_the_header_becomes_m_s2(self, tmp_path):
         record = read_record(write(tmp_path, " Time_s , acc_g\n0,0.1\n0.01,-0.2\n"))
@@ -72,31 +75,31 @@ class TestCsv:
     def test_a_record_that_ships_is_read_by_its_name(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         assert read_record("BGAR_HGE").sha256 == read_record(shipped_record_path("BGAR_HGE")).sha256
-        write(tmp_path, "0,1\n0.01,2\n", "BGAR_HGE")
+        write(tmp_path, "time_s,acc_g\n0,1\n0.01,2\n", "BGAR_HGE")
         assert read_record("BGAR_HGE").acceleration_m_s2.size == 2  # a file comes first
         assert one_line_error(read_record, "BGRA_HGE").endswith("; did you mean BGAR_HGE?")
         assert "tests" not in one_line_error(read_record, "absent")
 
     def test_a_path_may_be_text_and_a_comment_in_any_encoding(self, tmp_path):
         path = tmp_path / "motion.txt"
-        path.write_bytes("\ufeff# Prüfung\n0,0\n0.01,1\n".encode("latin-1", errors="ignore"))
+        path.write_bytes("\ufeff# Prüfung in m/s2\n0,0\n0.01,1\n".encode("latin-1", errors="ignore"))
         assert read_record(str(path)).acceleration_m_s2[1] == 1.0
 
     def test_times_from_another_zero_restart_and_move_the_start(self, tmp_path):
         text = "# start 2018-01-08T14:00:37.09Z\n17.00,0.1\n17.01,0.2\n17.02,0.3\n"
-        record = read_record(write(tmp_path, text))
+        record = read_record(write(tmp_path, text), unit="g")
         assert record.time_s[0] == 0.0
         assert record.start_utc == "2018-01-08T14:00:54.090000Z"
 
     def test_rounded_times_are_uniform_enough(self, tmp_path):
         rows = "".join(f"{k / 150:.4f},{k}\n" for k in range(301))
         # the last time is exact here, so only the sum of the twelve kept digits is left
-        assert read_record(write(tmp_path, rows)).time_step_s == pytest.approx(1 / 150, rel=1e-11)
+        assert read_record(write(tmp_path, rows), unit="g").time_step_s == pytest.approx(1 / 150, rel=1e-11)
 
     def test_a_decimal_step_stays_the_same_number(self, tmp_path):
         rows = "".join(f"{k / 100:.2f},0\n" for k in range(30))
         # 0.29 / 29 is another double than 0.01
-        assert read_record(write(tmp_path, rows)).time_step_s == 0.01
+        assert read_record(write(tmp_path, rows), unit="g").time_step_s == 0.01
 
     def test_shipped_record(self):
         record = read_record(shipped_record_path())
@@ -119,7 +122,7 @@ class TestCsv:
             ("0,1\n0.01,nan\n", "line 2: '0.01,nan' is not finite"),
             ("0,1\n0.01,-inf\n", "line 2: '0.01,-inf' is not finite"),
             ("nan,1\n0.01,1\n", "line 1: 'nan,1' is not finite"),
-            ("0\n0.01\n", "line 1: '0' has 1 column(s)"),
+            ("0\n0.01\n", "line 1: '0' has 1 column(s)"), ("0\n0.01\n", "give --sample-step S"),
             ("0,1,2\n0.01,1,2\n", "line 1: '0,1,2' has 3 column(s)"),
             ("# c\n0,1\n0.01,high\n", "line 3: '0.01,high' is not numeric"),
             ("0,1\n0.01,\n", "line 2: '0.01,' is not numeric"),
@@ -129,14 +132,15 @@ class TestCsv:
             ("t,acc_g\n0,1\n0.01,2\n", "line 1: 't,acc_g' is an unknown header"),
             ("acc_g\n0\n1\n", "line 1: 'acc_g' is an unknown header"),
             ("time_s,acc\n0,1\n0.01,2\n", "line 1: 'time_s,acc' is an unknown header; expected time_s and one"),
-            ("time_s,acc_mm_s2\n0,1\n0.01,2\n", "is an unknown header"),
-            ("time_s;acc_g\n0,1\n0.01,2\n", "line 1: 'time_s;acc_g' is an unknown header"),
+            ("time_s,acc_counts\n0,1\n0.01,2\n", "is an unknown header"),
+            ("time_s;acc_g\n0,1\n0.01,2\n", "line 1: 'time_s;acc_g' has another separator than the rows below it"),
+            ("time_ms,acc_g\n0,1\n5,2\n", "line 1: 'time_ms,acc_g' has times in milliseconds; expected seconds"),
             ("Time (s);Acc X (cm/s2);Acc Y (cm/s2)\n0,00;1;2\n0,01;1;2\n", "has 3 columns; expected two, time and one "
              "component of the acceleration"),
             ("0;1;2\n0,01;1;2\n", "line 1: '0;1;2' has 3 column(s)"),
             ("0,00;1,5\n0,01;1.200,5\n", "line 2: '0,01;1.200,5' has a decimal point in a file with decimal commas"),
             ("0,00,1,5\n0,01,1,5\n", "line 1: '0,00,1,5' has 4 column(s)"),
-            ("# start 2018-13-45T99:00\n0,1\n0.01,2\n", "start time '2018-13-45T99:00'"),
+            ("# start 2018-13-45T99:00\ntime_s,acc_g\n0,1\n0.01,2\n", "start time '2018-13-45T99:00'"),
         ],
     )
     def test_bad_content_is_reported_with_its_line(self, tmp_path, text, says):

@@ -213,6 +213,7 @@ class TestRecorded:
             "file": "BGAR_HGE_acc_m_s2.csv",
             "sha256": hashlib.sha256(content).hexdigest(),
             "start_utc": "2018-01-08T14:00:37.090000Z",
+            "unit": "m_s2 (line 2: 'time_s,acc_m_s2')",
         }
         assert (found["kind"], found["scale"], found["window_s"]) == ("record", 1.5, [17.0, 23.0])
         assert (found["baseline_order"], found["band_hz"]) == (1, [0.1, 40.0])

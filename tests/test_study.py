@@ -141,7 +141,7 @@ class TestInputs:
             monkeypatch.delitem(sys.modules, module, raising=False)
             (tmp_path / f"{module}.py").write_text(f"HEIGHT = {height}\n")
             (tmp_path / "w.py").write_text(self.WALL.format(folder=str(tmp_path), module=module, comment=comment))
-            (tmp_path / "r.csv").write_text(f"0,0\n0.1,{acceleration}\n0.2,0\n")
+            (tmp_path / "r.csv").write_text(f"time_s,acc_m_s2\n0,0\n0.01,{acceleration}\n0.02,0\n")
             text = f'name = "s"\n[[runs]]\nid = "a"\nwall = "w.py"\noptions = {{ record = "r.csv"{options} }}\n'
             run = load_study(write_study(tmp_path, text), solver).runs[0]
             return inputs_of(run, REPOSITORY)

@@ -11,20 +11,22 @@ from damage.run.plausible import implausible_motion
 
 @command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
          "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
-         "acc_gal or acc_g; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as "
-         "BGAR_HGE"), JSON, add_preparation,
+         "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that "
+         "ships, as BGAR_HGE"), JSON, add_preparation,
          arg("--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (python3 -m damage "
              "modes WALL): also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse"),
          file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"))
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary
-    from damage.motion.plausible import implausible_peak
+    from damage.motion.plausible import faint_warnings, implausible_peak, implausible_velocity
 
     loading = recorded(asked)
     if asked.period is not None:
         loading = loading.for_period(asked.period)
     found = motion_summary(loading, asked.period)
-    warn(*implausible_motion(loading), *filter(None, [implausible_peak(found["pga_g"])]))
+    warn(*implausible_motion(loading), *filter(None, (
+        implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))),
+         *faint_warnings(found["pga_g"]))
     if asked.plot:
         _plot_motion(loading, found, asked.plot)
     show(asked, found, describe)

@@ -52,6 +52,7 @@ PARAMETERS = {
     "point": Column("", "point of a study that the run belongs to"), "solver": Column("", "yade or reference"),
     "wall": Column("", "name of the wall"), "motion": Column("", "name of the loading"),
     "record": Column("", "name of the record"),
+    "record_unit": Column("", "unit that the record's samples were taken to be in, and what says so"),
     "pga_g, sa_0.2_s_g": Column("g", "of the horizontal motion as applied: peak, and 5 % spectral at 0.2 s"),
     "pgv_m_s": Column("m/s", "peak velocity of the base, from rest, nothing filtered"),
     "avg_sa_g": Column("g", "AvgSa: geometric mean of the 5 % spectral accelerations at ten periods from 0.01 to 1 s, "

@@ -17,3 +17,10 @@ def motion_measures(history):
         found = applied_measures(history.loading.applied(), history.eigen_period_s)
     factor = history.strongest_factor
     return {name: value if value is None else value * factor ** _POWERS.get(name, 1) for name, value in found.items()}
+
+
+def record_unit(history):
+    """Which unit the records of a History were taken to be in, and what says so; None without a record, or in an older
+    file."""
+    origins = [loading.as_dict().get("horizontal") or {} for loading in history.event_loadings]
+    return "; ".join(dict.fromkeys(origin["unit"] for origin in origins if origin.get("unit"))) or None

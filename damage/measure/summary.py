@@ -10,7 +10,7 @@ from damage.measure.cycles import cycle_measures
 from damage.measure.energy import energy_error_of, energy_measures
 from damage.measure.ground import ground_measures
 from damage.measure.limits import classes
-from damage.measure.motion import motion_measures
+from damage.measure.motion import motion_measures, record_unit
 from damage.measure.pushed import first_loading
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.measure.vibration import period_of
@@ -47,6 +47,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     energy_error = None if balance_is_closed else energy_error_of(history)
     return {
         "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
+        "record_unit": record_unit(history),
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
         "slip": history.judged_by(slip), **index, "max_drift_ratio": max_drift_ratio,
         "residual_drift_ratio": float(series["drift_ratio"].iloc[-1]) if history.complete else None,

@@ -40,7 +40,7 @@ def summary_row(history, run="", point=""):
     numbers = summarise(history)
     for key in ("complete", "warnings", "lost_by_lines", *APPLIED):
         del numbers[key]  # status and the columns say it
-    for key in ("wall", "solver", "motion", "status", "collapsed_at_s"):
+    for key in ("wall", "solver", "motion", "record_unit", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
     settlement = history.parameters.get("settlement") or {}
     row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}

@@ -1,44 +1,118 @@
-"""Two columns of text, time and acceleration: CSV as programs and countries write it, and plain text with blanks."""
+"""Columns of text, time and acceleration: CSV as programs and countries write it, and plain text with blanks."""
 
 import math
 import re
+from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
 from damage.errors import InputError
 from damage.motion.record import MOST_SAMPLES, _shown
+from damage.motion.time_axis import check_step, uniform_step
 from damage.units import GRAVITY
 
-UNITS_M_S2 = {"m_s2": 1.0, "cm_s2": 0.01, "gal": 0.01, "g": GRAVITY}
-"""Units of the acceleration, and their factors to m/s2; 1 gal is 1 cm/s2."""
+UNITS_M_S2 = {"m_s2": 1.0, "cm_s2": 0.01, "mm_s2": 0.001, "gal": 0.01, "g": GRAVITY, "mg": GRAVITY / 1000}
+"""Units of the acceleration, and their factors to m/s2; 1 gal is 1 cm/s2, 1 mg a thousandth of g."""
+
+MOST_COMMENTS = 10_000
+"""Different lines of comments in which a unit is looked for."""
 
 EXPECTED_HEADER = ("time_s and one of " + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
                    + ', or with units in brackets, as "time [s]" and "acc [cm/s2]"')
+EXPECTED_UNIT = f"a header such as time_s,acc_m_s2, or --unit {'|'.join(UNITS_M_S2)}"
 
 _TIME = re.compile(r"(?:time|t) *[ _\[(] *(?:s|sec|seconds?) *[\])]?")
+_TIME_MS = re.compile(r"(?:time|t) *[ _\[(] *(?:ms|msec|milliseconds?) *[\])]?")
 _ACCELERATION = re.compile(r"(?:a|acc|accel|acceleration) *[ _\[(] *(.+?) *[\])]?")
-_DECIMAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|\d+,\d+)(?:[eE][-+]?\d+)?")
+_DECIMAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|\d+,\d+)(?:[eEdD][-+]?\d+)?")
 """A number with a decimal point or a decimal comma."""
+_FORTRAN = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3}(?![\d.]))?")
+"""A number in a fixed column, which may touch the one before it by its sign."""
+
+_SPELLED = re.compile(
+    r"(?<![a-z0-9])((?:[cm]?m) *[/_ .*]? *\(?s(?:ec)?(?: *[/_] *s(?:ec)?| *(?:\^|\*\*) *-? *2|-?[2²\ufffd])|gals?)"
+    r"(?![a-z0-9]|\.\d)")
+_IN_G = re.compile(
+    r"(?:\bunits?\b[ :=]*(?:(?:of|in|are|is)\b)?|\bin\b|\bacc(?:el(?:eration)?)?\b|(?<![a-z])a(?:cc)?(?=[_\[(]))"
+    r"[ _.,:=]*[\[(]? *(m?g)(?:'?s)?(?![\w/*^%-])")
+_BRACKETED_G = re.compile(r"[\[(] *(m?g) *[\])]")
+_OF_COLUMNS = re.compile(r"acc|unit|[\[(] *s(?:ec(?:onds?)?)? *[\])]")
+"""Units of an acceleration in words: those that are nothing else, g where it is named as a unit, g in brackets beside
+what tells of columns or units."""
 
 
-def read_columns(path, lines: list[str]) -> tuple[list[int], np.ndarray]:
-    """Numbers of the data lines, and time [s] and acceleration [m/s2] in them, (n_samples, 2).
+@dataclass(frozen=True)
+class Columns:
+    """What a table of text holds: time step and first time [s]; acceleration_m_s2 (n_samples,) [m/s2]; unit: which one
+    was taken and what says so."""
 
-    lines: of a text file, with comments that start with # and a header that names the unit (without one: m/s2).
+    step_s: float
+    first_s: float
+    acceleration_m_s2: np.ndarray
+    unit: str
+
+
+def read_columns(path, lines: list[str], unit=None, sample_step_s=None) -> Columns:
+    """The Columns of a table: time and acceleration, or the acceleration alone where `sample_step_s` is given.
+
+    lines: of a text file, with comments that start with # and a header; unit: one of UNITS_M_S2 where neither header
+    nor comments name it, or comments contradict each other; sample_step_s: where there are no times in seconds [s].
     Between the columns stands a comma, a semicolon, a tabulator or blanks; numbers have a decimal point or, unless
     commas separate the columns, a decimal comma.  Raises InputError with the line that does not fit.
     """
     rows = [(i, line) for i, line in enumerate(lines, 1) if line.split("#")[0].strip()]
     header = rows.pop(0) if rows and not any(map(is_number, re.split(r"[,;\s]+", rows[0][1].strip()))) else None
     separator = _separator(rows[0][1]) if rows else ","
-    to_m_s2 = _header_unit(path, *header, separator) if header else 1.0
+    alone = sample_step_s is not None and bool(rows) and len(rows[0][1].split(separator)) == 1
+    header_unit = _header_unit(path, *header, separator, alone) if header else None
     if len(rows) < 2:
         raise InputError(f"{path}: {len(rows)} data rows; expected 2 or more of time_s,acc_m_s2")
     if len(rows) > MOST_SAMPLES:
         raise InputError(f"{path}: {len(rows)} samples; expected up to {MOST_SAMPLES}, cut the record")
-    values = _values(path, rows, separator)
-    values[:, 1] *= to_m_s2
-    return [number for number, _ in rows], values
+    values = _values(path, rows, separator, 1 if alone else 2)
+    first_s = 0.0 if alone else float(values[0, 0])
+    step_s = sample_step_s if alone else uniform_step(path, [i for i, _ in rows], values[:, 0], sample_step_s)
+    check_step(path, step_s)
+    comments = {line: i for i, line in enumerate(lines, 1) if line.lstrip().startswith("#")}
+    comments = dict(islice(comments.items(), MOST_COMMENTS))
+    named = [(header_unit, *header)] if header else []
+    named += [(one, i, line) for line, i in comments.items() for one in units_in(line)]
+    taken, words = _taken(path, named, unit, bool(header))
+    return Columns(step_s, first_s, values[:, -1] * UNITS_M_S2[taken], words)
+
+
+def _taken(path, named, given, by_header):
+    """(unit, words that say it and where it was named) of all (unit, line number, line) that name one; given: by
+    --unit; by_header: whether the first of them is the header, which --unit cannot replace."""
+    if given and by_header and UNITS_M_S2[given] != UNITS_M_S2[named[0][0]]:
+        raise bad_line(path, *named[0][1:], f"names {named[0][0]}, --unit {given}",
+                       "the same unit; leave --unit out, or correct the header")
+    if given:
+        others = [f"; line {number} names {one}" for one, number, _ in named if UNITS_M_S2[one] != UNITS_M_S2[given]]
+        return given, f"{given} (--unit{''.join(others[:1])})"
+    if not named:
+        raise InputError(f"{path}: no line names the unit of the acceleration; expected {EXPECTED_UNIT}")
+    first, number, line = named[0]
+    for other, *where in named[1:]:
+        if UNITS_M_S2[other] != UNITS_M_S2[first]:
+            raise bad_line(path, *where, f"names {other}, line {number} {first}",
+                           f"one unit; correct one of them, or give --unit {first} or {other}")
+    return first, f"{first} (line {number}: {_shown(line.strip())})"
+
+
+def units_in(text: str) -> list[str]:
+    """Units of an acceleration that a comment or a title names, in its order; not those behind a number, as of a peak.
+
+    >>> [units_in(text) for text in ("# time_s,acc_g", "#AmplitudeUnit:  gal", "PGA 85 cm/s2", "IN UNITS OF (G)")]
+    [['g'], ['gal'], [], ['g']]
+    >>> [units_in(text) for text in ("# t (sec) N-S (cm/s/s)", "acc [mg]", "network (G)", "in G/10", "PGV in cm/s")]
+    [['cm_s2'], ['mg'], [], [], []]
+    """
+    text = text.lower()
+    patterns = [_SPELLED, _IN_G] + [_BRACKETED_G] * bool(_OF_COLUMNS.search(text))
+    found = {one.start(1): _plain_unit(one[1]) for pattern in patterns for one in pattern.finditer(text)}
+    return [found[at] for at in sorted(found) if not text[:at].rstrip(" [(")[-1:].isdigit()]
 
 
 def _separator(line: str) -> str | None:
@@ -55,43 +129,52 @@ def _separator(line: str) -> str | None:
     return None if len(cells) > 1 and all(map(_DECIMAL.fullmatch, cells)) else ","
 
 
-def _header_unit(path, number: int, line: str, separator: str | None) -> float:
-    """Factor from the header's unit of acceleration to m/s2."""
+def _header_unit(path, number: int, line: str, separator: str | None, alone: bool) -> str:
+    """The unit of acceleration that the header names; alone: of a single column."""
+    own = next((mark for mark in ";\t" if mark in line), separator)
+    if own != separator and not alone:
+        raise bad_line(path, number, line, "has another separator than the rows below it",
+                       "the same between all columns, a comma, a semicolon, a tabulator or blanks")
     # where blanks separate them, the next column begins with a letter: "time [s]  acc [g]"
-    cells = line.split(separator) if separator else re.split(r"\s+(?=[A-Za-z])", line.strip())
+    cells = [line] if alone else line.split(separator) if separator else re.split(r"\s+(?=[A-Za-z])", line.strip())
     cells = [cell.strip(' "\t').lower() for cell in cells]
     if len(cells) > 2 and _TIME.fullmatch(cells[0]):
         raise bad_line(path, number, line, f"has {len(cells)} columns", "two, time and one component of the "
                        "acceleration; keep these two in a file of their own")
-    found = len(cells) == 2 and _TIME.fullmatch(cells[0]) and _ACCELERATION.fullmatch(cells[1])
+    if _TIME_MS.fullmatch(cells[0]):
+        raise bad_line(path, number, line, "has times in milliseconds", "seconds, time_s; divide them by 1000")
+    found = len(cells) == 2 - alone and (alone or _TIME.fullmatch(cells[0])) and _ACCELERATION.fullmatch(cells[-1])
     unit = _plain_unit(found[1]) if found else None
     if unit not in UNITS_M_S2:
+        expected = EXPECTED_HEADER.removeprefix("time_s and ") if alone else EXPECTED_HEADER
         raise bad_line(path, number, line, "is an unknown header",
-                       f"{EXPECTED_HEADER}; name the unit there, and begin lines above the header with #")
-    return UNITS_M_S2[unit]
+                       f"{expected}; name the unit there, and begin lines above the header with #")
+    return unit
 
 
 def _plain_unit(unit: str) -> str:
     """A unit in the spelling of UNITS_M_S2, where it is one of them.
 
-    >>> [_plain_unit(unit) for unit in ("cm/s²", "m/s^2", "cm/sec/sec", "gal", "mm")]
-    ['cm_s2', 'm_s2', 'cm_s2', 'gal', 'mm']
+    >>> [_plain_unit(unit) for unit in ("cm/s²", "m/s^2", "cm/sec/sec", "gals", "mm", "m s-2")]
+    ['cm_s2', 'm_s2', 'cm_s2', 'gal', 'mm', 'm_s2']
     """
-    unit = re.sub(r"[ ^*]", "", unit).replace("/", "_").replace("sec", "s").replace("_s_s", "_s2")
-    return re.sub(r"s[²\ufffd]$", "s2", unit)  # \ufffd: an exponent of a text that is not in UTF-8
+    unit = re.sub(r"^in ", "", unit)
+    unit = re.sub(r"[ ^*()._/]", "", unit).replace("sec", "s")
+    unit = re.sub(r"(?<=m)(?:ss|s-?[2²\ufffd])$", "_s2", unit)  # \ufffd: an exponent of a text that is not in UTF-8
+    return "gal" if unit == "gals" else unit
 
 
-def _values(path, rows, separator: str | None) -> np.ndarray:
-    """Time and acceleration of all lines (number, text), (n_samples, 2)."""
+def _values(path, rows, separator: str | None, columns: int) -> np.ndarray:
+    """The columns of all lines (number, text), (n_samples, columns)."""
     if separator != ",":
         rows = _with_points(path, rows)
     try:
         values = np.array([[float(cell) for cell in line.split(separator)] for _, line in rows])
-        fit = values.shape[1:] == (2,) and np.isfinite(values).all()
+        fit = values.shape[1:] == (columns,) and np.isfinite(values).all()
     except ValueError:
         fit = False
     # all at once for speed; one by one to name the line that does not fit
-    return values if fit else np.array([_row(path, number, line, separator) for number, line in rows])
+    return values if fit else np.array([_row(path, *row, separator, columns) for row in rows])
 
 
 def _with_points(path, rows):
@@ -105,33 +188,63 @@ def _with_points(path, rows):
     return [(number, line.replace(",", ".")) for number, line in rows]
 
 
-def _row(path, number: int, line: str, separator: str | None) -> list[float]:
-    """Time and acceleration of one line."""
+def _row(path, number: int, line: str, separator: str | None, columns: int) -> list[float]:
+    """The columns of one line."""
     values = numbers(path, number, line, separator)
-    if len(values) != 2:
-        expected = "two, time and acceleration, with a comma, a semicolon, a tabulator or blanks between"
+    if len(values) != columns:
+        expected = ("one, as the first row" if columns == 1 else
+                    "two, time and one component of the acceleration, with a comma, a semicolon, a tabulator or blanks "
+                "between")
+        expected += "; of a column of accelerations alone give --sample-step S" if len(values) == 1 else ""
         raise bad_line(path, number, line, f"has {len(values)} column(s)", expected)
     return values
+
+
+def as_float(cell: str) -> float:
+    """The number of a cell, with an exponent of Fortran, too; ValueError where it is none.
+
+    >>> [as_float(cell) for cell in ("1.5D-03", "-.25", "0.15-101")]
+    [0.0015, -0.25, 1.5e-102]
+    """
+    try:
+        return float(cell)
+    except ValueError:
+        cell = re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", cell)
+    return float(re.sub(r"(?<=\d)([-+]\d{3})$", r"e\1", cell) if "." in cell and "e" not in cell.lower() else cell)
 
 
 def is_number(cell: str) -> bool:
     """Whether a cell is a number with a decimal point; so are nan and inf."""
     try:
-        float(cell)
+        as_float(cell)
     except ValueError:
         return False
     return True
 
 
 def numbers(path, number: int, line: str, separator: str | None = None) -> list[float]:
-    """The finite numbers of one line; None separates them at blanks."""
+    """The finite numbers of one line; None separates them at blanks, and where a sign begins the next fixed column."""
     cells = line.split(separator)
+    if separator is None and not all(map(is_number, cells)):
+        cells = [part for cell in cells for part in _fixed_columns(cell)]
     if not all(map(is_number, cells)):
-        raise bad_line(path, number, line, "is not numeric", "numbers; comments start with #")
-    values = [float(cell) for cell in cells]
+        joined = re.search(r"\.\d+\.\d", line)
+        raise bad_line(path, number, line, "is not numeric", "a blank between numbers, which touch here" if joined else
+                       "numbers; comments start with #")
+    values = [as_float(cell) for cell in cells]
     if not all(map(math.isfinite, values)):
         raise bad_line(path, number, line, "is not finite", "no NaN or inf, fill or cut the gap")
     return values
+
+
+def _fixed_columns(cell: str) -> list[str]:
+    """The numbers of a cell that touch by their signs; the cell where it is no such.
+
+    >>> _fixed_columns("-0.100E+00-0.200E-01-0.5"), _fixed_columns("1.52.5"), _fixed_columns("2018-01-08")
+    (['-0.100E+00', '-0.200E-01', '-0.5'], ['1.52.5'], ['2018-01-08'])
+    """
+    parts = _FORTRAN.findall(cell)
+    return parts if "".join(parts) == cell and all(part[0] in "+-" for part in parts[1:]) else [cell]
 
 
 def bad_line(path, number: int, line: str, problem: str, expected: str) -> InputError:

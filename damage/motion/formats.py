@@ -12,18 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.checks import check_file, check_path
+from damage.checks import check_choice, check_file, check_path
 from damage.errors import InputError, did_you_mean
 from damage.files import DATA, is_there, text_lines, write_text
-from damage.motion.columns import UNITS_M_S2, bad_line, is_number, numbers, read_columns
+from damage.motion.at2 import is_at2, read_at2
+from damage.motion.columns import UNITS_M_S2, read_columns
+from damage.motion.foreign import foreign
 from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
-from damage.units import GRAVITY
-
-TIME_TOLERANCE = 0.01
-"""Largest distance of a CSV time from a uniform grid, as a share of the step.
-
-Room for the rounding of the printed times: four decimals at 150 Hz are 0.75 % of the step.
-"""
+from damage.motion.time_axis import check_step
 
 MOST_MB, MOST_LINES = 50, 2 * MOST_SAMPLES
 """Size of a record's file, and lines of one that is text."""
@@ -44,12 +40,6 @@ MOST_PARTS = 1000
 
 _MINISEED_START = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03")
 _CSV_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
-_NUMBER = r"([-+.\dEe]+)"
-_AT2_COUNT_AND_STEP = (
-    re.compile(rf"NPTS\s*=\s*(\d{{1,12}})\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE),
-    re.compile(rf"^\s*(\d{{1,12}})[\s,]+{_NUMBER}[\s,]+NPTS\s*,\s*DT", re.IGNORECASE),
-)
-_AT2_NOT_ACCELERATION_IN_G = re.compile(r"VELOCITY|DISPLACEMENT|UNITS OF (?!G\b)", re.IGNORECASE)
 
 
 def shipped_record_path(name: str = "BGAR_HGE") -> Path:
@@ -85,31 +75,48 @@ def record_path(word) -> Path:
     return path
 
 
-def read_record(path, response=None) -> Record:
+def read_record(path, response=None, unit=None, sample_step_s=None) -> Record:
     """Read one component of acceleration from a CSV, PEER AT2 or miniSEED file.
 
     path: of the file, or the name of a record that ships (`record_path`).
     The suffix decides (.csv, .at2, .mseed), or the content where it says nothing. `response` is
-    the StationXML of a miniSEED file; without it NET.STA.xml beside the file is taken. The record holds the SHA-256
-    of every file that was read: a format that reads further ones names theirs in `beside_sha256`.
+    the StationXML of a miniSEED file; without it NET.STA.xml beside the file is taken. unit: one of UNITS_M_S2, of a
+    text whose lines do not name it, or contradict each other; sample_step_s: of one that has no times in seconds [s].
+    The record holds the SHA-256 of every file that was read: a format that reads further ones names theirs in
+    `beside_sha256`.
     """
     path = record_path(path)
     data = _content(path)
+    given = {name: value for name, value in (("unit", unit), ("sample_step_s", sample_step_s)) if value is not None}
+    if unit is not None:
+        check_choice("--unit", unit, UNITS_M_S2)
     if Path(path).suffix.lower() in (".mseed", ".miniseed", ".msd") or _MINISEED_START.match(data):
-        record = _read_miniseed(path, data, response)
+        if given:
+            option = next(iter(given)).removesuffix("_s").replace("_", "-")
+            raise InputError(f"{path}: --{option} of a miniSEED file: expected what the file and its StationXML say; "
+                             "leave it out")
+        record = replace(_read_miniseed(path, data, response), unit="counts (sensitivity in the StationXML)")
+        check_step(path, record.time_step_s)
+    elif found := foreign(data):
+        raise InputError(f"{path}: its format is {found[0]}, which is not read; expected CSV, AT2 or miniSEED: "
+                         f"{found[1]} (docs/guides/own-record.md)")
     else:
-        record = _read_text(path, data)
-    return replace(record, sha256=hashlib.sha256(data).hexdigest())
+        record = _read_text(path, data, **given)
+    return replace(record, sha256=hashlib.sha256(data).hexdigest(), given=given)
 
 
 @lru_cache(maxsize=2)  # both components of a motion, which the members of a study ask for again and again
-def _read_text(path, data: bytes) -> Record:
+def _read_text(path, data: bytes, unit=None, sample_step_s=None) -> Record:
     """The record in the text of a CSV or AT2 file."""
     suffix = Path(path).suffix.lower()
     # a comment may be in any encoding; a binary file fails as a line that is not numeric
     lines = text_lines(path, data, MOST_LINES, errors="replace")
-    like_at2 = suffix != ".csv" and len(lines) > 3 and _at2_count_and_step(lines[3])
-    return (_read_at2 if suffix == ".at2" or like_at2 else _read_csv)(path, lines)
+    if suffix != ".at2" and (suffix == ".csv" or not is_at2(lines)):
+        return _read_csv(path, lines, unit, sample_step_s)
+    if sample_step_s is not None:
+        raise InputError(f"{path}: --sample-step {sample_step_s:g} of an AT2 file: expected the DT of its header; "
+                         "leave it out")
+    return read_at2(path, lines, unit)
 
 
 def write_csv(record: Record, path, comments=()) -> Path:
@@ -122,65 +129,17 @@ def write_csv(record: Record, path, comments=()) -> Path:
     return write_text(path, "\n".join(lines) + "\n")
 
 
-def _read_csv(path, lines: list[str]) -> Record:
-    """Two columns, time and acceleration, as `damage.motion.columns` reads them."""
-    line_numbers, values = read_columns(path, lines)
-    step_s = _uniform_step(path, line_numbers, values[:, 0])
+def _read_csv(path, lines: list[str], unit, sample_step_s) -> Record:
+    """Columns as `damage.motion.columns` reads them: time and acceleration, or acceleration alone."""
+    table = read_columns(path, lines, unit, sample_step_s)
     found = filter(None, map(_CSV_START_UTC.match, lines))
-    start_utc = next((_utc(start.group(1), float(values[0, 0]), path) for start in found), "")
-    return Record(_csv_name(path), step_s, values[:, 1], start_utc, str(path))
+    start_utc = next((_utc(start.group(1), table.first_s, path) for start in found), "")
+    return Record(_csv_name(path), table.step_s, table.acceleration_m_s2, start_utc, str(path), unit=table.unit)
 
 
 def _csv_name(path) -> str:
     """Name of a record by its file's: without the quantity and unit at the end."""
     return re.sub(rf"_acc_({'|'.join(UNITS_M_S2)})$", "", Path(path).stem)
-
-
-def _uniform_step(path, line_numbers: list[int], time_s: np.ndarray) -> float:
-    """The constant step [s] of a time column (n_samples,)."""
-    steps = np.diff(time_s)
-    if (steps <= 0).any():
-        k = int(np.argmax(steps <= 0))
-        raise InputError(f"{path}: line {line_numbers[k + 1]}: time {time_s[k + 1]:g} s after {time_s[k]:g} s;"
-                         " expected times that increase, sort the rows")
-    step = (time_s[-1] - time_s[0]) / steps.size
-    off_grid = np.abs(time_s - time_s[0] - step * np.arange(time_s.size))
-    if off_grid.max() > TIME_TOLERANCE * step:
-        usual = np.median(steps)
-        k = int(np.argmax(np.abs(steps - usual)))
-        raise InputError(f"{path}: line {line_numbers[k + 1]}: a step of {steps[k]:g} s among {usual:g} s;"
-                         f" expected uniform times within {TIME_TOLERANCE:.0%} of the step, resample the record")
-    # twelve digits: the 0.01 s that was meant, not the nearest double of 0.29 s / 29
-    return float(f"{step:.12g}")
-
-
-def _read_at2(path, lines: list[str]) -> Record:
-    """PEER strong-motion database: four header lines, then values in g, several a line."""
-    units, counts = [*lines[2:4], "", ""][:2]
-    found = _at2_count_and_step(counts)
-    if not found:
-        expected = "a PEER AT2 header such as NPTS= 4000, DT= .0050 SEC"
-        raise bad_line(path, 4, counts, "gives no NPTS and DT", expected)
-    if _AT2_NOT_ACCELERATION_IN_G.search(units):
-        expected = "ACCELERATION IN UNITS OF G, give the record's AT2 file"
-        raise bad_line(path, 3, units, "is another quantity", expected)
-    count, step_s = found
-    if count > MOST_SAMPLES:
-        raise InputError(f"{path}: {count} samples; expected up to {MOST_SAMPLES}, cut the record")
-    values = [value for i, line in enumerate(lines[4:], 5) for value in numbers(path, i, line)]
-    if len(values) != count:
-        raise InputError(f"{path}: {len(values)} values; expected the NPTS = {count} of line 4, fetch it anew")
-    with np.errstate(over="ignore"):  # an infinite sample is refused with its number
-        return Record(Path(path).stem, step_s, np.array(values) * GRAVITY, "", str(path))
-
-
-def _at2_count_and_step(line: str) -> tuple[int, float] | None:
-    """NPTS and DT [s] of a fourth header line in either of PEER's orders, or None."""
-    for pattern in _AT2_COUNT_AND_STEP:
-        found = pattern.search(line)
-        if found and is_number(found.group(2)):
-            return int(found.group(1)), float(found.group(2))
-    return None
 
 
 def _read_miniseed(path, data: bytes, response) -> Record:

@@ -230,17 +230,18 @@ def motion_summary(loading, eigen_period_s=None) -> dict:
     """The `summary` of a `damage.motion.loading.Recorded` as a run applies it, with what prepared it; of a wall with
     that first period [s] also "sa_eigen_period_g", of the motion `for_period`.
 
-    Beside the measures: "motion", its name; "gravity_m_s2", 1 g; "scale", "window_s", "baseline_order" and "band_hz" as
-    given; "time_step_s" of the record, "interpolated_for_s" and "lost_by_lines" of the Recorded; "filtered", the names
-    of the measures that are of a band-passed motion: all of them or none.
+    Beside the measures: "motion", its name; "unit" of the file's samples, and what says so; "gravity_m_s2", 1 g;
+    "scale", "window_s", "baseline_order" and "band_hz" as given; "time_step_s" of the record, "interpolated_for_s" and
+    "lost_by_lines" of the Recorded; "filtered", the names of the measures that are of a band-passed motion: all of them
+    or none.
     """
     if eigen_period_s is not None:
         loading = loading.for_period(eigen_period_s)
     measures = summary(loading.applied())
     if eigen_period_s is not None:
         measures["sa_eigen_period_g"] = sa_g(loading.applied(), eigen_period_s)
-    return {"motion": loading.name, "gravity_m_s2": GRAVITY, "scale": loading.scale, "window_s": loading.window_s,
-            "baseline_order": loading.baseline_order, "band_hz": loading.band_hz,
+    return {"motion": loading.name, "unit": loading.record.unit, "gravity_m_s2": GRAVITY, "scale": loading.scale,
+            "window_s": loading.window_s, "baseline_order": loading.baseline_order, "band_hz": loading.band_hz,
             "time_step_s": loading.record.time_step_s, "interpolated_for_s": loading.interpolated_for_s,
             "lost_by_lines": loading.lost_by_lines,
             "filtered": [] if loading.band_hz is None else list(measures), **measures}
@@ -261,7 +262,8 @@ def describe(found: dict) -> str:
     measures = {name: found[name] for name in names[names.index("filtered") + 1:] if name != "sa_g"}
     band = "none (--band LOW_HZ HIGH_HZ for a band-pass)" if found["band_hz"] is None else \
         "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*found["band_hz"])
-    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2", f"filter: {band}",
+    lines = [f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2",
+             f"unit of the file: {found['unit'] or 'm_s2 (made in Python)'}", f"filter: {band}",
              f"time step: {found['time_step_s']:g} s, {_describe_sampling(found)}"]
     lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
     lines += [f"sa_g({period} s){value:>{28 - len(period) - 8}.4f}" for period, value in found["sa_g"].items()]

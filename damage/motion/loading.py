@@ -258,9 +258,9 @@ class Recorded(Loading):
 class RecordedMotion(Loading):
     """A `Recorded` as read from a history: without the samples, which stay in the record's file.
 
-    horizontal, vertical: {"record": its name, "file": without its folder, "sha256", "start_utc"} of the components;
-    time_step_s: of the record's file [s]; pga_g, sa_02_s_g: of the motion as it was used [g]; the rest as in
-    `Recorded`.  None is what an older file does not say.
+    horizontal, vertical: {"record": its name, "file": without its folder, "sha256", "start_utc", "unit", and "given"
+    where it was given how to read it} of the components; time_step_s: of the record's file [s]; pga_g, sa_02_s_g: of
+    the motion as it was used [g]; the rest as in `Recorded`.  None is what an older file does not say.
     """
 
     name: str
@@ -467,6 +467,8 @@ def _origin(record: Record) -> dict:
         "file": Path(record.source).name,
         "sha256": record.sha256,
         "start_utc": record.start_utc,
+        "unit": record.unit,
+        **({"given": record.given} if record.given else {}),
     }
 
 

@@ -1,7 +1,7 @@
 """A ground-motion record and its operations: every function returns a new `Record`."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -35,6 +35,8 @@ class Record:
     source: path of the file as it was given, or "".
     sha256: checksum of that file's bytes when it was read, or "".
     beside_sha256: those of every other file that was read with it, as a StationXML.
+    unit: which unit the file's samples were taken to be in, and what says so, or "".
+    given: arguments of `read_record` that the file does not say, fit for JSON.
     """
 
     name: str
@@ -44,6 +46,8 @@ class Record:
     source: str = ""
     sha256: str = ""
     beside_sha256: tuple[str, ...] = ()
+    unit: str = ""
+    given: dict = field(default_factory=dict)
 
     def __post_init__(self):
         where = self.source or self.name or "record"

@@ -11,7 +11,8 @@ from damage.files import is_there, shipped_path
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Loading, Recorded
 
-REQUIRED, OPTIONAL = ("record",), ("component", "scale", "start_s", "end_s", "rest_s")
+REQUIRED, OPTIONAL = ("record",), ("component", "unit", "scale", "start_s", "end_s", "rest_s", "sample_step_s")
+NUMBERS = OPTIONAL[2:]
 MOST_EVENTS, MOST_MOTIONS = 500, 64
 """Of a sequence, and of different records and windows in it: what an attribute of a history can hold."""
 
@@ -28,23 +29,26 @@ class Event:
 def read_sequence(path, rest_s, **preparation):
     """The events of a CSV file, a tuple of Event in the order of its rows.
 
-    Columns: record, the path of a record from the file's folder or the name or path of one that ships;
-    component, for such a name without its end, as HGE of BGAR; scale (1 where empty); start_s, end_s, the window (whole
+    Columns: record, the path of a record from the file's folder or the name or path of one that ships; component, for
+    such a name without its end, as HGE of BGAR; unit and sample_step_s, of a text that does not say them
+    (`read_record`); scale (1 where empty); start_s, end_s, the window (whole
     record where empty); rest_s (the given one where empty).  preparation: baseline_order and band_hz of all records.
     Raises InputError with the line where one of them cannot be.
     """
     table = CsvTable(path, REQUIRED, OPTIONAL, MOST_EVENTS)
-    columns = {name: table.numbers(name) for name in OPTIONAL[1:]}
+    columns = {name: table.numbers(name) for name in NUMBERS}
     table.refuse(np.isnan(columns["start_s"]) != np.isnan(columns["end_s"]),
                  "a window with one end; expected start_s and end_s, or neither")
     events, loadings = [], {}
-    for row, (record, component) in enumerate(zip(table.words("record"), table.words("component"))):
+    for row, (record, component, unit) in enumerate(zip(*map(table.words, ("record", "component", "unit")))):
         start, end, scale, rest = (columns[name][row] for name in ("start_s", "end_s", "scale", "rest_s"))
-        key = f"{record} {component} {start} {end}"
+        step = columns["sample_step_s"][row]
+        key = f"{record} {component} {unit} {step} {start} {end}"
         try:
             if key not in loadings:
                 loadings[key] = Recorded(
-                    read_record(_record(Path(path).parent, record, component)),
+                    read_record(_record(Path(path).parent, record, component), unit=unit or None,
+                                sample_step_s=None if np.isnan(step) else float(step)),
                     window_s=None if np.isnan(start) else (float(start), float(end)), **preparation)
         except InputError as error:
             raise table.error(row, str(error)) from error

@@ -53,6 +53,16 @@ def sequence_lines(settings):
             "motion above is the strongest of them"]
 
 
+def record_lines(settings):
+    """Lines that say which unit the records of RunSettings were taken to be in, none where there is no record."""
+    units = {}
+    for event in settings.recorded:
+        for record in filter(None, (event.loading.record, event.loading.vertical)):
+            units.setdefault(record.unit or "m_s2 (made in Python)", {})[record.name] = None
+    return [f"unit of {', '.join(names) if len(names) < 4 else f'{len(names)} records'}: {unit}"
+            for unit, names in units.items()]
+
+
 def describe_joint(joint, scatter=0.0):
     """A damage.Joint in one line; scatter: coefficient of variation of its strengths [-].
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from damage.checks import check_path
 from damage.errors import InputError
 from damage.exposure.lives import events_of, read_address
+from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import aligned_with
@@ -32,6 +33,9 @@ from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500
+
+BY_FILE = "file"
+"""Of --unit: the unit that the file names; for tables whose cells may not be empty."""
 
 WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someone else before you use it."
 """For the help of every command that takes one."""
@@ -109,7 +113,8 @@ def _add_motion(group):
     group.add_argument("--cycles", type=int, help="cycles of the harmonic motion (default 3), or at each "
                        "drift of --cyclic (default 2)")
     group.add_argument("--record", type=file_path, metavar="FILE",
-                       help="recorded ground motion: CSV, PEER AT2, or miniSEED with StationXML beside it")
+                       help="recorded ground motion: CSV, PEER AT2, or miniSEED with StationXML beside it "
+                       "(docs/guides/own-record.md)")
     add_preparation(group)
     group.add_argument("--vertical", type=file_path, metavar="FILE", help="the record's vertical component")
     group.add_argument("--free-vibration", action="store_true", default=None,
@@ -128,6 +133,10 @@ def _add_life(group):
 
 def add_preparation(group):
     """Add the options that prepare a record to a parser, or a group of one; `recorded` reads them."""
+    group.add_argument("--unit", choices=(BY_FILE, *UNITS_M_S2), help="unit of a record whose file names none, or "
+                       f"contradicts itself (default {BY_FILE}: as the file says)")
+    group.add_argument("--sample-step", type=float, metavar="S", help="time between two samples of a record whose file "
+                       "has one column, sample numbers or rounded times")
     group.add_argument("--scale", type=float, help="factor on the record (default 1)")
     group.add_argument("--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use")
     group.add_argument("--baseline", type=int, metavar="ORDER",
@@ -268,12 +277,13 @@ def _add_run(group, solver):
 
 
 _LONGEST_STEM = 200  # bytes; a character has up to four
+_READ = "unit", "sample_step"
 _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic"),
             "top_rotation": ("pushover", "cyclic"),
             "speed": ("pushover", "cyclic"),
             "damping": ("pushover", "cyclic"),
             "sequence": ("harmonic", "record"),
-            **dict.fromkeys(("scale", "window", "vertical", "baseline", "band"), ("record",))}
+            **dict.fromkeys((*_READ, "scale", "window", "vertical", "baseline", "band"), ("record",))}
 
 
 def _motion(parsed):
@@ -282,7 +292,7 @@ def _motion(parsed):
         return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
         return {"loading": _loading(parsed), "sequence": _sequence(parsed)}
-    owned = (*_MOTIONS, "cycles", "scale", "window", "vertical")
+    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
         raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
                          "the file has the records, their scales and windows; leave the other out")
@@ -302,7 +312,7 @@ def _life_of(parsed):
         raise InputError("--address ADDRESS.toml and --life N: expected both; give the other one, too")
     if parsed.life is None:
         return None
-    others = (*_MOTIONS, "sequence", "cycles", "scale", "window", "vertical", "baseline", "band")
+    others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
         raise InputError(f"--life and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
                          "motions; leave the other out")
@@ -375,9 +385,10 @@ def _pushed(parsed):
 
 def recorded(parsed):
     """The Recorded motion of parsed options: `record`, those of `add_preparation`, and `vertical` where offered."""
-    record, vertical = read_record(parsed.record), getattr(parsed, "vertical", None)
+    given = {"unit": None if parsed.unit == BY_FILE else parsed.unit, "sample_step_s": parsed.sample_step}
+    record, vertical = read_record(parsed.record, **given), getattr(parsed, "vertical", None)
     return Recorded(
-        record, vertical=aligned_with(read_record(vertical), record) if vertical else None,
+        record, vertical=aligned_with(read_record(vertical, **given), record) if vertical else None,
         **_given(scale=parsed.scale, window_s=parsed.window and tuple(parsed.window), baseline_order=parsed.baseline,
                  band_hz=parsed.band and tuple(parsed.band)))
 

@@ -77,7 +77,8 @@ def describe(summary):
         lines.append(f"motion as applied: PGV {summary['pgv_m_s']:.3g} m/s, AvgSa {summary['avg_sa_g']:.3g} g, "
                      f"Arias intensity {summary['arias_m_s']:.3g} m/s"
                      + ("" if summary["lost_by_lines"] is None else "; record interpolated, as lines between its "
-                        f"samples would take off {100 * summary['lost_by_lines']:.2g} % at the first period"))
+                        f"samples would take off {100 * summary['lost_by_lines']:.2g} % at the first period")
+                     + (f"; record in {summary['record_unit']}" if summary["record_unit"] else ""))
     if summary["period_elongation"] is not None:
         lines.append(f"first free cycle {summary['first_free_cycle_s']:.3f} s, "
                      f"{summary['period_elongation']:.2f} of the intact wall's period")

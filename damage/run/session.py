@@ -18,15 +18,22 @@ from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
+from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
-from damage.run.opening import opening_lines, sequence_lines
+from damage.run.opening import opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
 from damage.run.repeat import Unwritten, earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
-from damage.run.schedule import check_size, check_top, choose_time_step, deformable_warnings, softening_warnings
+from damage.run.schedule import (
+    check_size,
+    check_top,
+    choose_time_step,
+    deformable_warnings,
+    softening_warnings,
+)
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import take_turns
 from damage.start import is_of_output
@@ -185,14 +192,16 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall.joint.softens))
+    if settings.recorded:
+        warn(*faint_warnings(settings.peak_g))
     if isinstance(settings.loading, Recorded) and not settings.events:
         warn(*end_warnings(settings.loading.applied()))
     if wall.joint.softens:
         warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening))
     made_by = versions(backend.code) | backend.versions
     state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step), *sequence_lines(settings), sep="\n",
-          flush=True)
+    print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
+          *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,

@@ -9,8 +9,9 @@ import numpy as np
 from damage.checks import check_range, check_whole
 from damage.errors import InputError
 from damage.index import THRESHOLD
+from damage.motion.intensity import pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
-from damage.motion.plausible import implausible_peak
+from damage.motion.plausible import implausible_peak, implausible_velocity
 from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
@@ -170,14 +171,20 @@ class RunSettings:
         factor."""
         return self.events or tuple(Event(self.loading, factor, self.rest_s) for factor in self.sequence)
 
+    @property
+    def recorded(self):
+        """The events whose motion is a record, a tuple of Event."""
+        return tuple(event for event in self.all_events if isinstance(event.loading, Recorded))
+
     def check_plausible(self, wall):
         """InputError where a damage.Wall or the motion has values that are beyond those of masonry and earthquakes,
         unless they are accepted."""
         if self.accept_implausible:
             return
         check_plausible(wall)
+        pgv = max((pgv_m_s(event.loading.applied()) * abs(event.factor) for event in self.recorded), default=0.0)
         found = implausible_motion(self.loading, (1.0,) if self.life else self.sequence)
-        if found := found + list(filter(None, [implausible_peak(self.peak_g)])):
+        if found := found + list(filter(None, [implausible_peak(self.peak_g) or implausible_velocity(pgv)])):
             raise InputError(f"{'; '.join(found)}. Correct the value or its unit, or accept all values as given: "
                              f"{ACCEPT}")
 
