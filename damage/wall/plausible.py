@@ -9,6 +9,7 @@ joints or without precompression: no wrong unit turns another value into zero.
 import math
 from typing import NamedTuple
 
+from damage.checks import check_fields
 from damage.errors import InputError
 
 ACCEPT = "--accept-implausible"
@@ -94,20 +95,48 @@ def implausible(wall):
     """
     records = wall, *wall.openings, *wall.floors, wall.brick, wall.joint, wall.lintel, *(
         opening.lintel for opening in wall.openings if opening.lintel)
+    return _messages(records)
+
+
+def implausible_sizes(wall):
+    """Implausible sizes of a damage.Wall and its bricks, as of `implausible`."""
+    return _messages((wall, wall.brick), "m")
+
+
+def _messages(records, units=None):
+    """Implausible values of records; units: only those of fields in this unit."""
     given = [(f"{type(record).__name__}.{name}", value) for record in records
              for name, value in vars(record).items() if value]
     found = [_message_of(name, value) for name, value in given
-             if name in RANGES and not RANGES[name].least <= value <= RANGES[name].most]
+             if name in RANGES and units in (None, RANGES[name].unit) and not RANGES[name].least <= value
+             <= RANGES[name].most]
     return list(dict.fromkeys(found))  # several openings may have the same fault
+
+
+def check_record(record, **ranges):
+    """`damage.checks.check_fields`, whose message says in which units a value would be plausible."""
+    for name, limits in ranges.items():
+        try:
+            check_fields(record, **{name: limits})
+        except InputError as error:
+            raise InputError(f"{error}{_meant(f'{type(record).__name__}.{name}', getattr(record, name))}") from None
 
 
 def _message_of(name, value):
     """An implausible value, what was expected, and in which units it would be plausible."""
-    least, most, unit, others, _, zero = RANGES[name]
+    least, most, unit, _, _, zero = RANGES[name]
+    return (f"{name} = {short(value)} {unit}, expected {short(least)} to {short(most)} {unit}{', or 0' * zero}"
+            f"{_meant(name, value)}")
+
+
+def _meant(name, value):
+    """The end of a message about a value: in which units it would be plausible, or nothing."""
+    if name not in RANGES or not isinstance(value, int | float):
+        return ""
+    least, most, unit, others, *_ = RANGES[name]
     meant = [f"{short(value)} {other} is {_in_si(value, size)} {unit}" for other, size in others.items()
              if least <= value * size <= most]
-    return (f"{name} = {short(value)} {unit}, expected {short(least)} to {short(most)} {unit}{', or 0' * zero}"
-            + (f": {', '.join(meant)}" if meant else ""))
+    return f": {', '.join(meant)}" if meant else ""
 
 
 def short(number):
