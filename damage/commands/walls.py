@@ -61,7 +61,7 @@ def _draw(asked):
     wall = _plausible_wall(asked)
     layout = lay_out(wall, model_of(asked))
     supports = tuple(zip(layout.supports.left, layout.supports.right))
-    figure = wall_preview(wall, body_table(layout), joint_table(layout), supports)
+    figure = wall_preview(wall.with_lintels(layout.options.lintel), body_table(layout), joint_table(layout), supports)
     print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), f"wall {shown_path(asked.wall)}"))
 
 

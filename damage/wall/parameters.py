@@ -13,7 +13,7 @@ from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.courses import check_bearing, check_outline
 from damage.wall.floors import Floor, check_floors
-from damage.wall.lintels import Lintel, lintel_of
+from damage.wall.lintels import KINDS_OF_LINTELS, Lintel, lintel_of
 from damage.wall.plausible import check_record, implausible_sizes
 
 LONGEST_M, LONGEST_NAME, MOST_BRICKS, MOST_PARTS = 1000.0, 100, 20_000, 1000
@@ -284,10 +284,12 @@ class Wall:
         return opening.lintel or self.lintel
 
     def with_lintels(self, option):
-        """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic", else courses."""
+        """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic", else those of a
+        kind over all openings, or courses."""
         if option == "elastic":
             return self
-        return replace(self, lintel="courses", openings=tuple(replace(one, lintel=None) for one in self.openings))
+        return replace(self, lintel=option if option in KINDS_OF_LINTELS else "courses",
+                       openings=tuple(replace(one, lintel=None) for one in self.openings))
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files and tables; without outline, floors and lintels of its own
