@@ -17,7 +17,7 @@ from damage.motion.settlement import Settlement
 from damage.run.before import Surveyed
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import MOST_SEED
-from damage.wall.plausible import ACCEPT, check_plausible
+from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
@@ -175,7 +175,9 @@ class RunSettings:
         if self.accept_implausible:
             return
         check_plausible(wall)
-        if message := implausible_peak(self.peak_g):
+        places = self.cracked and implausible_places(np.reshape(self.cracked.stretches, (-1, 2, 2)), wall)
+        for message in filter(None, (places and f"--cracked {self.cracked.file}: {places}",
+                                     implausible_peak(self.peak_g))):
             raise InputError(f"{message}. Correct the unit, or accept all values as given: {ACCEPT}")
 
     def check_offsets(self, contacts):

@@ -337,7 +337,8 @@ def _check_count(wall):
     bricks = wall.courses * math.ceil(wall.length / wall.brick.length)
     if bricks > MOST_BRICKS:
         meant = implausible_sizes(wall)
-        raise InputError(f"wall {wall.name}: {'; '.join(meant)}. Correct the unit" if meant else
+        raise InputError(f"wall {wall.name}: {'; '.join(meant)}. Correct the unit: {bricks} bricks are more than "
+                         f"{MOST_BRICKS}" if meant else
                          f"wall {wall.name} has about {bricks} bricks: expected up to {MOST_BRICKS}; make it "
                          "smaller, or of larger bricks")
     for name in ("openings", "floors", "outline"):
