@@ -14,11 +14,19 @@ from damage.wall.file import load_wall
 from damage.wall.floors import Floor
 from damage.wall.lintels import Lintel
 from damage.wall.parameters import Brick, Joint, Opening, Wall
-from damage.wall.plausible import PER_LENGTH, RANGES, check_plausible, implausible, implausible_places, markdown
+from damage.wall.plausible import (
+    PER_LENGTH,
+    RANGES,
+    check_plausible,
+    implausible,
+    implausible_places,
+    markdown,
+)
 
 SOFTENING = Joint(mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6)
 SPLITTING = Brick(tensile_strength=1e6, cohesion=2e6)
-WALL = Wall("w", 2.0, 1.0, (Opening(0.5, 0.5, 0.5),), brick=SPLITTING, joint=SOFTENING, floors=(Floor(1.0, 100.0, right=0.5),))
+WALL = Wall("w", 2.0, 1.0, (Opening(0.5, 0.5, 0.5),), brick=SPLITTING, joint=SOFTENING,
+            floors=(Floor(1.0, 100.0, right=0.5),))
 PARTS = {"Brick": "brick", "Joint": "joint", "Lintel": "lintel"}
 IN_MPA = Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.15))
 
@@ -96,7 +104,8 @@ DRAWN = np.array([[(1.0, 2.1), (0.6, 2.6)], [(2.2, 2.1), (2.7, 2.7)], [(0.0, 0.3
 
 @pytest.mark.parametrize(("given", "fits"), [
     (DRAWN, None), (100 * DRAWN, "in cm, z up"), (1000 * DRAWN, "in mm, z up"),
-    (DRAWN - (0, 3), "in m, negative z down from the top"), (100 * (DRAWN - (0, 3)), "in cm, negative z down from the top"),
+    (DRAWN - (0, 3), "in m, negative z down from the top"),
+    (100 * (DRAWN - (0, 3)), "in cm, negative z down from the top"),
     (100 * (DRAWN * (1, -1) + (0, 3)), "in cm, z up"), (DRAWN[:0], None), (DRAWN + (4, 0), "")])
 def test_cracks_beside_the_wall_and_what_was_meant(given, fits):
     said = implausible_places(given, HOLED)

@@ -40,7 +40,8 @@ def _modes(asked):
         print(json_text({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s,
                           "pier_stress_pa": layout.pier_stress}))
         return
-    print(*describe_top(layout), *describe_openings(layout.wall), *describe_floors(layout.wall), *describe_lintels(layout), sep="\n")
+    wall = layout.wall
+    print(*describe_top(layout), *describe_openings(wall), *describe_floors(wall), *describe_lintels(layout), sep="\n")
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")

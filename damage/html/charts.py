@@ -74,8 +74,8 @@ def energy_lines():
 
 def states_legend(runs=()):
     """Styles of joints and energies: {"states": [{"code", "name", "colour", "dash"}] of cracked ones, the gravest
-    last, "bodies" by kind, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's
-    width, the widest of them no more than half of the lowest brick of the runs}."""
+    last, "bodies": [{"fill", "edge"}] by kind, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a
+    line is by the class of its crack's width, the widest of them no more than half of the lowest brick of the runs}."""
     words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [{"code": STATES.index(name), "name": label, "colour": CRACK_COLOURS[name], "dash": CRACK_DASHES[name]}
               for name, label in words.items()]

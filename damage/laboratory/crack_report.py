@@ -61,9 +61,11 @@ def _implausible(patterns, wall):
     if stretches.empty:
         return []
     widest, (least, most) = float(stretches["width_m"].max()) / MILLIMETRE, CRACK_WIDTH_MM
-    wide = f"the widest crack has {widest:g} mm: expected {least:g} to {most:g} mm, which width_mm, opening_mm and " \
-           "slip_mm are in; correct the unit"
-    return list(filter(None, (implausible_places(ends_of(stretches), wall), not least <= widest <= most and wide)))
+    wide = [] if least <= widest <= most else [
+        f"the widest crack has {widest:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, opening_mm "
+        "and slip_mm"]
+    places = implausible_places(ends_of(stretches), wall)
+    return [places, *wide] if places else wide
 
 
 def _only_with(what, given, needs=("wall",), without=()):

@@ -86,11 +86,11 @@ def _python(path_of_shipped, path, name):
 
 
 _SCHEMA = "#:schema ./wall.schema.json\n"
-_HEAD_OF_DATA = """# A copy of the wall {source}: change its numbers.  Lengths in m, stresses in Pa, masses in kg, angles in radians.
+_HEAD_OF_DATA = """# A copy of the wall {source}: change its numbers.  Units are m, kg, Pa and radians.
 #
-#     python3 -m damage draw {path}                               look at it, before anything shakes it
-#     python3 -m damage reference {path} --harmonic 0.2 0.05      a harmonic motion, 0.2 s, 0.05 g
-#     python3 -m damage wall-schema > wall.schema.json            with it beside this file, editors check the keys
+#     python3 -m damage draw {path}                            look at it, before anything shakes it
+#     python3 -m damage reference {path} --harmonic 0.2 0.05   a harmonic motion, 0.2 s, 0.05 g
+#     python3 -m damage wall-schema > wall.schema.json         with it beside this file, editors check the keys
 
 """
 _HEAD = '''"""A copy of the wall {source}: change its numbers.  Lengths in m, stresses in Pa, angles in radians.

@@ -52,7 +52,7 @@ RANGES = {
     "Lintel.density": Range(100, 2e4, "kg/m3", DENSITIES, "soft wood; steel has 7850"),
     "Floor.level": Range(0.03, 50, "m", LENGTHS, "on the base course; a tower"),
     "Floor.mass": Range(1, 1e6, "kg", {"t": 1e3}, "a shelf; the floor of a hall"),
-    PER_LENGTH: Range(20, 1e5, "kg/m", {"t/m": 1e3}, "a light roof on a short span; concrete floors of several storeys"),
+    PER_LENGTH: Range(20, 1e5, "kg/m", {"t/m": 1e3}, "a light roof on a short span; several concrete floors"),
     "Floor.depth": Range(0.01, 2, "m", LENGTHS, "a screed; a transfer slab"),
     "Brick.length": Range(0.02, 2, "m", LENGTHS, "a brick of a scale model; calcium silicate elements have 1 m"),
     "Brick.height": Range(0.01, 2, "m", LENGTHS, "a brick of a scale model; calcium silicate elements have 0.65 m"),
@@ -88,7 +88,7 @@ OFF_WALL, ON_WALL = 0.2, 0.02
 """Share of the length of a file's cracks off the wall above which its places are implausible, and up to which those in
 another unit or with another z are named."""
 SMALL = 0.05
-"""Share of the wall's size that cracks in another unit have at least: all would fit into a corner."""
+"""Share of the wall's length or height that cracks in another unit take at least."""
 _FRAMES = {"z up": (0, 1), "z down from the top": (1, -1), "negative z down from the top": (1, 1)}
 """{what may have been meant by z: its shift in heights of the wall, its factor}."""
 
@@ -120,15 +120,21 @@ def implausible_places(ends, wall):
     ends = np.asarray(ends, float)
     if len(ends) == 0 or _share_off(ends, wall) <= OFF_WALL:
         return None
-    size_of_wall = wall.length, wall.built_height
-    fits = next((f"in {unit}, {words}" for unit, size in {"m": 1.0, "cm": 1e-2, "mm": 1e-3}.items()
-                 for words, (shift, factor) in _FRAMES.items()
-                 if np.max(size * np.ptp(ends, axis=(0, 1)) / size_of_wall) > SMALL and _share_off(ends * (size, factor * size) + (0, shift * wall.built_height), wall) <= ON_WALL), None)
+    fits = next((words for words, moved in _other_frames(ends, wall) if _share_off(moved, wall) <= ON_WALL), None)
     low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
     return (f"{100 * _share_off(ends, wall):.0f} % of the cracks' length, x = {low[0]:.4g} to {high[0]:.4g} m, z = "
             f"{low[1]:.4g} to {high[1]:.4g} m, lies beside wall {wall.name} of {wall.length:.4g} x "
             f"{wall.built_height:.4g} m or in its openings: expected m, x from its left end and z up from its base"
             + (f"; as {fits} they fit" if fits else ""))
+
+
+def _other_frames(ends, wall):
+    """Yield (what may have been meant, the cracks moved by it), but for cracks that become so small that all would fit
+    into a corner."""
+    for unit, size in {"m": 1.0, "cm": 1e-2, "mm": 1e-3}.items():
+        if max(size * np.ptp(ends, axis=(0, 1)) / (wall.length, wall.built_height)) > SMALL:
+            for words, (shift, factor) in _FRAMES.items():
+                yield f"in {unit}, {words}", ends * (size, factor * size) + (0.0, shift * wall.built_height)
 
 
 def _share_off(ends, wall):
