@@ -62,8 +62,8 @@ def _implausible(patterns, wall):
         return []
     widest, (least, most) = float(stretches["width_m"].max()) / MILLIMETRE, CRACK_WIDTH_MM
     wide = [] if least <= widest <= most else [
-        f"the widest crack has {widest:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, opening_mm "
-        "and slip_mm"]
+        f"the widest crack has {widest:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, "
+        "opening_mm and slip_mm"]
     places = implausible_places(ends_of(stretches), wall)
     return [places, *wide] if places else wide
 
