@@ -12,7 +12,7 @@ from conftest import REPOSITORY
 # Rooms in the order of import: a room may import from those before it, not from one in its own line or after.
 ROOMS = [
     ("damage.errors", "damage.units", "damage.files", "damage.checks", "damage.csv_table", "damage.memory",
-     "damage.provenance", "damage.start", "damage.version"),
+     "damage.provenance", "damage.start", "damage.toml_file", "damage.version"),
     ("damage.index", "damage.wall", "damage.motion"),
     ("damage.history",),
     ("damage.measure", "damage.mechanics", "damage.exposure"),

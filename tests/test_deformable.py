@@ -479,10 +479,16 @@ def test_options_of_deformable_bricks_alone():
 
 def test_choices_that_do_not_suit_deformable_bricks_are_warned_of():
     suited = ModelOptions(**DEFORMABLE)
-    assert deformable_warnings(suited, softens=True) == deformable_warnings(ModelOptions(), softens=False) == []
-    (brittle,), (corners,) = (deformable_warnings(suited, softens=False), deformable_warnings(
-        replace(suited, contacts="corners"), softens=True))
+    plain = Wall("w", 2.0, 1.0)
+    soft = replace(plain, joint=Joint(mode_i_fracture_energy=12, mode_ii_fracture_energy=120))
+    assert deformable_warnings(suited, soft) == deformable_warnings(ModelOptions(), plain) == []
+    (brittle,), (corners,) = (deformable_warnings(suited, plain), deformable_warnings(
+        replace(suited, contacts="corners"), soft))
     assert "fracture energies" in brittle and "--contacts gauss" in corners
+    splitting = replace(soft, brick=Brick(tensile_strength=2e6))
+    (whole,) = deformable_warnings(suited, splitting)
+    assert "a tensile strength of 2 MPa of the bricks: strain modes keep them whole" in whole
+    assert deformable_warnings(replace(suited, brick_cells=4), splitting) == []
     assert describe_brick(BRICK, suited).endswith("modulus 5200 MPa, deformable (order 2, plane stress)")
 
 

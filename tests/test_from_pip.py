@@ -8,6 +8,7 @@ import sys
 import threading
 import tomllib
 from contextlib import redirect_stdout
+from dataclasses import replace
 from shutil import copytree, ignore_patterns
 
 import numpy as np
@@ -19,7 +20,7 @@ import damage
 from damage.__main__ import main
 from damage.files import shipped_files, shipped_path
 from damage.motion.loading import Harmonic, TopDisplacement
-from damage.wall.file import load_wall
+from damage.wall.file import load_wall, shipped_walls
 from damage.wall.new import new_wall
 
 SETUP = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
@@ -114,7 +115,14 @@ class TestNames:
         path = new_wall(tmp_path / "mine.py")
         assert "mine.py exists" in one_line_error(new_wall, path)
         assert one_line_error(new_wall, tmp_path / "b.py", "sold").endswith("did you mean solid?")
-        assert "expected a name that ends in .py" in one_line_error(new_wall, tmp_path / "b.txt")
+        assert "expected a name that ends in .toml or .py" in one_line_error(new_wall, tmp_path / "b.txt")
+        assert "expected a name that ends in .toml;" in one_line_error(new_wall, tmp_path / "b.py", "terrace_end")
+
+    @pytest.mark.parametrize("name", shipped_walls())
+    def test_a_new_wall_as_data_is_the_one_that_ships_but_for_its_name(self, tmp_path, name):
+        path = new_wall(tmp_path / 'my "new" wall.toml', name)
+        assert load_wall(path) == replace(load_wall(name), name="my--new--wall")
+        assert path.read_text().startswith("#:schema ./wall.schema.json\n# A copy of the wall " + name)
 
     @pytest.mark.parametrize("words, meant", [
         (["idnex", "a.h5"], "index"), (["modes", "symetric"], "symmetric"), (["reference", "simmetric"], "symmetric"),

@@ -135,6 +135,7 @@ class TestAddress:
         ("latitude = 52.09\nlongitude = 5.12\n", "from the nearest epicentre"),
         (ADDRESS.replace("2012", "1980"), "the first event"), (ADDRESS + "strong = [0.6, 0.1]\n", "strong"),
         (ADDRESS + "scale_to = 'pga'\n", "scale_to"), (ADDRESS + "seed = 1.5\n", "seed"), ("latitude = [\n", "no TOML"),
+        ("a." * 100_000 + "a = 1\n", "a key of more than 20 parts"),
         (ADDRESS + "catalogue = 'nowhere.csv'\n", "nowhere.csv")])
     def test_what_is_wrong_is_said_in_one_line(self, tmp_path, text, message):
         (tmp_path / "a.toml").write_text(text)

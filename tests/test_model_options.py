@@ -51,7 +51,7 @@ def test_figures_and_evidence_know_every_choice():
 
 
 @pytest.mark.parametrize(("given", "kept"), [("elastic", "elastic"), ("none", "none"), (0, "none"), ("0", "none"),
-                                            (2, "2"), ("2", "2"), ("02", "2")])
+                                            (2, "2"), ("2", "2"), ("02", "2"), ("concrete", "concrete")])
 def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
     assert ModelOptions(lintel=given).lintel == kept
     assert parse_run(["--lintel", str(given)], "test", "yade").model.lintel == kept

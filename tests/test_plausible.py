@@ -15,11 +15,19 @@ from damage.wall.file import load_wall
 from damage.wall.floors import Floor
 from damage.wall.lintels import Lintel
 from damage.wall.parameters import Brick, Joint, Opening, Wall
-from damage.wall.plausible import RANGES, check_plausible, implausible, markdown
+from damage.wall.plausible import (
+    PER_LENGTH,
+    RANGES,
+    check_plausible,
+    implausible,
+    implausible_places,
+    markdown,
+)
 
 SOFTENING = Joint(mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6)
 SPLITTING = Brick(tensile_strength=1e6, cohesion=2e6)
-WALL = Wall("w", 2.0, 1.0, (Opening(0.5, 0.5, 0.5),), brick=SPLITTING, joint=SOFTENING, floors=(Floor(1.0, 100.0),))
+WALL = Wall("w", 2.0, 1.0, (Opening(0.5, 0.5, 0.5),), brick=SPLITTING, joint=SOFTENING,
+            floors=(Floor(1.0, 100.0, right=0.5),))
 PARTS = {"Brick": "brick", "Joint": "joint", "Lintel": "lintel"}
 IN_MPA = Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.15))
 
@@ -39,21 +47,25 @@ def with_value(name, value):
     return wall
 
 
-@pytest.mark.parametrize("name", RANGES)
+@pytest.mark.parametrize("name", RANGES.keys() - {PER_LENGTH})
 def test_each_field_is_held_to_its_range(name):
     least, most, unit, *_ = RANGES[name]
+
+    def said_of(value):
+        return [line for line in implausible(with_value(name, value)) if line.startswith(f"{name} = ")]
+
     for value in (least, np.sqrt(least * most), most):
-        assert implausible(with_value(name, value)) == []
+        assert said_of(value) == []
     for value in (least / 1.01, most * 1.01):
-        (message,) = implausible(with_value(name, value))
-        assert message.startswith(f"{name} = ") and f" {unit}, expected " in message
+        (message,) = said_of(value)
+        assert f" {unit}, expected " in message
     assert implausible(with_value(name, 0.0)) == []  # no wrong unit makes it; where it cannot be, it is refused before
 
 
 def test_every_number_of_a_wall_but_places_has_a_range():
     numbers = {f"{kind.__name__}.{one.name}" for kind in (Wall, Opening, Floor, Lintel, Brick, Joint)
                for one in fields(kind) if one.type in (float, float | None, "float", "float | None")}
-    assert numbers == {*RANGES, "Opening.left", "Opening.sill", "Floor.left", "Floor.right"}
+    assert numbers | {PER_LENGTH} == {*RANGES, "Opening.left", "Opening.sill", "Floor.left", "Floor.right"}
 
 
 @pytest.mark.parametrize("name, value, meant", [
@@ -77,8 +89,42 @@ def test_a_fault_is_reported_in_one_line_of_all_fields_and_once():
     assert len(implausible(two)) == 1
 
 
+@pytest.mark.parametrize(("mass", "right", "fits"), [
+    (12.0, None, False), (0.3, 0.2, False), (60.0, 2.0, True), (30.0, 0.5, True), (3e5, 2.0, False)])
+def test_a_floor_is_as_heavy_as_its_length_allows(mass, right, fits):
+    """12 t and 0.3 t, as if in kg; a purlin of 30 kg is none of them."""
+    said = implausible(replace(WALL, floors=(Floor(1.0, mass, right=right),)))
+    assert any(PER_LENGTH in line for line in said) != fits
+    assert fits or mass > 1e3 or f"{mass / (right or 2.0):g} t/m is" in said[-1]
+
+
+HOLED = Wall("holed", 4.0, 3.0, (Opening(1.0, 1.2, 1.2, 0.9),), precompression=0.0)
+DRAWN = np.array([[(1.0, 2.1), (0.6, 2.6)], [(2.2, 2.1), (2.7, 2.7)], [(0.0, 0.3), (3.9, 0.3)]])
+"""From the upper corners of an opening upwards, and along a bed joint below it."""
+
+
+@pytest.mark.parametrize(("given", "fits"), [
+    (DRAWN, None), (100 * DRAWN, "in cm, z up"), (1000 * DRAWN, "in mm, z up"),
+    (DRAWN - (0, 3), "in m, negative z down from the top"),
+    (100 * (DRAWN - (0, 3)), "in cm, negative z down from the top"),
+    (100 * (DRAWN * (1, -1) + (0, 3)), "in cm, z up"), (DRAWN[:0], None), (DRAWN + (4, 0), "")])
+def test_cracks_beside_the_wall_and_what_was_meant(given, fits):
+    said = implausible_places(given, HOLED)
+    assert (said is None) == (fits is None)
+    assert fits is None or f"; as {fits} they fit" in said or (fits == "" and "they fit" not in said)
+
+
+def test_cracks_with_z_from_the_top_lie_in_an_opening():
+    """Of a tall window below the ridge of a gable, upside down those of its upper corners are in the air."""
+    gable = Wall("gable", 4.0, 4.0, outline=((0, 2.0), (2, 4.0), (4, 2.0)), precompression=0.0)
+    low = np.array([[(0.0, 0.3), (3.9, 0.3)], [(0.2, 1.2), (0.4, 0.3)]])
+    assert implausible_places(low, gable) is None
+    assert "as in m, z down from the top they fit" in implausible_places(low * (1, -1) + (0, 4.0), gable)
+
+
 SHIPPED = [REPOSITORY / "examples/two_windows.py", *sorted(
-    path for path in (REPOSITORY / "walls").glob("**/*.py") if "def wall()" in path.read_text())]
+    path for path in (REPOSITORY / "walls").glob("**/*.*") if path.suffix == ".toml" or (
+        path.suffix == ".py" and "def wall()" in path.read_text()))]
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)

@@ -69,7 +69,11 @@ class TestData:
     def test_it_is_not_executed(self, tmp_path):
         path = tmp_path / "code.toml"
         path.write_text("import os\nos.remove('x')\n", encoding="utf-8")
-        assert "not TOML" in one_line_error(load_wall, path)
+        assert "no TOML" in one_line_error(load_wall, path)
+
+    def test_a_byte_order_mark_and_dots_in_words_are_read(self, house):
+        house.write_text(TEXT.replace("height = 4.2", f"height = 4.2 # {'.' * 200}"), encoding="utf-8-sig")
+        assert house.read_bytes().startswith(b"\xef\xbb\xbf") and load_wall(house) == HOUSE
 
     def test_the_schema_that_ships_is_the_codes(self):
         shipped = (REPOSITORY / "walls/wall.schema.json").read_text(encoding="utf-8")
@@ -148,9 +152,24 @@ class TestPreview:
         layout = lay_out(HOUSE, ModelOptions(lintel="1"))
         figure = wall_preview(HOUSE, body_table(layout), joint_table(layout))
         said = [text.get_text() for text in figure.axes[0].texts]
-        assert said == ["0.9 t (8.83 kN)", "P1", "P2", "S1"]
+        assert said == ["0.9 t (8.83 kN)", "0.88 x 2.1", "P1", "P2", "S1"]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
         assert labels == ["bricks", "support", "concrete floors", "elastic joints (lintel)", "outline"]
+
+    def test_it_sizes_openings_as_built(self):
+        blocks = Wall("blocks", 3.6, 2.8, [Opening(1.2, 1.2, 0.55, 0.9)], brick=Brick(length=0.4, height=0.2))
+        layout = lay_out(blocks)
+        figure = wall_preview(blocks, body_table(layout), joint_table(layout))
+        assert "1.2 x 0.6\nsill 0.8" in [text.get_text() for text in figure.axes[0].texts]
+
+    @pytest.mark.parametrize("name", ["terrace_end", "symmetric", "shop_front"])
+    def test_the_label_of_its_axis_stands_above_the_legend(self, name):
+        wall = load_wall(name)
+        layout = lay_out(wall)
+        figure = wall_preview(wall, body_table(layout), joint_table(layout))
+        figure.draw_without_rendering()  # once, as when it is written
+        label, legend = figure.axes[0].xaxis.label.get_window_extent(), figure.legends[0].get_window_extent()
+        assert label.y0 > legend.y1
 
     @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
     def test_the_command_writes_it(self, house, tmp_path, capsys, ending):

@@ -44,11 +44,20 @@ MISTAKES = {
                          "expected one of timber, concrete"),
     "a floor without mass": ({"+": "[[floors]]\nlevel = 2.7"}, "lacks mass"),
     "a floor in tonnes": ({"+": "[[floors]]\nlevel = 2.7\nmass = 0.9"}, "0.9 t is 0.9e3 kg"),
+    "a heavy floor in tonnes": ({"+": "[[floors]]\nlevel = 2.7\nmass = 12"},
+                                "Floor.mass over its length = 2.72727 kg/m, expected 20 to 100000 kg/m"),
+    "a wall in centimetres": ({"length": 440, "height": 420, "outline": None},
+                              r"Wall.length = 440 m, expected 0.1 to 200 m: .*440 cm is 440e-2 m; Wall.height = 420 m"),
+    "a wall in millimetres": ({"length": 4400, "height": 4200, "outline": None},
+                              "Wall.length = 4400: expected a number from 0.001 to 1000; correct it: 4400 mm is"),
+    "too many floors": ({"+": "[[floors]]\nlevel = 2.7\nmass = 900\n" * 1001}, "1001 floors: expected up to 1000"),
+    "a key of many dots": ({"+": "a." * 100_000 + "a = 1"}, "a key of more than 20 parts"),
+    "a quoted key of many dots": ({"+": '"=".' * 20 + "a = 1"}, "a key of more than 20 parts"),
     "a key misspelt": ({"+": "[[floors]]\nlevl = 2.7\nmass = 100"}, r"did you mean level\?"),
     "single brackets": ({"+": "[floors]\nlevel = 2.7\nmass = 100"}, "double the brackets"),
     "a word for a number": ({"length": '"4.4 m"'}, "Wall.length = '4.4 m': expected a number"),
     "no length": ({"length": None}, "lacks length"),
-    "no TOML": ({"name": "house"}, "not TOML .* line 1"),
+    "no TOML": ({"name": "house"}, "no TOML .* line 1"),
 }
 
 

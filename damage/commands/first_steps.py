@@ -27,8 +27,9 @@ def _demo(asked):
     return 0
 
 
-@command("write a wall file to change: a copy of a wall that ships, under the name of the file",
-         file_arg("file", "FILE.py"),
+@command("write a wall file to change: a copy of a wall that ships, under the name of the file; FILE.toml is data and "
+         "never executed",
+         file_arg("file", "FILE.py|FILE.toml"),
          arg("--from", dest="source", metavar="NAME", default="symmetric", help="the wall that is copied (default "
               "symmetric); an unknown one lists all"))
 def _new_wall(asked):

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from damage.commands.table import JSON, command, file_arg, out, save
+from damage.errors import warn
 from damage.files import json_text
 from damage.provenance import shown_path
 from damage.run.options import WALLS_ARE_CODE, add_accept, add_model_options, model_of
@@ -22,6 +23,7 @@ def _materials(asked):
          add_accept,
          out("folder for a picture of the shapes", required=False))
 def _modes(asked):
+    from damage.wall.as_built import describe_openings
     from damage.wall.caps import describe_top
     from damage.wall.floors import describe_floors
     from damage.wall.layout import describe_lintels, lay_out
@@ -38,14 +40,15 @@ def _modes(asked):
         print(json_text({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s,
                           "pier_stress_pa": layout.pier_stress}))
         return
-    print(*describe_top(layout), *describe_floors(layout.wall), *describe_lintels(layout), sep="\n")
+    wall = layout.wall
+    print(*describe_top(layout), *describe_openings(wall), *describe_floors(wall), *describe_lintels(layout), sep="\n")
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
 
 
-@command("a picture of a wall before it is run: bricks, supports, masses, elastic joints, names of piers and "
-         "spandrels",
+@command("a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic joints, names of "
+         "piers and spandrels",
          file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"),
          lambda command: add_model_options(command, ("lintel", "top", "load", "supports")), add_accept,
          out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
@@ -59,18 +62,20 @@ def _draw(asked):
     wall = _plausible_wall(asked)
     layout = lay_out(wall, model_of(asked))
     supports = tuple(zip(layout.supports.left, layout.supports.right))
-    figure = wall_preview(wall, body_table(layout), joint_table(layout), supports)
+    figure = wall_preview(wall.with_lintels(layout.options.lintel), body_table(layout), joint_table(layout), supports)
     print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), f"wall {shown_path(asked.wall)}"))
 
 
 def _plausible_wall(asked):
     """The wall of a command's options, its values checked unless the user accepts all."""
+    from damage.wall.as_built import warn_of_courses
     from damage.wall.file import load_wall
     from damage.wall.plausible import check_plausible
 
     wall = load_wall(asked.wall)
     if not asked.accept_implausible:
         check_plausible(wall)
+    warn(*warn_of_courses(wall))
     return wall
 
 

@@ -1,4 +1,5 @@
-"""Picture of a wall before it is run: bricks, supports, masses, elastic joints, names of piers and spandrels."""
+"""Picture of a wall before it is run: bricks, sizes of openings, supports, masses, elastic joints, names of piers and
+spandrels."""
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
@@ -7,6 +8,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from damage.draw import style
 from damage.units import GRAVITY
+from damage.wall.as_built import openings_as_built
 from damage.wall.courses import built_runs
 from damage.wall.geometry import body_corners, kinds_of_bodies, tributary_ends
 from damage.wall.lintel import lintel_courses
@@ -15,6 +17,7 @@ TONNE, KILO = 1e3, 1e3
 GROUND_DEPTH = 0.06  # of the wall's height, drawn
 HIGHEST_NAME = 6  # most courses above an opening over which the name of its spandrel is centred
 _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+NARROW = 0.14  # of the wall's length, below which the size of an opening is written upwards
 _LABELS = 0.45  # [inch] that ticks and labels take beside and below
 
 
@@ -29,13 +32,13 @@ def wall_preview(wall, bodies, joints, supports=()):
     corners, kinds = body_corners(bodies, np.zeros((len(bodies), 3))), kinds_of_bodies(bodies["course"])
     elastic = joints["elastic"].to_numpy(bool) & (joints["kind"] != "brick").to_numpy()
     for kind, face in style.BODY_COLOURS.items():
-        edge = "0.55" if kind == "bricks" else face if kind == "lintels" else style.DARK
-        ax.add_collection(PolyCollection(corners[kinds == kind], facecolors=face, edgecolors=edge, linewidths=0.3))
+        ax.add_collection(PolyCollection(corners[kinds == kind], facecolors=face, edgecolors=_edge(kind),
+                                         linewidths=0.3))
     ax.add_collection(LineCollection(tributary_ends(joints[elastic]), colors=style.GREEN, linewidths=0.6))
-    handles = [Patch(facecolor=style.BRICK_COLOUR, edgecolor="0.55", label="bricks"),
+    handles = [Patch(facecolor=style.BRICK_COLOUR, edgecolor=_edge("bricks"), label="bricks"),
                Patch(facecolor=style.GROUND_COLOUR,
                      label="support" if len(supports) < 2 else f"{len(supports)} supports")]
-    handles += [Patch(facecolor=style.BODY_COLOURS[kind], edgecolor=style.DARK, label=label) for kind, label in (
+    handles += [Patch(facecolor=style.BODY_COLOURS[kind], edgecolor=_edge(kind), label=label) for kind, label in (
         ("masses", "rigid masses"), ("slabs", "concrete floors"), ("lintels", "lintels")) if (kinds == kind).any()]
     if elastic.any():
         handles.append(Line2D([], [], color=style.GREEN, lw=0.6, label="elastic joints (lintel)"))
@@ -44,6 +47,7 @@ def wall_preview(wall, bodies, joints, supports=()):
         handles.append(Line2D([], [], color=style.PURPLE, lw=0.8, ls="--", label="outline"))
     handles += _draw_floors(ax, wall)
     _draw_ground(ax, wall, supports or ((0.0, wall.length),))
+    _size_openings(ax, wall)
     _name_parts(ax, wall)
     points = np.vstack([corners.reshape(-1, 2), *([wall.outline] if wall.outline else [])])
     highest, margin = points[:, 1].max(), 0.03 * max(wall.length, points[:, 1].max())
@@ -53,6 +57,7 @@ def wall_preview(wall, bodies, joints, supports=()):
     figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS + 0.3)
     figure.suptitle(title_of(wall, bodies, joints), x=0.02, ha="left")
     style.legend_below(figure, handles, columns=3)
+    style.settle_layout(figure)
     return figure
 
 
@@ -63,6 +68,11 @@ def title_of(wall, bodies, joints):
     return (f"{wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.brick.thickness:.3g} m thick\n"
             f"{n_bricks} bricks, {joints['length_m'][kinds].sum():.2f} m of joints, "
             + (f"precompression {wall.precompression / 1e6:g} MPa" if wall.precompression else "no precompression"))
+
+
+def _edge(kind):
+    """Colour of the edges of bodies of a kind: the segments of a lintel have none between them."""
+    return {"bricks": "0.55", "lintels": style.BODY_COLOURS["lintels"]}.get(kind, style.DARK)
 
 
 def _draw_ground(ax, wall, supports):
@@ -83,6 +93,16 @@ def _draw_floors(ax, wall):
                 color=style.VERMILLION, fontsize=5.5, ha="center", va="bottom", bbox=_PAPER)
     timber = any(floor.kind == "timber" for floor in wall.floors)
     return [Line2D([], [], color=style.VERMILLION, lw=1.6, label="timber floors")] if timber else []
+
+
+def _size_openings(ax, wall):
+    """Width, height and, above the base, the sill of each opening as built [m]."""
+    for opening, part in zip(wall.openings, openings_as_built(wall)):
+        low, high = part.built
+        sill = f"\nsill {low:.4g}" if low else ""
+        upright = opening.width < min(NARROW * wall.length, high - low)
+        ax.text((opening.left + opening.right) / 2, (low + high) / 2, f"{opening.width:.4g} x {high - low:.4g}{sill}",
+                color=style.DARK, fontsize=5.5, ha="center", va="center", rotation=90 * upright, bbox=_PAPER)
 
 
 def _name_parts(ax, wall):

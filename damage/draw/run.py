@@ -70,8 +70,7 @@ def _with_words(figure, ratio, history, lines, handles):
     figure.set_size_inches(style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
     style.add_title(figure, history, *lines)
     style.legend_below(figure, handles, columns=3)
-    for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
-        figure.get_layout_engine().execute(figure)
+    style.settle_layout(figure)
     return figure
 
 

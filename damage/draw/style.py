@@ -74,6 +74,12 @@ def legend_below(figure, handles, columns):
     figure.get_layout_engine().set(rect=(0, share, 1, 1 - share))
 
 
+def settle_layout(figure):
+    """Let the layout of axes in true scale find their place: it does so in its second pass."""
+    for _ in range(2):
+        figure.get_layout_engine().execute(figure)
+
+
 def add_title(figure, history, *more):
     """Add a title: wall and motion, solver and file, premature end of the run, and further lines.  The figure grows by
     its height."""

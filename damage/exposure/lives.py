@@ -11,7 +11,6 @@ have the same terms of ln PGV at every address, component and threshold (common 
 """
 
 import hashlib
-import tomllib
 from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -19,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from damage.checks import check_choice, check_file, check_range, check_whole
+from damage.checks import check_choice, check_range, check_whole
 from damage.errors import InputError, did_you_mean
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import Exposure
@@ -30,6 +29,7 @@ from damage.files import is_there, write_text
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Recorded
 from damage.motion.sequence import Event
+from damage.toml_file import toml_table, toml_text
 
 KEYS = {
     "latitude": "of the address, WGS84 [degrees]", "longitude": "of the address, WGS84 [degrees]",
@@ -53,7 +53,8 @@ FACTORS = 0.1, 10.0
 SCALES = "pgv", "sa"
 TENTH_S = 0.1
 """Windows are rounded outwards to this [s]."""
-_MOST_MB = 1
+ADDRESS_FILE = "the file of an address (.toml)", 1
+"""What is expected of one, and its largest size [MB]."""
 
 
 @dataclass(frozen=True)
@@ -200,10 +201,7 @@ def write_sequence(life, path):
 
 @lru_cache(maxsize=8)
 def _read(path, text):
-    try:
-        table = tomllib.loads(text)
-    except ValueError as error:
-        raise InputError(f"{path} is no TOML ({error}); expected the file of an address, correct it") from error
+    table = toml_table(path, text, ADDRESS_FILE[0])
     if unknown := sorted(set(table) - set(KEYS)):
         raise InputError(f"{path}: unknown key {unknown[0]!r}: expected one of {', '.join(KEYS)}"
                          f"{did_you_mean(unknown[0], KEYS)}")
@@ -216,11 +214,7 @@ def _read(path, text):
 
 def read_address(path):
     """Draws of an address's file; raises InputError."""
-    check_file(Path(path), "the file of an address (.toml)", _MOST_MB)
-    try:
-        return _read(str(path), Path(path).read_text(encoding="utf-8-sig"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: {error}; expected the file of an address (.toml)") from error
+    return _read(str(path), toml_text(path, *ADDRESS_FILE))
 
 
 def _exposure(table, path):

@@ -1,9 +1,10 @@
 """Lines of the page over time, and styles of joints and lines, which differ without colour, too."""
 
 import numpy as np
+from matplotlib.colors import to_hex
 
 from damage.draw.run import ENERGIES, JOINT_COLOURS
-from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, drift_scale
+from damage.draw.style import BLACK, BLUE, BODY_COLOURS, GREEN, ORANGE, PURPLE, VERMILLION, drift_scale
 from damage.draw.wall import LEGEND_WIDTHS_MM, WIDEST_PT, line_width, widest_line
 from damage.history.moments import STATES
 from damage.units import MILLIMETRE
@@ -73,14 +74,16 @@ def energy_lines():
 
 def states_legend(runs=()):
     """Styles of joints and energies: {"states": [{"code", "name", "colour", "dash"}] of cracked ones, the gravest
-    last, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a line is by the class of its crack's
-    width, the widest of them no more than half of the lowest brick of the runs}."""
+    last, "bodies": [{"fill", "edge"}] by kind, "elastic", "energies", "widths": [{"from_mm", "pixels"}], how wide a
+    line is by the class of its crack's width, the widest of them no more than half of the lowest brick of the runs}."""
     words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [{"code": STATES.index(name), "name": label, "colour": CRACK_COLOURS[name], "dash": CRACK_DASHES[name]}
               for name, label in words.items()]
     widest_pt = min([_widest_pt(run["history"]) for run in runs], default=WIDEST_PT)
     uppers = (*LEGEND_WIDTHS_MM[1:], LEGEND_WIDTHS_MM[-1])
-    return {"states": states, "elastic": ELASTIC, "energies": energy_lines(), "widths": [
+    bodies = [{"fill": to_hex(colour), "edge": to_hex(colour if kind == "lintels" else "0.69")}
+              for kind, colour in BODY_COLOURS.items()]
+    return {"states": states, "bodies": bodies, "elastic": ELASTIC, "energies": energy_lines(), "widths": [
         {"from_mm": low, "pixels": round(float(PIXELS * line_width(MILLIMETRE * (low * high) ** 0.5, widest_pt)), 2)}
         for low, high in zip(LEGEND_WIDTHS_MM, uppers)]}
 

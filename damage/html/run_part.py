@@ -5,7 +5,7 @@ import numpy as np
 from damage.draw.preview import wall_preview
 from damage.draw.run import ENERGIES, has_heap, heap_picture, stress_picture, wall_picture
 from damage.draw.sequence import has_sequence, sequence_picture
-from damage.draw.style import drift_scale
+from damage.draw.style import BODY_COLOURS, drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
@@ -155,7 +155,7 @@ def _moving_wall(history, chosen):
     elastic = np.setdiff1d(np.flatnonzero(history.joints["elastic"] & ~cuts_of_lintels(history.joints, bodies)), ever)
     arrays = {
         "x": bodies["x_m"].astype("f4"), "z": bodies["z_m"].astype("f4"), "length": bodies["length_m"].astype("f4"),
-        "height": bodies["height_m"].astype("f4"), "cap": (kinds_of_bodies(bodies["course"]) != "bricks").astype("u1"),
+        "height": bodies["height_m"].astype("f4"), "kind": _kinds(bodies["course"]),
         "ends": ends[ever].astype("f4").ravel(), "elastic_ends": ends[elastic].astype("f4").ravel(),
         "elastic_first": history.joints["first_body"].iloc[elastic].astype("i4"),
         "elastic_second": history.joints["second_body"].iloc[elastic].astype("i4"),
@@ -167,6 +167,11 @@ def _moving_wall(history, chosen):
     largest = motion[int(np.argmax(np.abs(motion[..., :2]).max(axis=(1, 2))))]
     return arrays, {"step": step.tolist(), "n_joints": len(history.joints), "n_ever": len(ever),
                     "n_elastic": len(elastic), "magnify": magnification(bodies, largest)}
+
+
+def _kinds(course):
+    """Number of each body's kind in BODY_COLOURS, (n_bodies,)."""
+    return sum(k * (kinds_of_bodies(course) == kind) for k, kind in enumerate(BODY_COLOURS)).astype("u1")
 
 
 def _spans(time_s, chosen):

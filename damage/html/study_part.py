@@ -3,7 +3,6 @@
 import base64
 import math
 import re
-import tomllib
 from itertools import starmap
 
 import numpy as np
@@ -18,7 +17,8 @@ from damage.provenance import shown_path
 from damage.studies.definition import load_study
 from damage.studies.fragility import fit_all, fragility_table, load_runs
 from damage.studies.fragility_picture import fragility_pictures
-from damage.studies.states import leading
+from damage.studies.states import STUDY_FILE, leading
+from damage.toml_file import read_toml
 
 COLUMNS = ("solver", "wall", "motion", "members", "status", "collapsed", "pga_g", "pgv_m_s", "max_DI", "residual_DI",
            "max_drift_ratio", "residual_drift_ratio", "max_crack_width_mm", "max_psi", "peak_base_shear_n",
@@ -86,8 +86,8 @@ def study_part(folder, letters):
 def _about(folder):
     """Contents of the copy of the study's file, {} where that cannot be read."""
     try:
-        return tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        return read_toml(folder / "study.toml", *STUDY_FILE)
+    except InputError:
         return {}
 
 

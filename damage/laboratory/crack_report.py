@@ -4,8 +4,9 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pandas as pd
 
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.history.moments import choose_sample
 from damage.history.reader import read_history
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
@@ -13,11 +14,12 @@ from damage.laboratory.dic import measure, patterns_of_fields, read_field
 from damage.laboratory.dic import report as dic_report
 from damage.measure.crack_file import patterns_of, read_cracks, write_cracks
 from damage.measure.crack_mapping import describe_level, largest, map_cracks
-from damage.measure.cracks import PSI_FROM, cracks_at, psi, psi_summary
+from damage.measure.cracks import PSI_FROM, cracks_at, ends_of, psi, psi_summary
 from damage.measure.warnings import offset_warnings
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
+from damage.wall.plausible import CRACK_WIDTH_MM, implausible_places
 
 SAME_NUMBERS = 5e-5
 """Bounds closer than this are printed as one number."""
@@ -46,10 +48,24 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
     else:
         _only_with("a crack file", given, without=("at", "export", "margin-mm"))
         patterns, layout = read_cracks(source), lay_out(load_wall(wall))
+        warn(*_implausible(patterns, layout.wall))
         tolerance = None if tolerance_mm is None else tolerance_mm * MILLIMETRE
         report, mapped = pattern_report(patterns, layout, tolerance=tolerance, **limits)
         drawn = mapped, patterns, layout
     return report, drawn
+
+
+def _implausible(patterns, wall):
+    """What is implausible of the places and widths of CrackPatterns: a list of lines."""
+    stretches = pd.concat([pattern.stretches for pattern in patterns])
+    if stretches.empty:
+        return []
+    widest, (least, most) = float(stretches["width_m"].max()) / MILLIMETRE, CRACK_WIDTH_MM
+    wide = [] if least <= widest <= most else [
+        f"the widest crack has {widest:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, "
+        "opening_mm and slip_mm"]
+    places = implausible_places(ends_of(stretches), wall)
+    return [places, *wide] if places else wide
 
 
 def _only_with(what, given, needs=("wall",), without=()):

@@ -2,6 +2,7 @@
 
 from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.validity import ended_joints, offset_over_overlap
+from damage.wall.as_built import warn_of_courses
 from damage.wall.lintel import warn_of_share
 
 AT_REST = 1e-5
@@ -21,7 +22,7 @@ def warnings_of(history, energy_error, share):
     """
     return [*static_warnings(history), *energy_warnings(energy_error), *offset_warnings(history),
             *normal_warnings(history), *warn_of_share(share), *warn_of_ends(history),
-            *warn_of_splitting(history)]
+            *warn_of_splitting(history), *warn_of_courses(history.masonry_wall)]
 
 
 def static_warnings(history):

@@ -3,6 +3,7 @@
 import math
 
 from damage.motion.record import FINER
+from damage.wall.as_built import describe_openings
 from damage.wall.caps import describe_top
 from damage.wall.floors import describe_floors
 from damage.wall.geometry import body_table, joint_table
@@ -22,6 +23,7 @@ def opening_lines(layout, loading, modes, time_step):
         f"{layout.n_bricks} bricks ({bricks_kg / TONNE:.3g} t together), {layout.n_joints} "
         f"contact points on {layout.total_joint_length:.2f} m of joints",
         *describe_top(layout),
+        *describe_openings(wall),
         *describe_floors(wall),
         describe_joint(wall.joint, options.strength_cov),
         describe_brick(wall.brick, options),

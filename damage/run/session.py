@@ -191,7 +191,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
-    warn(*deformable_warnings(settings.model, wall.joint.softens))
+    warn(*deformable_warnings(settings.model, wall))
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g))
     if isinstance(settings.loading, Recorded) and not settings.events:

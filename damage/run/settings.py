@@ -19,7 +19,7 @@ from damage.run.before import Surveyed
 from damage.run.plausible import implausible_motion
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import MOST_SEED
-from damage.wall.plausible import ACCEPT, check_plausible
+from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
@@ -183,8 +183,11 @@ class RunSettings:
             return
         check_plausible(wall)
         pgv = max((pgv_m_s(event.loading.applied()) * abs(event.factor) for event in self.recorded), default=0.0)
-        found = implausible_motion(self.loading, (1.0,) if self.life else self.sequence)
-        if found := found + list(filter(None, [implausible_peak(self.peak_g) or implausible_velocity(pgv)])):
+        places = self.cracked and implausible_places(np.reshape(self.cracked.stretches, (-1, 2, 2)), wall)
+        found = [*implausible_motion(self.loading, (1.0,) if self.life else self.sequence),
+                 implausible_peak(self.peak_g) or implausible_velocity(pgv),
+                 places and f"--cracked {self.cracked.file}: {places}"]
+        if found := list(filter(None, found)):
             raise InputError(f"{'; '.join(found)}. Correct the value or its unit, or accept all values as given: "
                              f"{ACCEPT}")
 

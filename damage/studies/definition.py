@@ -30,11 +30,10 @@ YADE runs a point once, without scatter.  `solvers = ["reference"]` keeps a poin
 
 import hashlib
 import re
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from damage.checks import check_file, check_path, check_whole
+from damage.checks import check_path, check_whole
 from damage.errors import InputError, did_you_mean
 from damage.files import is_there, shipped_path
 from damage.motion.formats import shipped_records
@@ -42,7 +41,8 @@ from damage.motion.settlement import PROFILES
 from damage.run.options import parse_run
 from damage.run.settings import SCATTER
 from damage.studies.grid import expand, read_rows
-from damage.studies.states import check_choices
+from damage.studies.states import STUDY_FILE, check_choices
+from damage.toml_file import read_toml
 from damage.wall.file import shipped_walls
 
 PATH_OPTIONS = ("--record", "--vertical", "--cracked", "--settle", "--address", "--continue")
@@ -58,13 +58,9 @@ _OLDER_CONCLUSIONS = {"readings": "python3 -m paper readings", "combinations": "
                       "lives": "python3 -m damage lives"}
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
-MOST_DOTS = 100
-"""In a key, or in words that have no comma, bracket or = between them."""
 _ENSEMBLES = "members", "samples", "lives"
 LIVES_A_POINT, FROM = 48, "_from"
 """Most lives of a point, and what its name has before the number of the first."""
-DEEPEST = 20
-"""Tables and lists in each other; a study has five."""
 KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
     "title": "one line for people", "pictures": "of single runs: all (default) or none",
@@ -191,14 +187,7 @@ def load_study(path, solver="yade", root=None):
     Raises InputError where a key, option or file is not valid.
     """
     path, root = Path(path).absolute(), Path(root or ".").resolve()
-    check_file(path, "a study file (.toml)", 10)
-    try:
-        table = tomllib.loads(_without_many_dots(path.read_text(encoding="utf-8-sig")))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}; give the path of a study file (.toml)") from error
-    except (ValueError, RecursionError) as error:  # of TOML or of UTF-8
-        raise InputError(f"{path} is no TOML in UTF-8 ({error}); expected a study file, correct it") from error
-    _check_depth(table, path)
+    table = read_toml(path, *STUDY_FILE)
     _check_keys(table, set(KEYS), f"{path}")
     check_choices(path, table.get("states", []), table.get("intensity"))
     runs = [run for entry, where in _entries(table, path, root) for run in _load_entry(entry, where, path.parent, root)]
@@ -214,25 +203,6 @@ def load_study(path, solver="yade", root=None):
 def _conclusion(given):
     """The command that sums a study up; files of an older version name it alone."""
     return _OLDER_CONCLUSIONS.get(given, given) if isinstance(given, str) else given
-
-
-def _without_many_dots(text):
-    """Return the text; raises ValueError for a key of very many parts (a.a.a...), whose reading takes quadratic
-    time."""
-    if "." * MOST_DOTS in re.sub(r"[^.,=\[\]{}\n]+", "", text):
-        raise ValueError(f"{MOST_DOTS} dots or more with nothing but names between them")
-    return text
-
-
-def _check_depth(table, path):
-    """Raise InputError for tables and lists nested more deeply than Python can follow."""
-    parts = [table]
-    for _ in range(DEEPEST):
-        parts = [part for one in parts for part in (one.values() if isinstance(one, dict) else one)
-                 if isinstance(part, (dict, list))]
-    if parts:
-        raise InputError(f"{path}: tables or lists more than {DEEPEST} deep in each other; expected a study file, "
-                         "correct it")
 
 
 def _check_keys(table, known, where):

@@ -6,15 +6,15 @@ number above zero in every run.
 
 import math
 import re
-import tomllib
 from difflib import get_close_matches
 from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
 
-from damage.errors import InputError, one_line
+from damage.errors import InputError
 from damage.measure.columns import unit_in
+from damage.toml_file import read_toml
 
 LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}
 """Default levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi [-]."""
@@ -22,6 +22,8 @@ INTENSITIES = {"sa_eigen_period_g": r"S$_\mathrm{a}$(T$_1$, 5 %) [g]", "avg_sa_g
                "sa_0.2_s_g": r"S$_\mathrm{a}$(0.2 s, 5 %) [g]", "pgv_m_s": "PGV [m/s]", "pga_g": "PGA [g]",
                "arias_m_s": "Arias intensity [m/s]"}
 """Intensities that are compared with one another; the first that a study has is the default.  What an axis says."""
+STUDY_FILE = "a study file (.toml)", 10
+"""What is expected of one, and its largest size [MB]."""
 _STATE = re.compile(r"(?:(?P<name>[^:<>]+):)?(?P<measure>[^:<>]+)>(?P<level>[^:<>]+)")
 
 
@@ -68,11 +70,7 @@ def parse_state(text):
 def study_choices(folder):
     """{"states": list of str, "intensity": str or None} of the copy of the study file in a study's folder."""
     path = Path(folder) / "study.toml"
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig")) if path.is_file() else {}
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{path} cannot be read ({one_line(error)}); expected the copy of a study file; remove it, or "
-                         "copy the study file there") from error
+    table = read_toml(path, *STUDY_FILE) if path.is_file() else {}
     states, intensity = table.get("states", []), table.get("intensity")
     check_choices(path, states, intensity)
     return {"states": states, "intensity": intensity}

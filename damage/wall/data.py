@@ -18,11 +18,10 @@
     mass = 800
 """
 
-import tomllib
 from dataclasses import MISSING, fields
 
-from damage.checks import check_file
 from damage.errors import InputError, did_you_mean
+from damage.toml_file import read_toml
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
@@ -38,14 +37,8 @@ DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 def read_wall(path):
-    """The damage.Wall of a TOML file; InputError, without the path, for anything that makes none."""
-    check_file(path, "a wall as TOML", MOST_MB)
-    try:
-        with open(path, "rb") as file:
-            table = tomllib.load(file)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"not TOML ({error}): expected key = value lines and tables; correct the file") from error
-    return wall_from(table)
+    """The damage.Wall of a TOML file; InputError for anything that makes none."""
+    return wall_from(read_toml(path, "a wall as TOML", MOST_MB))
 
 
 def wall_from(table):

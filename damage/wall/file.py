@@ -58,7 +58,8 @@ def wall_of(make_wall, path):
         wall = make_wall()
     except (Exception, SystemExit) as error:
         message = str(error) if isinstance(error, InputError) else f"failed with {_message_of(error)}; correct the file"
-        raise InputError(f"{path}{_line(error, path)}: {message}") from error
+        where = "" if message.startswith(str(path)) else f"{path}{_line(error, path)}: "
+        raise InputError(f"{where}{message}") from error
     if not isinstance(wall, Wall):
         raise InputError(f"{path} has no function wall() that returns a damage.Wall; start from the copy that the "
                          "command new-wall writes")

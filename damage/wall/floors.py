@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damage.checks import check_choice, check_fields, check_range
+from damage.checks import check_choice, check_range
 from damage.errors import InputError
+from damage.wall.plausible import check_record
 
 KINDS_OF_FLOORS = ("timber", "concrete")
 SLAB_COURSE = -2
@@ -36,7 +37,7 @@ class Floor:
     depth: float = 0.15
 
     def __post_init__(self):
-        check_fields(self, level=(1e-3, 1000.0), mass=(1e-3, 1e8), left=(0.0, 1000.0), depth=(1e-3, 10.0))
+        check_record(self, level=(1e-3, 1000.0), mass=(1e-3, 1e8), left=(0.0, 1000.0), depth=(1e-3, 10.0))
         if self.right is not None:
             check_range("Floor.right", self.right, 0, 1000)
         check_choice("Floor.kind", self.kind, KINDS_OF_FLOORS)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.wall.floors import slabs
+from damage.wall.lintels import KINDS_OF_LINTELS
 
 _TINY = 1e-6  # [m], two positions closer than this are the same
 
@@ -47,7 +48,7 @@ def lintel_courses(wall, lintel, opening):
         if left < opening.right and right > opening.left and top >= above:
             ends.append(max(first, above))
     top = min([end for end in ends if end >= above] + [wall.courses])
-    most = {"elastic": wall.courses, "none": 0}.get(lintel)
+    most = {"none": 0, **dict.fromkeys(("elastic", *KINDS_OF_LINTELS), wall.courses)}.get(lintel)
     return above, min(top, above + (int(lintel) if most is None else most))
 
 

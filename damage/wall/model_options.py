@@ -4,12 +4,17 @@ from dataclasses import asdict, dataclass, field, fields
 
 from damage.checks import check_choice, check_range, check_whole
 from damage.errors import InputError
+from damage.wall.lintels import KINDS_OF_LINTELS
 from damage.wall.parameters import MOST_BRICKS, MOST_SEED
 
 SOILS = (1e5, 1e12)
 """Least and largest modulus of subgrade reaction [N/m3]."""
 SOIL_VELOCITIES = (20, 2000)
 """Least and largest shear-wave velocity of a soil [m/s]."""
+
+
+_KINDS = tuple(kind for kind in KINDS_OF_LINTELS if kind != "stone")
+"""Of lintels that are whole by their name."""
 
 
 def _option(default, help_, **more):
@@ -30,8 +35,9 @@ class ModelOptions:
     """Modelling choices that the paper leaves open, the same in every solver.
 
     lintel: "elastic" leaves every opening its own lintel (`damage.wall.lintels`); where it has none, the joints of all
-        courses over it stay elastic.  In place of all lintels, "none" lets these joints break, and a number keeps those
-        of so many of the lowest courses elastic (as a word: 2 becomes "2", 0 becomes "none").
+        courses over it stay elastic.  In place of all lintels, "none" lets these joints break, a number keeps those of
+        so many of the lowest courses elastic (as a word: 2 becomes "2", 0 becomes "none"), and a kind, like
+        "concrete", puts such lintels over all openings.
     top: the precompression's mass sits on "piers" (one rigid cap each), is spread "uniform" over
         the top course, or is one rigid "beam".
     load: that mass is the precompression over the wall's whole "length", so that the piers beside openings have more,
@@ -56,8 +62,8 @@ class ModelOptions:
     """
 
     lintel: str = _option("elastic", "over an opening: its own lintel, or else all joints elastic; instead, joints "
-                          "able to fail like any other (none), or elastic in the N lowest courses",
-                          metavar="elastic|none|N", tag="lintel-{lintel}")
+                          "able to fail like any other (none), elastic in the N lowest courses, or lintels of a kind "
+                          f"({', '.join(_KINDS)})", metavar="elastic|none|N|KIND", tag="lintel-{lintel}")
     top: str = _option("piers", "distribution of the mass that gives the precompression",
                        choices=("piers", "uniform", "beam"), tag="top-{top}")
     load: str = _option("length", "where the precompression is the mean stress: over the whole length, or in the piers",
@@ -166,18 +172,22 @@ def _soil_word(soil):
 
 
 def _lintel_word(lintel):
-    """"elastic", "none", or a number of courses as its shortest word; 0 is "none", so that equal models are called so.
+    """"elastic", "none", a kind of lintel, or a number of courses as its shortest word; 0 is "none", so that equal
+    models are called so.
 
     >>> _lintel_word(2), _lintel_word("02"), _lintel_word(0), _lintel_word("elastic")
     ('2', '2', 'none', 'elastic')
     """
-    if lintel in ("elastic", "none"):
+    if lintel == "stone":
+        raise InputError("--lintel stone: expected its modulus, too, which a wall file gives: lintel = { kind = "
+                         '"stone", modulus = 2e10 }; put it there, or choose another kind')
+    if lintel in ("elastic", "none", *_KINDS):
         return lintel
     try:
         check_whole("lintel", int(lintel) if isinstance(lintel, str) else lintel, 0, MOST_BRICKS)
     except (InputError, ValueError) as error:
-        raise InputError(f"lintel = {lintel!r}: expected elastic, none, or how many courses stay elastic, 0 to "
-                         f"{MOST_BRICKS}; choose one of them") from error
+        raise InputError(f"lintel = {lintel!r}: expected elastic, none, {', '.join(_KINDS)}, or how many courses stay "
+                         f"elastic, 0 to {MOST_BRICKS}; choose one of them") from error
     return str(int(lintel)) if int(lintel) else "none"
 
 

@@ -8,15 +8,17 @@ paper gives a value; `docs/model/model.md` gives the source of every other one.
 import math
 from dataclasses import asdict, dataclass, field, replace
 
-from damage.checks import check_choice, check_fields, check_not_negative, check_range, record_from
+from damage.checks import check_choice, check_not_negative, check_range, record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.courses import check_bearing, check_outline
 from damage.wall.floors import Floor, check_floors
-from damage.wall.lintels import Lintel, lintel_of
+from damage.wall.lintels import KINDS_OF_LINTELS, Lintel, lintel_of
+from damage.wall.plausible import check_record, implausible_sizes
 
-LONGEST_M, LONGEST_NAME, MOST_BRICKS = 1000.0, 100, 20_000
-"""What a wall may have: length and height [m], characters of its name, bricks; the shipped ones have up to 666."""
+LONGEST_M, LONGEST_NAME, MOST_BRICKS, MOST_PARTS = 1000.0, 100, 20_000, 1000
+"""What a wall may have: length and height [m], characters of its name, bricks; openings, floors, or points of the
+outline: each is compared with all others."""
 MOST_SEED = 2**32 - 1
 
 
@@ -47,12 +49,21 @@ class Brick:
         return self.tensile_strength is not None
 
     def __post_init__(self):
-        check_fields(self, **dict.fromkeys(("length", "height", "thickness"), (1e-3, 100.0)), density=(1.0, 1e5),
+        check_record(self, **dict.fromkeys(("length", "height", "thickness"), (1e-3, 100.0)), density=(1.0, 1e5),
                      **dict.fromkeys(("young_modulus", "shear_modulus"), (1.0, 1e20)),
                      **_given(self, "tensile_strength", "cohesion"))
         if self.cohesion is not None and not self.splits:
             raise InputError(f"Brick.cohesion = {self.cohesion:g} Pa of bricks that do not split: expected a tensile "
                              "strength beside it; give Brick(tensile_strength=...), or leave it out")
+
+
+def nearest(number):
+    """The nearest whole number, halves up; rounding errors do not decide.
+
+    >>> nearest(2.5), nearest(3.5), nearest(4.4999999999), nearest(0.3 / 0.2 + 1)
+    (3, 4, 5, 3)
+    """
+    return math.floor(number + 0.5 + 1e-9)
 
 
 def _given(record, *names):
@@ -85,7 +96,7 @@ class Joint:
     compressive_fracture_energy: float | None = None
 
     def __post_init__(self):
-        check_fields(self, **dict.fromkeys(("normal_stiffness", "shear_stiffness"), (1.0, 1e20)),
+        check_record(self, **dict.fromkeys(("normal_stiffness", "shear_stiffness"), (1.0, 1e20)),
                      **dict.fromkeys(("tensile_strength", "cohesion"), (0.0, 1e20)),
                      **_given(self, "compressive_strength"))
         if self.compressive_strength == 0:
@@ -170,8 +181,8 @@ def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
 @dataclass(frozen=True)
 class Opening:
     """A rectangular opening: left edge and sill [m] from the wall's lower left corner, width and
-    height [m].  Its edges are laid to whole courses in height; in length they stay as given.  lintel: a
-    damage.wall.lintels.Lintel or its kind, None for that of the wall."""
+    height [m].  Height and level are laid to whole courses (`Wall.opening_courses`); in length its edges stay as
+    given.  lintel: a damage.wall.lintels.Lintel or its kind, None for that of the wall."""
 
     left: float
     width: float
@@ -182,7 +193,7 @@ class Opening:
     def __post_init__(self):
         if self.lintel is not None:
             object.__setattr__(self, "lintel", lintel_of(self.lintel))
-        check_fields(self, **dict.fromkeys(("width", "height"), (1e-3, LONGEST_M)),
+        check_record(self, **dict.fromkeys(("width", "height"), (1e-3, LONGEST_M)),
                      **dict.fromkeys(("left", "sill"), (0.0, LONGEST_M)))
 
     @property
@@ -227,15 +238,12 @@ class Wall:
         for name, kind in (("openings", Opening), ("floors", Floor)):
             object.__setattr__(self, name, _records(f"Wall.{name}", getattr(self, name), kind))
         object.__setattr__(self, "outline", _points("Wall.outline", self.outline))
-        check_fields(self, **dict.fromkeys(("length", "height"), (1e-3, LONGEST_M)), precompression=(0.0, 1e9))
+        check_record(self, **dict.fromkeys(("length", "height"), (1e-3, LONGEST_M)), precompression=(0.0, 1e9))
         check_choice("Wall.base_course", self.base_course, ("whole", "half"))
         if self.courses < 1 or self.length < self.brick.length / 2:
             raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
                              "half a brick by one course; make it larger")
-        bricks = self.courses * math.ceil(self.length / self.brick.length)
-        if bricks > MOST_BRICKS:
-            raise InputError(f"wall {self.name} has about {bricks} bricks: expected up to {MOST_BRICKS}; make it "
-                             "smaller, or of larger bricks")
+        _check_count(self)
         if self.outline:
             check_outline(self)
         _check_openings(self)
@@ -258,19 +266,30 @@ class Wall:
         return self.precompression * self.length * self.brick.thickness / GRAVITY
 
     def opening_courses(self, opening):
-        """First course of an opening and the first above it."""
-        height = self.brick.height
-        return round(opening.sill / height), round((opening.sill + opening.height) / height)
+        """First course of an opening and the first above it.
+
+        Its height is laid to the nearest number of courses, and these to the level at which its middle is nearest to
+        where it is given, halves up: both edges by themselves would make three courses two or four.  It stays below
+        the wall's top where it is given so.
+        """
+        course, top = self.brick.height, opening.sill + opening.height
+        count = nearest(opening.height / course)
+        first = nearest((opening.sill + top) / (2 * course) - count / 2)
+        if round(top / course) <= self.courses:
+            first = max(min(first, self.courses - count), 0)
+        return first, first + count
 
     def lintel_of(self, opening):
         """The Lintel of one of its openings."""
         return opening.lintel or self.lintel
 
     def with_lintels(self, option):
-        """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic", else courses."""
+        """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic", else those of a
+        kind over all openings, or courses."""
         if option == "elastic":
             return self
-        return replace(self, lintel="courses", openings=tuple(replace(one, lintel=None) for one in self.openings))
+        return replace(self, lintel=option if option in KINDS_OF_LINTELS else "courses",
+                       openings=tuple(replace(one, lintel=None) for one in self.openings))
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files and tables; without outline, floors and lintels of its own
@@ -310,6 +329,22 @@ def _points(what, given):
     for value in (number for point in found for number in point):
         check_range(what, value, -LONGEST_M, LONGEST_M)
     return found
+
+
+def _check_count(wall):
+    """Refuse more bricks, openings, floors or points of the outline than can be computed; in another unit a wall may
+    have too many bricks."""
+    bricks = wall.courses * math.ceil(wall.length / wall.brick.length)
+    if bricks > MOST_BRICKS:
+        meant = implausible_sizes(wall)
+        raise InputError(f"wall {wall.name}: {'; '.join(meant)}. Correct the unit: {bricks} bricks are more than "
+                         f"{MOST_BRICKS}" if meant else
+                         f"wall {wall.name} has about {bricks} bricks: expected up to {MOST_BRICKS}; make it "
+                         "smaller, or of larger bricks")
+    for name in ("openings", "floors", "outline"):
+        if len(getattr(wall, name)) > MOST_PARTS:
+            raise InputError(f"wall {wall.name}: {len(getattr(wall, name))} {name}: expected up to {MOST_PARTS}; "
+                             "leave some out")
 
 
 def _check_openings(wall):

@@ -1,6 +1,6 @@
 """The readers that damaged files are given to: for each the undamaged files, how they are damaged, how they are read.
 
-Wall files are no data but Python, which may do anything: they are not among them.
+Wall files in Python are no data and may do anything: they are not among them.
 """
 
 from collections.abc import Callable
@@ -137,6 +137,7 @@ READERS = {
                          lambda path: read_record(shipped_record_path(TRACE), path), ".xml", "obspy"),
     "study": Reader(_of(_files("studies/*.toml"), TEXT, 1e7),
                     lambda path: load_study(path, "both", REPOSITORY), ".toml"),
+    "wall": Reader(_of(_files("walls/*.toml"), TEXT, 1e6), load_wall, ".toml"),
     "cracks": Reader(_of(_cracks, TEXT, 5e7), _map, ".csv"),
     "dic": Reader(_of(_field, TEXT, 5e7), _measure, ".csv"),
     "table": Reader(_of(_files("docs/tables/*.csv"), TEXT, 5e7), read_table, ".csv"),

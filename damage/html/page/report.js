@@ -62,11 +62,11 @@ function moved(run, at, body, x, z) {
     cz + at.z[b] + at.sin[b] * (x - cx) + at.cos[b] * (z - cz)];
 }
 
-// Outlines of bricks and of caps, each one line with gaps.
-function outlines(run, at) {
-  const lines = [{x: [], y: []}, {x: [], y: []}];
+// Outlines of bodies of each kind, one line with gaps.
+function outlines(run, at, kinds) {
+  const lines = kinds.map(() => ({x: [], y: []}));
   for (let b = 0; b < run.x.length; b++) {
-    const line = lines[run.cap[b]], l = run.length[b] / 2, h = run.height[b] / 2;
+    const line = lines[run.kind[b]], l = run.length[b] / 2, h = run.height[b] / 2;
     for (const [dx, dz] of [[-l, -h], [l, -h], [l, h], [-l, h], [-l, -h]]) {
       const [x, z] = moved(run, at, b, run.x[b] + dx, run.z[b] + dz);
       line.x.push(x);
@@ -136,9 +136,9 @@ function cracks(run, k, at, legend, withWords) {
 function wallTraces(legend) {
   const line = (colour, width, dash) => ({...LINE, x: [], y: [], connectgaps: false, showlegend: false,
     line: {color: colour, width, dash: dash || "solid", simplify: false}, hoverinfo: "text"});
-  const area = (colour) => ({...line("#b0b0b0", 0.6), fill: "toself", fillcolor: colour, hoverinfo: "skip"});
+  const area = ({fill, edge}) => ({...line(edge, 0.6), fill: "toself", fillcolor: fill, hoverinfo: "skip"});
   const {elastic} = legend;
-  const traces = [area("#f6f4f0"), area("#c4c4c4"),
+  const traces = [...legend.bodies.map(area),
     {...line(elastic.colour, elastic.pixels, elastic.dash), hoverinfo: "skip"}, line("#777777", 0.9)];
   for (const width of legend.widths) for (const state of legend.states) traces.push(
     line(state.colour, width.pixels, state.dash));
@@ -219,12 +219,13 @@ function scaled(values, factor) { return factor === 1 ? values : values.map((val
 
 // On paper what is cracked is black, thicker, and distinguished by its line alone.
 function printable(run, legend, onPaper) {
+  const first = legend.bodies.length + 2;
   const lines = legend.widths.flatMap((width) => legend.states.map((state) => (
     onPaper ? {color: "#000000", width: 1.7 * width.pixels} : {color: state.colour, width: width.pixels})));
   Plotly.restyle(byId(`wall-${run.letter}`), {"line.color": lines.map((one) => one.color),
-    "line.width": lines.map((one) => one.width)}, lines.map((_, number) => 4 + number));
+    "line.width": lines.map((one) => one.width)}, lines.map((_, number) => first + number));
   Plotly.restyle(byId(`wall-${run.letter}`), {"marker.size": (onPaper ? 1.8 : 1) * CROSS_PX,
-    "marker.line.width": onPaper ? 1.6 : 1}, [4 + lines.length]);
+    "marker.line.width": onPaper ? 1.6 : 1}, [first + lines.length]);
 }
 
 // As the style of a printed page has it: its width without margins, gaps between columns [px], the size of drawings.
@@ -405,7 +406,7 @@ class Player {
   linesOf(run) {
     const k = lastUpTo(run.times, this.times[this.at]), at = places(run, k, MAGNIFICATIONS[this.magnification]);
     const {lines, counts} = cracks(run, k, at, this.page.states, !this.playing);
-    return {k, counts, lines: [...outlines(run, at), elasticLine(run, at), ...lines]};
+    return {k, counts, lines: [...outlines(run, at, this.page.states.bodies), elasticLine(run, at), ...lines]};
   }
 
   showWall(run) {

@@ -1,0 +1,63 @@
+"""TOML files of users: walls, studies, addresses."""
+
+import re
+import tomllib
+
+from damage.checks import check_file
+from damage.errors import InputError
+
+DEEPEST = 20
+"""Tables and lists in each other, and parts of a dotted key, which makes as many tables; a study has five."""
+_WORDS = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*', re.DOTALL)
+_NO_SEPARATORS = re.compile(r"[^.,=\[\]{}\n]+")
+
+
+def read_toml(path, wanted, most_mb):
+    """The table {key: value} of a TOML file in UTF-8, with or without a byte order mark.
+
+    wanted: what is expected, in words, like "a study file (.toml)"; most_mb: its size.  Raises InputError for a file
+    that cannot be read, is no TOML, or nests more deeply than DEEPEST.
+    """
+    return toml_table(path, toml_text(path, wanted, most_mb), wanted)
+
+
+def toml_text(path, wanted, most_mb):
+    """The text of a TOML file; arguments and errors as of `read_toml`."""
+    path = check_file(path, wanted, most_mb)
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; expected {wanted}, check the path") from error
+    except UnicodeDecodeError as error:
+        raise _none(path, error, wanted) from error
+
+
+def toml_table(path, text, wanted):
+    """The table of a TOML file's text; arguments and errors as of `read_toml`."""
+    try:
+        _refuse_many_dots(text)
+        table = tomllib.loads(text)
+        _refuse_depth(table)
+    except (ValueError, RecursionError) as error:
+        raise _none(path, error, wanted) from error
+    return table
+
+
+def _none(path, error, wanted):
+    return InputError(f"{path} is no TOML in UTF-8 ({error}); expected {wanted}, correct it")
+
+
+def _refuse_many_dots(text):
+    """Raise ValueError for a key of very many parts (a.a.a...): reading it takes time and memory by their square."""
+    if "." * DEEPEST in _NO_SEPARATORS.sub("", _WORDS.sub("", text)):
+        raise ValueError(f"a key of more than {DEEPEST} parts")
+
+
+def _refuse_depth(table):
+    """Raise ValueError for tables and lists nested more deeply than Python can follow."""
+    parts = [table]
+    for _ in range(DEEPEST):
+        parts = [part for one in parts for part in (one.values() if isinstance(one, dict) else one)
+                 if isinstance(part, (dict, list))]
+    if parts:
+        raise ValueError(f"tables or lists more than {DEEPEST} deep in each other")

@@ -1,0 +1,125 @@
+"""Openings in whole courses: their height first, then their level; what differs from what is given is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_html import Page
+
+import damage
+from damage.__main__ import main
+from damage.draw.style import BODY_COLOURS
+from damage.errors import InputError
+from damage.html.charts import states_legend
+from damage.html.packing import unpack_arrays
+from damage.html.report import page
+from damage.measure.summary import summarise
+from damage.wall.as_built import describe_openings, warn_of_courses
+from damage.wall.floors import Floor
+from damage.wall.layout import describe_lintels, lay_out
+from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import Brick, Lintel, Opening, Wall, nearest
+
+BLOCKS = Wall("blocks", 3.6, 2.8, (Opening(1.2, 1.2, 0.6, 0.9),), 0.1e6, brick=Brick(0.4, 0.2, 0.2))
+
+
+def with_opening(height, sill):
+    return replace(BLOCKS, openings=(Opening(1.2, 1.2, height, sill),))
+
+
+@pytest.mark.parametrize(("height", "sill", "courses"), [
+    (0.6, 0.9, (5, 8)), (0.6, 1.1, (6, 9)),  # both edges by themselves: 4 to 8, 6 to 8
+    (0.6, 0.8, (4, 7)), (0.6, 0.85, (4, 7)), (0.6, 0.95, (5, 8)), (0.5, 0.8, (4, 7)), (0.7, 0.0, (0, 4)),
+    (2.0, 0.0, (0, 10)), (0.7, 2.1, (10, 14)), (0.3, 2.5, (12, 14))])
+def test_an_opening_keeps_its_number_of_courses(height, sill, courses):
+    wall = with_opening(height, sill)
+    assert wall.opening_courses(wall.openings[0]) == courses
+
+
+def test_openings_all_over_are_as_high_as_given_and_near_their_place():
+    """500 openings: the nearest number of courses, each edge within three quarters of one, inside the wall; where both
+    edges by themselves gave that number, they are what they were."""
+    rng = np.random.default_rng(1)
+    for _ in range(500):
+        course, height, sill = rng.uniform(0.05, 0.3), rng.uniform(0.3, 1.5), rng.uniform(0, 1.2)
+        try:
+            wall = Wall("w", 3.6, 2.8, (Opening(1.2, 1.2, height, sill),), brick=Brick(0.4, course))
+        except InputError:  # not a bearing for its lintel
+            continue
+        first, above = wall.opening_courses(wall.openings[0])
+        assert above - first == nearest(height / course) and 0 <= first and above <= wall.courses
+        assert max(abs(first * course - sill), abs(above * course - sill - height)) < 0.75 * course + 1e-9
+        alone = round(sill / course), round((sill + height) / course)
+        assert alone == (first, above) or alone[1] - alone[0] != above - first
+
+
+def test_two_windows_of_one_size_are_built_alike():
+    """Their first periods were 0.0524 and 0.0486 s, as one was four courses high and the other two."""
+    bricks = [lay_out(with_opening(0.6, sill)).n_bricks for sill in (0.9, 1.1)]
+    missing = [len(lay_out(replace(BLOCKS, openings=())).bodies) - n for n in bricks]
+    assert missing[0] == pytest.approx(missing[1], abs=1) and missing[0] < 15
+
+
+def test_lines_and_warnings_of_what_is_built():
+    assert describe_openings(BLOCKS) == [
+        "opening 1 built 1.2 x 0.6 m, z = 1 to 1.6 m; given 1.2 x 0.6 m, z = 0.9 to 1.5 m"]
+    (line,) = warn_of_courses(BLOCKS)
+    assert line.startswith("whole courses of 0.2 m leave differences above 0.25 of a course or 5 %: opening 1 built")
+    near = with_opening(0.61, 0.82)  # 2 and 3 cm from where they are
+    assert len(describe_openings(near)) == 1 and warn_of_courses(near) == []
+    exact = with_opening(0.6, 0.8)
+    assert describe_openings(exact) == warn_of_courses(exact) == []
+    (line,) = warn_of_courses(with_opening(0.56, 0.82))  # 7 % in height, 2 cm at both edges
+    assert "given 1.2 x 0.56 m" in line
+    (line,) = warn_of_courses(replace(exact, height=2.89, floors=(Floor(2.47, 500.0),)))
+    assert "wall built 2.8 m high, z = 0 to 2.8 m; given 2.89 m" in line and "floor 1 built 2.4 m high" in line
+
+
+def test_runs_modes_and_pictures_say_it(tmp_path, capsys):
+    path = tmp_path / "blocks.toml"
+    path.write_text('name = "blocks"\nlength = 3.6\nheight = 2.8\nprecompression = 0.1e6\n'
+                    "brick = { length = 0.4, height = 0.2, thickness = 0.2 }\n"
+                    "[[openings]]\nleft = 1.2\nwidth = 1.2\nheight = 0.6\nsill = 0.9\n")
+    built = "opening 1 built 1.2 x 0.6 m, z = 1 to 1.6 m; given"
+    for words in (["modes", str(path)], ["draw", str(path), "--out", str(tmp_path / "a.png")],
+                  ["reference", str(path), "--harmonic", "0.05", "0.01", "--cycles", "1", "--rest", "0",
+                   "--no-pictures", "--out", str(tmp_path / "a.h5")]):
+        assert main(words) == 0
+        said = capsys.readouterr()
+        assert f"warning: whole courses of 0.2 m leave differences above 0.25 of a course or 5 %: {built}" in said.err
+        assert words[0] == "draw" or any(line.startswith(built) for line in said.out.splitlines())
+    assert any(built in line for line in summarise(damage.read_history(tmp_path / "a.h5"))["warnings"])
+
+
+def test_no_wall_that_ships_is_built_otherwise(shipped_wall):
+    assert describe_openings(shipped_wall) == warn_of_courses(shipped_wall) == []
+
+
+# --- lintels ------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("kind", ["concrete", "steel", "timber", "arch", "courses"])
+def test_a_kind_of_lintel_by_option_is_that_of_a_wall_file(kind):
+    wall = replace(with_opening(0.6, 0.8), lintel="courses")
+    asked = lay_out(wall, ModelOptions(lintel=kind))
+    given = lay_out(replace(wall, lintel=kind))
+    for name in ("x", "z", "first", "second", "elastic", "normal_stiffness"):
+        assert np.array_equal(getattr(asked.contacts, name), getattr(given.contacts, name)), name
+    assert np.array_equal(asked.bodies.mass, given.bodies.mass)
+    assert describe_lintels(asked) == describe_lintels(given)
+    assert len(describe_lintels(asked)) == (kind != "courses")
+
+
+def test_a_kind_by_option_takes_the_place_of_all_others():
+    wall = Wall("w", 4.0, 2.4, (Opening(0.5, 0.8, 1.2, lintel=Lintel("steel")), Opening(2.4, 0.8, 1.2)))
+    layouts = lay_out(wall), lay_out(wall, ModelOptions(lintel="timber"))
+    kinds = [[line.split()[0] for line in describe_lintels(layout)] for layout in layouts]
+    assert kinds == [["steel", "concrete"], ["timber", "timber"]]
+
+
+def test_the_report_draws_bodies_in_the_colours_of_pictures(tmp_path):
+    wall = Wall("w", 2.25, 1.2, (Opening(0.675, 0.9, 0.6),), floors=(Floor(1.2, 500.0, kind="concrete", depth=0.075),),
+                precompression=0.0)
+    history = damage.run(wall, harmonic=(0.1, 0.01), cycles=1, rest=0, out=tmp_path / "a.h5")
+    kinds = np.array([*BODY_COLOURS])[unpack_arrays(Page(page([history.path], [])).data["runs"][0])["kind"]]
+    assert {kind: int(np.sum(kinds == kind)) for kind in ("slabs", "lintels")} == {"slabs": 1, "lintels": 10}
+    assert [one["fill"] for one in states_legend()["bodies"]] == ["#f5f5f5", "#bfbfbf", "#b9cbd9", "#dcc48e"]
