@@ -88,13 +88,13 @@ def _medians(predicted, of_record, state, intensity):
 
 
 def _own_median(one):
-    """Bounds of the median of a Fragility of one record: equal but for a step, whose shares bound it, and for a record
-    in which all or none of the runs exceed the level."""
+    """Bounds of the median of a Fragility of one record: equal where its runs determine it, else the intensities
+    between which its shares pass one half."""
     if not one.step and np.isfinite(one.median):
         return one.median, one.median
     x, (exceed,), (runs,) = one.stripes
     x, most = np.asarray(x), exceed >= runs / 2
-    return x[~most].max(initial=0.0), x[most].min(initial=np.inf)
+    return tuple(sorted((x[~most].max(initial=0.0), x[most].min(initial=np.inf))))
 
 
 def scores(table):
@@ -111,8 +111,8 @@ def scores(table):
                          "log_score": _logarithmic(known, "predicted"), "brier_pooled": _brier(known, "pooled"),
                          "log_score_pooled": _logarithmic(known, "pooled")})
     if not rows:
-        raise InputError("no record could be predicted; expected runs of four records or more, of which some exceed a "
-                         "level and some do not; choose another study")
+        raise InputError("no record could be predicted; expected runs of four records or more, in three of which fewer "
+                         "than half exceed a level at some intensity and half or more at another; choose another study")
     first = {state: place for place, state in enumerate(table["state"].unique())}
     return pd.DataFrame(rows).sort_values(["wall", "state", "brier"], kind="stable", ignore_index=True,
                                           key=lambda column: column.map(first) if column.name == "state" else column)
