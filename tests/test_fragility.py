@@ -92,7 +92,8 @@ class TestFit:
         assert step_of(x, [0, 5, 2], runs) is None is step_of([0.1, 0.2, 0.3, 0.4], [0, 2, 3, 5], [5] * 4)
 
     @pytest.mark.parametrize(("exceed", "why", "side"), [
-        ([8, 6, 4, 2], "at its bound of 3: no rising curve", 0), ([5, 5, 5, 5], "at its bound of 3: no rising curve", 0),
+        ([8, 6, 4, 2], "at its bound of 3: no rising curve", 0),
+        ([5, 5, 5, 5], "at its bound of 3: no rising curve", 0),
         ([0, 0, 0, 1], "one intensity only has runs of both kinds", 1),
         ([9, 10, 10, 10], "one intensity only has runs of both kinds", -1), ([0, 0, 0, 0], "no run exceeds it", 1),
         ([10, 10, 10, 10], "every run exceeds it", -1), ([0, 0, 1, 3], "median would lie above all intensities", 1),

@@ -25,7 +25,8 @@ from damage.studies.states import unit_of
 def write_curves(fits, folder, eigen_period_s):
     """Write all formats of the curves {wall: [Fragility]} into a folder; returns the paths.
 
-    eigen_period_s: {wall: [s]}, needed by sa_eigen_period_g alone; files are FORMAT's own of each wall and measure, and one fragility_coefficients.csv.
+    eigen_period_s: {wall: [s]}, needed by sa_eigen_period_g alone; files are FORMAT's own of each wall and measure,
+    and one fragility_coefficients.csv.
     A level whose curve the runs do not determine is in the CSV alone, with the reason; so are all by an intensity that
     OpenQuake has no name for, but for the arrays.
     """
@@ -56,7 +57,8 @@ def coefficients(fits):
     """A DataFrame with a row a curve.
 
     distribution: "lognormal", P(measure > level | intensity x) = Phi(ln(x / median) / dispersion); "step", whose median
-    lies between step_low and step_high and whose dispersion is not known; "none", where the runs determine no curve, with the reason in undetermined.
+    lies between step_low and step_high and whose dispersion is not known; "none", where the runs determine no curve,
+    with the reason in undetermined.
     new_record_low, new_record_high: 90 % prediction interval of the median in a new record.
     """
     return pd.DataFrame([{
@@ -67,7 +69,8 @@ def coefficients(fits):
         **dict(zip(("step_low", "step_high"), one.step or (None, None))),
         **dict(zip(("new_record_low", "new_record_high"),
                    one.new_record.median_bounds() if one.new_record else (np.nan, np.nan))),
-        "undetermined": one.why, "runs": one.n_runs, "exceeding": one.n_exceeding, "records": one.n_records} for wall, ones in fits.items() for one in ones])
+        "undetermined": one.why, "runs": one.n_runs, "exceeding": one.n_exceeding,
+        "records": one.n_records} for wall, ones in fits.items() for one in ones])
 
 
 def write_arrays(fits, path):

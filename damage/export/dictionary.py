@@ -129,8 +129,8 @@ FRAGILITY = {
        for over in OVER for end, words in _ENDS for name, unit in UNITS.items()},
     **{f"dispersion_{over}_{end}": Column("1", f"{words} bound of the dispersion, {over} drawn anew")
        for over in OVER for end, words in _ENDS},
-    **{f"fitted_{over}": Column("1", f"bootstrap samples that determine a curve, {over} drawn anew; the others count as "
-                               "beyond the bounds, which are empty where 5 % or more do") for over in OVER},
+    **{f"fitted_{over}": Column("1", f"bootstrap samples that determine a curve, {over} drawn anew; the others count "
+                               "as beyond the bounds, which are empty where 5 % or more do") for over in OVER},
     **{f"median_new_record_{end}_{name}": Column(unit, f"{words} bound of a new record's own median")
        for end, words in _ENDS for name, unit in UNITS.items()},
     "confidence": Column("1", "of the bounds"), "replicates": Column("1", "bootstrap samples that were drawn"), **SLIP}

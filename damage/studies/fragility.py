@@ -409,8 +409,8 @@ def efficiency_table(runs, states=STATES, intensity=None):
     """Efficiency of intensities: a DataFrame with a row for each wall, State and intensity, best first.
 
     dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN where the runs
-    determine none, undetermined: the reason.  scatter: standard deviation of ln(measure) about a straight line over ln(intensity), of the runs
-    that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
+    determine none, undetermined: the reason.  scatter: standard deviation of ln(measure) about a straight line over
+    ln(intensity), of the runs that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
     intensity efficient where it is small.  median: in `unit`.  intensity: one more than INTENSITIES.
     """
     names = list(dict.fromkeys([*there(runs), *([intensity] if intensity else [])]))
@@ -426,7 +426,8 @@ def _efficiency(runs, state, intensity):
     """The row of the table for one wall, State and intensity."""
     one = fragility(runs, state.measure, state.level, intensity, replicates=0, name=state.name)
     return {"state": one.state, "measure": one.measure, "level": one.level, "intensity": intensity,
-            "dispersion": one.dispersion, "undetermined": one.why, "scatter": _scatter(runs, one.measure, intensity), "median": one.median,
+            "dispersion": one.dispersion, "undetermined": one.why,
+            "scatter": _scatter(runs, one.measure, intensity), "median": one.median,
             "unit": unit_of(intensity)[1], "runs": one.n_runs, "exceeding": one.n_exceeding, "records": one.n_records}
 
 

@@ -21,8 +21,8 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import bdtr, log_ndtr, ndtr
 
 LEAST_RECORDS = 3
-"""Whose intensities bound their median on both sides: at some fewer than half of the runs exceed the level, at some half
-or more.  Fewer do not bound tau: Student's quantile of two is 6.3."""
+"""Whose intensities bound their median on both sides: at some fewer than half of the runs exceed the level, at some
+half or more.  Fewer do not bound tau: Student's quantile of two is 6.3."""
 CONFIDENCE = 0.9
 _TAILS = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
 _STEP, _MARGIN = 0.02, 5.0

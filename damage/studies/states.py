@@ -170,7 +170,7 @@ def in_picture(column):
     """
     unit = unit_of(column)[1]
     words = column.removesuffix("_" + unit.lower().replace("/", "_per_")).replace("_", " ")
-    words = re.sub("^max ", "maximum ", words).replace("psi", r"$\Psi$")
+    words = re.sub(r"^max ", "maximum ", words).replace("psi", r"$\Psi$")
     return words, "-" if unit == "1" else unit
 
 
