@@ -96,7 +96,7 @@ def _periods(runs, intensity):
     if intensity != "sa_eigen_period_g":
         return {}
     if "eigen_period_s" not in runs or not (to_numeric(runs["eigen_period_s"], errors="coerce") > 0).all():
-        raise InputError("--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the period that "
-                         "NRML names; expected a number above zero; choose another intensity, as --intensity pga_g, or "
-                         "run the study again")
+        raise InputError("--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the period "
+                         "that NRML names; expected a number above zero; choose another intensity, as --intensity "
+                         "pga_g, or run the study again")
     return runs.groupby("wall")["eigen_period_s"].median()

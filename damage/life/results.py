@@ -212,6 +212,7 @@ def describe(parts):
         lines += [f"{one.point}: {len(last)} lives, {one.years[0]} to {one.years[1]}, {events.median():g} events in "
                   f"the median life ({events.min()} to {events.max()}), median of the largest PGV "
                   f"{last['largest_mm_s'].median():.1f} mm/s",
+                  *(f"  warning: {warning}" for warning in one.draws.exposure.warnings),
                   *_of_the_settlement(one.table),
                   f"  at the end: median Psi {last['psi'].median():.2f}, median DI {last['DI'].median():.4f}, median "
                   f"of the largest Psi {last['max_psi'].median():.2f}"]

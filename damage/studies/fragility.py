@@ -411,7 +411,8 @@ def efficiency_table(runs, states=STATES, intensity=None):
     dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN where the runs
     determine none, undetermined: the reason.  scatter: standard deviation of ln(measure) about a straight line over
     ln(intensity), of the runs that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007),
-    doi:10.1193/1.2723158, call an intensity efficient where it is small.  median: in `unit`.  intensity: one more than INTENSITIES.
+    doi:10.1193/1.2723158, call an intensity efficient where it is small.  median: in `unit`.  intensity: one more than
+    INTENSITIES.
     """
     names = list(dict.fromkeys([*there(runs), *([intensity] if intensity else [])]))
     rows = [{"wall": wall, **_efficiency(of_wall, state, name)} for wall, of_wall in runs.groupby("wall", sort=False)
