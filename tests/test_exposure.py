@@ -322,6 +322,13 @@ class TestExposure:
         assert len(ground.collections[0].get_offsets()) == len(over)
         assert len(ground.get_lines()[0].get_xdata()) == 1474
 
+    def test_the_map_names_towns_and_has_a_scale(self, garsthuizen):
+        ground = exposure_picture(garsthuizen).axes[1]
+        words = {text.get_text(): text.xy for text in ground.texts}
+        assert math.dist(words["Loppersum"], np.array(places.to_rd(*LOPPERSUM)) / 1e3) < 1 and "Assen" not in words
+        (bar,) = (line for line in ground.get_lines() if line.get_marker() == "|")
+        assert np.ptp(bar.get_xdata()) == pytest.approx(5) and "5 km" in words
+
 
 class TestCommand:
     def test_json_and_files(self, capsys, tmp_path):

@@ -199,8 +199,8 @@ def _of_the_field(order, lines, times, magnitude, x_m, y_m, more):
     order, pairs = _one_by_one(order[kept], times, rank, x_m, y_m, more.get("agency"))
     return order, notes + [
         f"lines {lines[first]} and {lines[second]} are {seconds:.1f} s and {km:.1f} km apart (M {magnitude[first]:g} "
-        f"and {magnitude[second]:g}): taken as one earthquake, line {lines[second]} left out; take out the other line to "
-        "have this one" for first, second, seconds, km in pairs]
+        f"and {magnitude[second]:g}): taken as one earthquake, line {lines[second]} left out; take out the other line "
+        "to have this one" for first, second, seconds, km in pairs]
 
 
 def _one_by_one(order, times, rank, x_m, y_m, agency):
