@@ -14,6 +14,7 @@ from conftest import one_line_error
 from scipy import stats
 
 from damage.__main__ import main
+from damage.csv_table import from_words
 from damage.draw.exposure import exposure_picture
 from damage.exposure import places
 from damage.exposure.catalogue import SHIPPED, read_catalogue
@@ -364,6 +365,21 @@ class TestCommand:
         assert found["at_least_once"]["10"] == pytest.approx(0.960, abs=5e-4) and len(found["warnings"]) == 1
         assert main(words) == 0
         assert "warning: " in (said := capsys.readouterr().out) and "lines 2 and 3 are 0.4 s" in said
+
+    def test_formulas_of_a_catalogue_reach_no_spreadsheet(self, tmp_path):
+        """Place and identifier are foreign text."""
+        path = tmp_path / "events.txt"
+        path.write_text("#EventID|Time|Latitude|Longitude|Magnitude|EventLocationName\n" + "".join(
+            f"{words}|2018-01-0{day}T14:00:52|53.36|6.75|3.4|{words}\n" for day, words in enumerate(
+                ("=cmd|calc", "+1+cmd", "-2+3", "@SUM(A1)", "'t Zandt", "-5", "=HYPERLINK(\"x\")"), 1)
+            if words.count("|") == 0))
+        assert main(["exposure", "--at", "53.36", "6.75", "--catalogue", str(path), "--out",
+                     str(tmp_path / "out")]) == 0
+        table = pd.read_csv(tmp_path / "out/exposure.csv", dtype=str)
+        for name in ("place", "id"):
+            assert list(table[name]) == [
+                "'+1+cmd", "'-2+3", "'@SUM(A1)", "'t Zandt", "-5", "'=HYPERLINK(\"x\")"]
+        assert list(from_words(table)["place"][[0, 3]]) == ["+1+cmd", "'t Zandt"]
 
     def test_text(self, capsys):
         assert main(["exposure", "--at", *map(str, GARSTHUIZEN)]) == 0

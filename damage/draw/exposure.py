@@ -84,8 +84,8 @@ def _towns_and_scale(ax):
         if left < x < right and low < y < high:
             ax.plot(x, y, "s", color=DARK, ms=2, mew=0, zorder=3)
             below = name == "Appingedam"  # Delfzijl is beside it
-            ax.annotate(name, (x, y), (2, -6.5 if below else 1.5), textcoords="offset points", color=DARK, fontsize=5.5, zorder=3,
-                        path_effects=_HALO, clip_on=True)
+            ax.annotate(name, (x, y), (2, -6.5 if below else 1.5), textcoords="offset points", color=DARK,
+                        fontsize=5.5, zorder=3, path_effects=_HALO, clip_on=True)
     x, y = left + 0.04 * (right - left), low + 0.03 * (high - low)
     ax.plot([x, x + SCALE_KM], [y, y], color=BLACK, lw=1.5, marker="|", ms=4, solid_capstyle="butt", zorder=4)
     ax.annotate(f"{SCALE_KM:g} km", (x + SCALE_KM / 2, y), (0, 3), textcoords="offset points", ha="center",

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage.csv_table import from_words
 from damage.errors import InputError
 from damage.exposure.lives import Draws, read_address
 from damage.history.schema import Column
@@ -163,7 +164,7 @@ def together(parts):
 def _read(path):
     """Table of lives.csv with every digit; InputError where it is none."""
     try:
-        table = pd.read_csv(path, comment="#", dtype={"time_utc": str}, float_precision="round_trip")
+        table = from_words(pd.read_csv(path, comment="#", dtype={"time_utc": str}, float_precision="round_trip"))
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: {error}; expected lives.csv, as python3 -m damage lives writes it") from error
     if missing := [name for name in COLUMNS if name not in table]:

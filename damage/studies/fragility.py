@@ -26,7 +26,7 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from damage.errors import InputError
-from damage.measure.columns import check_names, read_table
+from damage.measure.columns import check_names, check_there, read_table
 from damage.studies.new_record import CONFIDENCE, new_record
 from damage.studies.states import (
     LEVELS,
@@ -323,9 +323,9 @@ def load_runs(folder):
     if not path.is_file():
         raise InputError(f"{folder} holds no tables/summary.csv; expected the folder of a study, run one with "
                          "./run_all.sh fragility --solver reference")
-    runs = read_table(path, (*LEVELS, "wall", "record", "status", "collapsed_at_s", "pga_g", "strength_cov",
-                             "strength_seed"))
+    runs = read_table(path, (*LEVELS, "pga_g", "strength_cov", "strength_seed"))
     check_names(runs, path)
+    check_there(runs, path, ("wall", "record", "status", "collapsed_at_s"))
     runs = runs[(pd.to_numeric(runs["strength_cov"], errors="coerce") > 0) & (runs["status"] == "complete")]
     if len(runs) == 0:
         raise InputError(f"{path} holds no finished run with scattered strengths; expected some with strength-cov, "

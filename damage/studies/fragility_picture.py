@@ -63,7 +63,8 @@ def _panel(ax, number, x, runs, fits, intensity):
     styled_fits = list(zip(fits, cycle(_STYLES)))
     handles, kinds = zip(*(_draw(ax, x, runs, one, style, intensity) for one, style in styled_fits))
     ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
-    letter(ax, number, label(fits[0].measure))
+    measure = fits[0].measure
+    letter(ax, number, label(measure).removesuffix(" [-]") if measure in LEVELS else label(measure))
     ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     return set().union(*kinds)
 
@@ -120,6 +121,7 @@ def picture_after_damage(wall, shocks, table, intensity, states=PSI):
                    for (_, row), style in zip(rows.iterrows(), cycle(_STYLES))]
         ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.1), ncols=1, borderaxespad=0)
         words, unit = in_picture(state.measure)
+        words = words.removeprefix("maximum ") if state.measure in LEVELS else words
         letter(ax, number, state.name or f"{words} > {state.level:g} {unit.strip('-')}")
         ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     axes[0, 0].set_ylabel("probability of exceeding")
