@@ -188,10 +188,13 @@ class TestUndetermined:
         wider = one.bounds([0.15, 0.3], "records")
         assert (wider[0] < band[0]).all() and (wider[1] > band[1]).all()
 
-    def test_records_that_do_not_bound_their_median_predict_no_other(self):
-        """Three records, in each of which one run of ten exceeds at the largest intensity."""
-        x = [0.05, 0.1, 0.2, 0.4]
-        assert new_record(x, np.tile([0, 0, 0, 1], (3, 1)), np.full((3, 4), 10)) is None
+    def test_runs_without_a_curve_predict_no_new_record(self):
+        """Three records, in each of which one run of twelve exceeds at the largest intensity."""
+        runs = recorded(3, 0.0, seed=1).assign(max_DI=0.0)
+        runs.loc[(runs["pga_g"] > 0.7) & (runs["strength_seed"] == 0), "max_DI"] = 1.0
+        one = fragility(runs, "max_DI", 0.1, "pga_g", replicates=20)
+        assert one.why and one.new_record is None and one.bounds([0.2], "both") is None
+        assert new_record(*one.stripes) is not None
 
     def test_a_record_whose_shares_fall_has_its_median_between_them(self):
         runs = recorded(5, 0.3, seed=1)

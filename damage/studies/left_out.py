@@ -111,8 +111,8 @@ def scores(table):
                          "log_score": _logarithmic(known, "predicted"), "brier_pooled": _brier(known, "pooled"),
                          "log_score_pooled": _logarithmic(known, "pooled")})
     if not rows:
-        raise InputError("no record could be predicted; expected runs of four records or more, in three of which fewer "
-                         "than half exceed a level at some intensity and half or more at another; choose another study")
+        raise InputError("no record could be predicted; expected runs of four records or more, of which some exceed a "
+                         "level and some do not; choose another study")
     first = {state: place for place, state in enumerate(table["state"].unique())}
     return pd.DataFrame(rows).sort_values(["wall", "state", "brier"], kind="stable", ignore_index=True,
                                           key=lambda column: column.map(first) if column.name == "state" else column)

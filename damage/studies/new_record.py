@@ -21,8 +21,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import bdtr, log_ndtr, ndtr
 
 LEAST_RECORDS = 3
-"""Whose intensities bound their median on both sides: at some fewer than half of the runs exceed the level, at some
-half or more.  Fewer do not bound tau: Student's quantile of two is 6.3."""
+"""In which some runs exceed the level and some do not; fewer do not bound tau: Student's quantile of two is 6.3."""
 CONFIDENCE = 0.9
 _TAILS = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
 _STEP, _MARGIN = 0.02, 5.0
@@ -78,8 +77,8 @@ def new_record(intensity, exceeding, runs):
     intensity: (n,); exceeding, runs: (n_records, n), how many of how many runs exceed the level there.
     """
     exceeding, runs = np.asarray(exceeding, float), np.asarray(runs, float)
-    few, many = ((of & (runs > 0)).any(axis=1) for of in (exceeding < runs / 2, exceeding >= runs / 2))
-    if np.count_nonzero(few & many) < LEAST_RECORDS:
+    total = exceeding.sum(axis=1)
+    if np.count_nonzero((total > 0) & (total < runs.sum(axis=1))) < LEAST_RECORDS:
         return None
     x = np.log(np.asarray(intensity, float))
     m = np.arange(x.min() - _MARGIN, x.max() + _MARGIN, _STEP)
