@@ -1,4 +1,9 @@
-"""Tables in CSV with comment lines (`#`), a header and one row a line; complaints name the line."""
+"""Tables in CSV with comment lines (`#`), a header and one row a line; complaints name the line.
+
+A spreadsheet takes a cell that begins with = + - @ or a tab for a formula and may execute it, whoever wrote it: a place
+of somebody's catalogue, the name of a record.  Tables are written with an apostrophe before such words (`as_words`), as
+OWASP advises on CSV injection, and read without it (`from_words`).
+"""
 
 import csv
 import re
@@ -13,6 +18,32 @@ from damage.files import text_lines
 
 MOST_MB, MOST_ROWS, MOST_LEVELS = 50, 500_000, 1000
 """Size of a file, its rows, its load levels: what is read in seconds and in less than a gigabyte."""
+
+_FORMULA = re.compile(r"[=+\-@\t\r\n]")
+
+
+def as_words(table):
+    """A DataFrame whose words no spreadsheet takes for a formula; numbers stay, as text, too."""
+    return _in_words(table, lambda word: f"'{word}" if _FORMULA.match(word) and not _is_number(word) else word)
+
+
+def from_words(table):
+    """The DataFrame that `as_words` was given."""
+    return _in_words(table, lambda word: word[1:] if word[:1] == "'" and _FORMULA.match(word[1:]) else word)
+
+
+def _in_words(table, change):
+    words = [name for name in table if not pd.api.types.is_numeric_dtype(table[name])]
+    return table.assign(**{name: table[name].map(lambda cell: change(cell) if isinstance(cell, str) else cell)
+                           for name in words})
+
+
+def _is_number(word):
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 class CsvTable:

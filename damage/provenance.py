@@ -14,8 +14,8 @@ RUN = "run/session.py", "exposure"
 """What runs a wall in any solver, and draws its motions.  What these and the solver's modules import, and so on,
 decides the values of a run."""
 DECIDES_NOTHING = {
-    "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py", "history",
-                                 "mechanics/cache.py"),
+    "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py",
+                                 "history", "mechanics/cache.py"),
     "words": ("provenance.py", "version.py", "run/opening.py", "run/plausible.py", "run/progress.py", "run/report.py",
               "measure/columns.py", "motion/plausible.py", "wall/plausible.py", "wall/as_built.py", "wall/caps.py"),
     "options, whose values are inputs of a run": ("run/options.py",),

@@ -107,8 +107,9 @@ def table(found):
         for level, one in by_level.items():
             low, high = 1e3 * one.median_bounds("records")[:, 0]
             shares = ", ".join(f"{100 * share:.0f}" for share in one.probability(np.array([0.01, 0.02, 0.04])))
-            lines.append(f"| {MODELS[model][0]} | {level:g} | {one.n_exceeding} of {one.n_runs} | "
-                         f"{1e3 * one.median:.1f} ({low:.1f} to {high:.1f}) | {one.dispersion:.2f} | {shares} |")
+            line = (f"| {MODELS[model][0]} | {level:g} | {one.n_exceeding} of {one.n_runs} | "
+                    f"{1e3 * one.median:.1f} ({low:.1f} to {high:.1f}) | {one.dispersion:.2f} | {shares} |")
+            lines.append(line.replace("nan", "-"))  # what the runs, or bootstrap samples, do not determine
     return lines
 
 

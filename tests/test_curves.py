@@ -23,13 +23,13 @@ OPENQUAKE_NEEDS = ("numpy", "scipy", "pandas", "h5py", "toml", "decorator", "sha
                    "alpha_shapes", "pyzmq", "fiona")  # what reading a fragility model imports, and no more
 
 
-def made(level, median, dispersion, intensity="pga_g", step=None):
+def made(level, median, dispersion, intensity="pga_g", step=None, why=""):
     return Fragility("max_DI", level, median, dispersion, n_runs=100, n_exceeding=50, replicates={}, n_replicates=0,
-                     n_records=5, n_walls=20, intensity=intensity, step=step)
+                     n_records=5, n_walls=20, intensity=intensity, step=step, why=why)
 
 
 MILD, GRAVE = made(0.02, 0.15, 0.3), made(0.05, 0.3, 0.5)
-NEVER, STEP = made(0.1, np.nan, np.nan), made(0.1, 0.4, 0.0, step=(0.35, 0.45))
+NEVER, STEP = made(0.1, np.nan, np.nan, why="for a reason"), made(0.1, 0.4, 0.0, step=(0.35, 0.45))
 STATES = f"{{{NAMESPACE}}}limitStates"
 
 
@@ -79,7 +79,7 @@ def test_the_wall_s_own_period_is_named(tmp_path):
 
 def test_a_level_without_a_curve_is_left_out_and_named(tmp_path):
     _, model = written(tmp_path, "continuous", (MILD, NEVER))
-    assert len(model[2]) == 2 and "No curve for 0.1: none or all" in model[0].text
+    assert len(model[2]) == 2 and "No curve for 0.1 (for a reason)." in model[0].text
     assert write_nrml("solid", [NEVER], tmp_path / "none.xml", "continuous") is None
     assert not (tmp_path / "none.xml").exists()
 
@@ -100,7 +100,7 @@ def test_a_step_is_a_line_between_its_bounds_and_no_lognormal_curve(tmp_path):
     assert (row["step_low"], row["step_high"]) == (0.35, 0.45)
     assert left_out({"w": [MILD, STEP, NEVER]}) == [
         "w, max_DI > 0.1: a step, no lognormal curve: no run exceeds it up to 0.35 g, all do from 0.45 on; exported "
-        "as these bounds of the median", "w, max_DI > 0.1: no curve: 50 of 100 runs exceed it"]
+        "as these bounds of the median", "w, max_DI > 0.1: no curve: 50 of 100 runs exceed it, for a reason"]
 
 
 def test_an_intensity_without_a_name_in_openquake_has_no_nrml(tmp_path):
@@ -138,6 +138,41 @@ def test_the_command_writes_them_where_it_is_asked_to(tmp_path, capsys):
     printed = capsys.readouterr().out.split("\n")
     for path in (tmp_path / "curves").iterdir():
         assert str(path) in printed
+
+
+class TestMissingColumns:
+    """One line, before anything is written; what an export does not need may be missing."""
+
+    WORDS = "fragility", "--replicates", "0", "--state", "max_DI > 0.05"
+
+    def export(self, runs, tmp_path, *more):
+        write_table(runs, tmp_path / "study/tables/summary.csv")
+        name, *words = self.WORDS
+        return main([name, str(tmp_path / "study"), *words, "--out", str(tmp_path / "out"), "--export",
+                     str(tmp_path / "curves"), *more])
+
+    def test_the_period_is_needed_by_the_acceleration_there_alone(self, tmp_path, capsys):
+        runs = walls(20, seed=5).assign(sa_eigen_period_g=lambda table: table["pga_g"])
+        assert self.export(runs, tmp_path, "--intensity", "pga_g") == 0
+        assert (tmp_path / "curves/fragility_w_max_DI_pga_g_continuous.xml").is_file()
+        capsys.readouterr()
+        for wrong in (runs, runs.assign(eigen_period_s=np.nan), runs.assign(eigen_period_s="short")):
+            assert self.export(wrong, tmp_path / "other") == 2
+            printed = capsys.readouterr().err
+            assert printed.startswith("error: --export by sa_eigen_period_g: ") and printed.count("\n") == 1
+        assert not (tmp_path / "other/out").exists()
+
+    @pytest.mark.parametrize("name", ["wall", "record", "status", "collapsed_at_s", "strength_seed"])
+    def test_others_are_named(self, tmp_path, capsys, name):
+        assert self.export(walls(20, seed=5).drop(columns=name), tmp_path) == 2
+        assert f"has no column {name}; expected" in capsys.readouterr().err
+
+    @pytest.mark.parametrize(("name", "value", "complaint"), [
+        ("wall", np.nan, "have nan as wall; expected a name"), ("strength_seed", "abc", "expected a number in each"),
+        ("collapsed_at_s", "abc", "expected a time or nothing"), ("pga_g", "abc", "no intensity in every run")])
+    def test_words_where_numbers_belong_are_named(self, tmp_path, capsys, name, value, complaint):
+        assert self.export(walls(20, seed=5).assign(**{name: value}), tmp_path) == 2
+        assert complaint in capsys.readouterr().err
 
 
 # --- OpenQuake's own reading ------------------------------------------------------------------------

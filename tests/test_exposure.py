@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+from dataclasses import replace
 from decimal import Decimal, getcontext
 from types import MappingProxyType
 
@@ -13,6 +14,7 @@ from conftest import one_line_error
 from scipy import stats
 
 from damage.__main__ import main
+from damage.csv_table import from_words
 from damage.draw.exposure import exposure_picture
 from damage.exposure import places
 from damage.exposure.catalogue import SHIPPED, read_catalogue
@@ -203,6 +205,55 @@ class TestCatalogue:
         path.write_text(text)
         assert message in one_line_error(read_catalogue, path)
 
+    ALL = "#EventID|Time|Latitude|Longitude|Depth/km|Catalog|Magnitude|EventType\n"
+    FIRST = "a1|2018-01-08T14:00:52.5|53.363|6.751|3.0|A|3.4|induced or triggered event\n"
+
+    @pytest.mark.parametrize(("line", "note"), [
+        ("b9|2018-01-08T14:00:52.9|53.36|6.75|3.0|A|3.4|earthquake", "lines 2 and 3 are 0.4 s and 0.3 km apart (M 3.4 "
+         "and 3.4): taken as one earthquake, line 3 left out"),
+        ("b9|2018-01-08T14:00:58.9|53.26|6.75|10.0|B|3.6|earthquake", "lines 2 and 3 are 6.4 s and 11.5 km apart"),
+        ("q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast", "no earthquake by its type: line 3"),
+        ("q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|duplicate", "no earthquake by its type: line 3"),
+        ("t1|2018-04-13T01:20:00|53.36|6.75|17|A|3.8|earthquake", "deeper than 10 km, as tectonic earthquakes are"),
+        ("t2|1992-04-13T01:20:00|51.17|5.95|3|A|5.8|earthquake", "more than 10 km from the epicentres of the field")])
+    def test_events_that_the_models_are_not_for_and_doubles_are_left_out_and_named(self, tmp_path, line, note):
+        path = tmp_path / "events.txt"
+        path.write_text(self.ALL + self.FIRST + line + "\n")
+        found = read_catalogue(path)
+        assert list(found.id) == ["a1"] and len(found.notes) >= 1 and any(note in one for one in found.notes)
+
+    def test_of_two_lines_the_field_s_depth_stays_then_the_larger(self, tmp_path):
+        path = tmp_path / "events.txt"
+        path.write_text(self.ALL + self.FIRST + "b|2018-01-08T14:00:53|53.36|6.75|3.0|B|3.5|\n"
+                        "c|2018-01-08T14:00:54|53.36|6.75|10.0|C|3.9|\n")
+        found = read_catalogue(path)
+        assert list(found.id) == ["b"] and sum("taken as one earthquake" in note for note in found.notes) == 2
+
+    @pytest.mark.parametrize("line", [
+        "b9|2018-01-08T14:00:56|53.36|6.75|3.0|A|1.4|earthquake",  # 3.5 s later in the list of the same agency
+        "b9|2018-01-08T14:01:04|53.36|6.75|3.0|B|3.4|", "b9|2018-01-08T14:00:52.9|53.30|6.75||A|3.4|not reported",
+        "b9|2018-02-08T14:00:52.9|53.36|6.75|10|B|3.4|earthquake"])
+    def test_other_events_stay(self, tmp_path, line):
+        path = tmp_path / "events.txt"
+        path.write_text(self.ALL + self.FIRST + line + "\n")
+        assert list(read_catalogue(path).id) == ["a1", "b9"]
+
+    def test_a_catalogue_without_any_that_the_models_are_for_is_refused(self, tmp_path):
+        path = tmp_path / "events.txt"
+        path.write_text(self.ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n")
+        assert "no event that the ground-motion models are for" in one_line_error(read_catalogue, path)
+
+    def test_depths_in_csv(self, tmp_path):
+        path = tmp_path / "events.csv"
+        path.write_text("date_utc,time_utc,magnitude,latitude,longitude,depth_km\n2018-01-08,14:00:52,3.4,53.363,6.751,3\n"
+                        "2018-01-09,14:00:52,3.4,53.363,6.751,12\n")
+        assert len(read_catalogue(path)) == 1
+
+    def test_a_copy_of_what_ships_is_the_same(self, catalogue, tmp_path):
+        path = tmp_path / "copy.csv"
+        path.write_bytes(SHIPPED.read_bytes())
+        assert list(read_catalogue(path).id) == list(catalogue.id) and read_catalogue(path).notes == ()
+
     def test_years(self, catalogue):
         assert catalogue.between(2012, 2012).years == (2012, 2012)
         assert len(catalogue.between(None, None)) == 1474
@@ -253,6 +304,16 @@ class TestExposure:
         assert "km from the nearest epicentre" in message
         assert "--vs30" in one_line_error(Exposure, places.at(*LOPPERSUM), catalogue, Model(), 5)
 
+    def test_far_from_the_field_by_a_catalogue_of_elsewhere(self, catalogue):
+        elsewhere = replace(catalogue.at(slice(0, 1)), x_m=np.array([190e3]), y_m=np.array([350e3]))
+        assert "km from the Groningen field's nearest" in one_line_error(
+            Exposure, places.at_rd(190e3, 350e3), elsewhere, Model())
+
+    def test_a_motion_that_comes_from_farther_than_was_compared_is_named(self, catalogue, garsthuizen):
+        assert garsthuizen.warnings == []
+        (warning,) = Exposure(places.at(53.0, 6.56), catalogue, Model()).warnings
+        assert "M 3.6, is 39 km away" in warning and "extrapolated" in warning
+
     def test_picture_shows_every_event_from_its_threshold(self, garsthuizen):
         figure = exposure_picture(garsthuizen)
         time, ground = figure.axes
@@ -261,6 +322,13 @@ class TestExposure:
         assert sorted(dots.get_ydata()) == pytest.approx(sorted(over))
         assert len(ground.collections[0].get_offsets()) == len(over)
         assert len(ground.get_lines()[0].get_xdata()) == 1474
+
+    def test_the_map_names_towns_and_has_a_scale(self, garsthuizen):
+        ground = exposure_picture(garsthuizen).axes[1]
+        words = {text.get_text(): text.xy for text in ground.texts}
+        assert math.dist(words["Loppersum"], np.array(places.to_rd(*LOPPERSUM)) / 1e3) < 1 and "Assen" not in words
+        (bar,) = (line for line in ground.get_lines() if line.get_marker() == "|")
+        assert np.ptp(bar.get_xdata()) == pytest.approx(5) and "5 km" in words
 
 
 class TestCommand:
@@ -283,6 +351,35 @@ class TestCommand:
         assert by_grid["largest_median_mm_s"] == pytest.approx(
             json.loads(capsys.readouterr().out)["largest_median_mm_s"], rel=1e-9)
         assert (by_grid["from"], by_grid["to"]) == (2000, 2018)
+
+    def test_an_event_of_two_agencies_counts_once_and_is_named(self, capsys, tmp_path):
+        """Twice it gave a median of the largest motion of 36.44 mm/s."""
+        path = tmp_path / "twice.txt"
+        path.write_text(TestCatalogue.ALL + TestCatalogue.FIRST
+                        + "b9|2018-01-08T14:00:52.9|53.36|6.75|3.0|B|3.4|induced or triggered event\n"
+                        + "a2|2019-05-22T03:49:00.1|53.327|6.65|3.0|A|3.4|induced or triggered event\n")
+        words = ["exposure", "--at", "53.36", "6.75", "--catalogue", str(path)]
+        assert main([*words, "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert found["largest_of_all_median_mm_s"] == pytest.approx(27.21, abs=5e-3)
+        assert found["at_least_once"]["10"] == pytest.approx(0.960, abs=5e-4) and len(found["warnings"]) == 1
+        assert main(words) == 0
+        assert "warning: " in (said := capsys.readouterr().out) and "lines 2 and 3 are 0.4 s" in said
+
+    def test_formulas_of_a_catalogue_reach_no_spreadsheet(self, tmp_path):
+        """Place and identifier are foreign text."""
+        path = tmp_path / "events.txt"
+        path.write_text("#EventID|Time|Latitude|Longitude|Magnitude|EventLocationName\n" + "".join(
+            f"{words}|2018-01-0{day}T14:00:52|53.36|6.75|3.4|{words}\n" for day, words in enumerate(
+                ("=cmd|calc", "+1+cmd", "-2+3", "@SUM(A1)", "'t Zandt", "-5", "=HYPERLINK(\"x\")"), 1)
+            if words.count("|") == 0))
+        assert main(["exposure", "--at", "53.36", "6.75", "--catalogue", str(path), "--out",
+                     str(tmp_path / "out")]) == 0
+        table = pd.read_csv(tmp_path / "out/exposure.csv", dtype=str)
+        for name in ("place", "id"):
+            assert list(table[name]) == [
+                "'+1+cmd", "'-2+3", "'@SUM(A1)", "'t Zandt", "-5", "'=HYPERLINK(\"x\")"]
+        assert list(from_words(table)["place"][[0, 3]]) == ["+1+cmd", "'t Zandt"]
 
     def test_text(self, capsys):
         assert main(["exposure", "--at", *map(str, GARSTHUIZEN)]) == 0

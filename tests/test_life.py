@@ -416,7 +416,10 @@ class TestResults:
         assert 18 < found["median_mm_s"] < 23 and found["p_by_each_event"] < 1e-6
         found = by_own_curve(largest, [0, 0, 1, 0, 0, 1, 1, 1], np.full((3, 2), found["median_mm_s"]))
         assert (found["p_by_largest"], found["p_by_each_event"]) == pytest.approx((0.5, 0.75))
-        assert np.isnan(by_own_curve(largest, np.zeros(8), np.ones((3, 2)))["p_by_largest"])
+        for hits, why in ((np.zeros(8), "no run exceeds it"), ((0, 0, 0, 1, 0, 1, 1, 1), "no dispersion"),
+                          ((0, 0, 0, 0, 1, 1, 0, 0), "no rising curve fits")):
+            found = by_own_curve(largest, hits, np.ones((3, 2)))
+            assert why in found["undetermined"] and np.isnan([found["median_mm_s"], found["p_by_largest"]]).all()
         alone = Lives("p_largest", replace(lives.draws, choices=replace(lives.draws.choices, largest_alone=True)),
                       lives.table.drop(index=0))
         rows = readings([lives, alone])

@@ -77,8 +77,11 @@ def _life(asked):
     from damage.life.study import write_study
     from damage.studies.batch import run_study
 
-    Draws(_exposure_of(asked), Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
+    exposure = _exposure_of(asked)
+    Draws(exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
         1)  # says what is wrong before anything is written
+    print(*(f"warning: {warning}" for warning in exposure.warnings), sep="\n", end="\n" * bool(exposure.warnings),
+          file=sys.stderr)
     place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
         dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
     address = place | {

@@ -48,7 +48,7 @@ def _fragility_after_damage(asked, runs, intensity, states):
 
     shocks = load_shocks(runs, asked.study, states)
     table = table_after_damage(shocks, intensity, asked.replicates, states)
-    print(table.to_string(index=False, float_format="%.3f"))
+    print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
     print(write_table(table, asked.out / f"fragility_after_damage_{intensity}.csv"))
     drawn = {} if asked.states is None else {"states": states}
     return [(f"fragility_after_damage_{wall}_{intensity}", picture_after_damage(
@@ -63,6 +63,7 @@ def _fragility_curves(asked, runs, intensity, states):
     from damage.studies.fragility_picture import fragility_pictures
     from damage.studies.left_out import beside_unseen, leave_one_out, scores
 
+    periods = _periods(runs, intensity) if asked.export else {}
     fits = fit_all(runs, intensity, asked.replicates, states)
     print(in_words(fits))
     print(write_table(fragility_table(fits, intensity).assign(slip=" or ".join(slip_criteria(runs))),
@@ -78,11 +79,24 @@ def _fragility_curves(asked, runs, intensity, states):
         print(write_table(table, asked.out / f"{name}.csv"))
         tables[f"{name}_scores"] = scores(table)
     for name, table in tables.items():
-        print(table.to_string(index=False, float_format="%.3f"))
+        print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
         print(write_table(table, asked.out / f"{name}.csv"))
     if asked.export:
         from damage.export.curves import left_out, write_curves
 
-        print(*write_curves(fits, asked.export, runs.groupby("wall")["eigen_period_s"].median()), sep="\n")
+        print(*write_curves(fits, asked.export, periods), sep="\n")
         print(*left_out(fits), sep="\n", end="\n" if left_out(fits) else "")
     return fragility_pictures(runs, fits, intensity)
+
+
+def _periods(runs, intensity):
+    """{wall: first period [s]} where files name it, of the spectral acceleration there, else {}."""
+    from pandas import to_numeric
+
+    if intensity != "sa_eigen_period_g":
+        return {}
+    if "eigen_period_s" not in runs or not (to_numeric(runs["eigen_period_s"], errors="coerce") > 0).all():
+        raise InputError("--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the period "
+                         "that NRML names; expected a number above zero; choose another intensity, as --intensity "
+                         "pga_g, or run the study again")
+    return runs.groupby("wall")["eigen_period_s"].median()

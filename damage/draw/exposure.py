@@ -5,13 +5,17 @@ from textwrap import fill
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 
-from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, LIGHT, MEDIUM, TITLE_CHARACTERS, VERMILLION, styled
+from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, DARK, LIGHT, MEDIUM, TITLE_CHARACTERS, VERMILLION, styled
+from damage.exposure.places import TOWNS_DEG, to_rd
 
 FROM_MM_S = 0.1
 """Median PGV from which events are drawn in the picture [mm/s]: nobody feels less."""
 DOT_SIZE = 6  # area of a dot on the map over its PGV [points² / (mm/s)]
+SCALE_KM = 5  # length of the bar on the map
 _NAMED = 3  # events whose places are named
+_HALO = [withStroke(linewidth=1.5, foreground="white")]
 
 
 @styled
@@ -61,9 +65,28 @@ def _on_a_map(ax, place, table, shown, named):
                     bbox={"boxstyle": "circle,pad=0.15", "facecolor": BLACK, "linewidth": 0})
     ax.set_aspect("equal", adjustable="datalim")
     ax.grid(color=LIGHT, lw=0.5)
+    _towns_and_scale(ax)
     ax.set(xlabel="easting, RD [km]", ylabel="northing, RD [km]")
     sizes = [pgv for pgv in (1, 2, 5, 20) if pgv <= 1.5 * table["median_mm_s"].max()]
     ax.legend(handles=[Line2D([], [], ls="", marker="*", color=VERMILLION, ms=6, mec=BLACK, mew=0.3, label="the place"),
                        Line2D([], [], ls="", marker=".", color="0.8", ms=2, label="weaker"),
                        *(Line2D([], [], ls="", marker="o", color=BLUE, ms=np.sqrt(DOT_SIZE * pgv), mew=0,
                                 label=f"median {pgv:g} mm/s") for pgv in sizes)], loc="upper right", labelspacing=0.9)
+
+
+def _towns_and_scale(ax):
+    """Names of the towns within what the axes show, which stays as it is, and a bar of SCALE_KM, on the map."""
+    ax.apply_aspect()
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    ax.set(xlim=(left, right), ylim=(low, high))
+    for name, degrees in TOWNS_DEG.items():
+        x, y = (float(value) / 1e3 for value in to_rd(*degrees))
+        if left < x < right and low < y < high:
+            ax.plot(x, y, "s", color=DARK, ms=2, mew=0, zorder=3)
+            below = name == "Appingedam"  # Delfzijl is beside it
+            ax.annotate(name, (x, y), (2, -6.5 if below else 1.5), textcoords="offset points", color=DARK,
+                        fontsize=5.5, zorder=3, path_effects=_HALO, clip_on=True)
+    x, y = left + 0.04 * (right - left), low + 0.03 * (high - low)
+    ax.plot([x, x + SCALE_KM], [y, y], color=BLACK, lw=1.5, marker="|", ms=4, solid_capstyle="butt", zorder=4)
+    ax.annotate(f"{SCALE_KM:g} km", (x + SCALE_KM / 2, y), (0, 3), textcoords="offset points", ha="center",
+                path_effects=_HALO, zorder=4)

@@ -25,8 +25,9 @@ from damage.studies.states import unit_of
 def write_curves(fits, folder, eigen_period_s):
     """Write all formats of the curves {wall: [Fragility]} into a folder; returns the paths.
 
-    eigen_period_s: {wall: [s]}; files are FORMAT's own of each wall and measure, and one fragility_coefficients.csv.
-    A level that none or all runs exceed has no curve, and is in the CSV alone; so are all by an intensity that
+    eigen_period_s: {wall: [s]}, needed by sa_eigen_period_g alone; files are FORMAT's own of each wall and measure,
+    and one fragility_coefficients.csv.
+    A level whose curve the runs do not determine is in the CSV alone, with the reason; so are all by an intensity that
     OpenQuake has no name for, but for the arrays.
     """
     folder, paths = Path(folder), []
@@ -34,7 +35,7 @@ def write_curves(fits, folder, eigen_period_s):
         for measure in dict.fromkeys(one.measure for one in ones):
             same = [one for one in ones if one.measure == measure]
             stem = f"fragility_{wall}_{measure}_{same[0].intensity}"
-            paths += [write_nrml(wall, same, folder / f"{stem}_{kind}.xml", kind, eigen_period_s[wall])
+            paths += [write_nrml(wall, same, folder / f"{stem}_{kind}.xml", kind, eigen_period_s.get(wall))
                       for kind in ("continuous", "discrete") if has_name(same[0].intensity)]
             paths.append(write_arrays(same, folder / f"{stem}.npz"))
     paths.append(write_table(coefficients(fits), folder / "fragility_coefficients.csv"))
@@ -46,7 +47,7 @@ def left_out(fits):
     lines = [f"{wall}, {one.state}: a step, no lognormal curve: no run exceeds it up to {one.step[0]:.3g} "
              f"{unit_of(one.intensity)[1]}, all do from {one.step[1]:.3g} on; exported as these bounds of the median"
              for wall, ones in fits.items() for one in ones if one.step]
-    lines += [f"{wall}, {one.state}: no curve: {one.n_exceeding} of {one.n_runs} runs exceed it"
+    lines += [f"{wall}, {one.state}: no curve: {one.n_exceeding} of {one.n_runs} runs exceed it, {one.why}"
               for wall, ones in fits.items() for one in ones if not np.isfinite(one.median)]
     odd = sorted({one.intensity for ones in fits.values() for one in ones if not has_name(one.intensity)})
     return lines + [f"no NRML by {name}: OpenQuake has no name for this intensity" for name in odd]
@@ -56,7 +57,8 @@ def coefficients(fits):
     """A DataFrame with a row a curve.
 
     distribution: "lognormal", P(measure > level | intensity x) = Phi(ln(x / median) / dispersion); "step", whose median
-    lies between step_low and step_high and whose dispersion is not known; "none", where none or all runs exceed.
+    lies between step_low and step_high and whose dispersion is not known; "none", where the runs determine no curve,
+    with the reason in undetermined.
     new_record_low, new_record_high: 90 % prediction interval of the median in a new record.
     """
     return pd.DataFrame([{
@@ -67,7 +69,7 @@ def coefficients(fits):
         **dict(zip(("step_low", "step_high"), one.step or (None, None))),
         **dict(zip(("new_record_low", "new_record_high"),
                    one.new_record.median_bounds() if one.new_record else (np.nan, np.nan))),
-        "runs": one.n_runs, "exceeding": one.n_exceeding,
+        "undetermined": one.why, "runs": one.n_runs, "exceeding": one.n_exceeding,
         "records": one.n_records} for wall, ones in fits.items() for one in ones])
 
 

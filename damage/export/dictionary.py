@@ -117,7 +117,9 @@ _CURVE = _STATE | {
     "runs": Column("1", "runs of the wall"), "exceeding": Column("1", "runs that exceed the level"),
     "records": Column("1", "records that the runs come from"),
     "dispersion": Column("1", "standard deviation of the intensity's logarithm at which the level is exceeded; 0 of a "
-                         "step, whose dispersion the runs do not give")}
+                         "step, whose dispersion the runs do not give"),
+    "undetermined": Column("", "why the runs determine no curve, so that median and dispersion are empty; empty where "
+                           "they do")}
 _ENDS = ("low", "lower"), ("high", "upper")
 UNITS = dict([unit_of(name) for name in INTENSITIES])
 FRAGILITY = {
@@ -127,7 +129,8 @@ FRAGILITY = {
        for over in OVER for end, words in _ENDS for name, unit in UNITS.items()},
     **{f"dispersion_{over}_{end}": Column("1", f"{words} bound of the dispersion, {over} drawn anew")
        for over in OVER for end, words in _ENDS},
-    **{f"fitted_{over}": Column("1", f"bootstrap samples that could be fitted, {over} drawn anew") for over in OVER},
+    **{f"fitted_{over}": Column("1", f"bootstrap samples that determine a curve, {over} drawn anew; the others count "
+                               "as beyond the bounds, which are empty where 5 % or more do") for over in OVER},
     **{f"median_new_record_{end}_{name}": Column(unit, f"{words} bound of a new record's own median")
        for end, words in _ENDS for name, unit in UNITS.items()},
     "confidence": Column("1", "of the bounds"), "replicates": Column("1", "bootstrap samples that were drawn"), **SLIP}
@@ -139,7 +142,8 @@ AT = _VALUE | {
     "probability": Column("1", "of exceeding the level, by the curve through all records"),
     **{f"mean_{end}": Column("1", f"{words} bound of it, walls and records drawn anew") for end, words in _ENDS},
     "new_record": Column("1", "probability in a new record, averaged over what it may be"),
-    **{f"new_record_{end}": Column("1", f"{words} bound of a new record's own probability") for end, words in _ENDS}}
+    **{f"new_record_{end}": Column("1", f"{words} bound of a new record's own probability") for end, words in _ENDS},
+    "undetermined": _CURVE["undetermined"]}
 LEFT_OUT = _VALUE | {
     "record": Column("", "record that the curves do not know"),
     "runs": Column("1", "runs of it at this value"), "exceeding": Column("1", "runs of these that exceed the level"),
@@ -169,7 +173,7 @@ EFFICIENCY = {
 COEFFICIENTS = {
     **_CURVE, "level_unit": Column("", "unit of the level"), "intensity_unit": Column("", "unit of the median"),
     "distribution": Column("", "lognormal: P = Phi(ln(x / median) / dispersion); step: the median is bounded, no "
-                           "dispersion is known; none: none or all of the runs exceed the level"),
+                           "dispersion is known; none: the runs determine no curve"),
     "median": Column("as `intensity_unit` says", "intensity at which half of the runs exceed the level"),
     "step_low": Column("as `intensity_unit` says", "of a step: intensity up to which no run exceeds the level"),
     "step_high": Column("as `intensity_unit` says", "of a step: intensity from which on all runs do"),

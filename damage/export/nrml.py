@@ -45,7 +45,7 @@ def limit_state(fit):
 
 
 def fitted(fits):
-    """Those of a list of Fragility that have a curve or a step: some runs exceed the level and some do not."""
+    """Those of a list of Fragility that have a curve or a step."""
     return [fit for fit in fits if np.isfinite(fit.median)]
 
 
@@ -107,11 +107,11 @@ def _text(value):
 
 def _description(wall, fits, name, kind):
     """What the curves are of, and what they leave out."""
-    one, without = fits[0], [f"{fit.level:g}" for fit in fits if not np.isfinite(fit.median)]
+    one, without = fits[0], [f"{fit.level:g} ({fit.why})" for fit in fits if not np.isfinite(fit.median)]
     steps = [f"{fit.level:g}" for fit in fits if fit.step]
     lines = [f"Wall {wall}: probability that {one.measure} exceeds a level, by {name}; {one.n_runs} runs in "
              f"{one.n_records} records; masonry-damage."]
-    lines += [f"No curve for {', '.join(without)}: none or all of the runs exceed it."] if without else []
+    lines += [f"No curve for {', '.join(without)}."] if without else []
     lines += [f"A step for {', '.join(steps)}: the data bound its median and give no dispersion; "
               + ("a straight line between the bounds." if kind == "discrete" else "left out, see the discrete model.")
               ] if steps else []

@@ -1,7 +1,14 @@
-"""Earthquake catalogues: a CSV table, as the one that ships, or the text of an FDSN event service."""
+"""Earthquake catalogues: a CSV table, as the one that ships, or the text of an FDSN event service.
+
+A catalogue of other origin may hold what the ground-motion models are not for.  Left out are events that are no
+earthquakes by their type, tectonic ones by their depth, those of other places than the Groningen field, and all but one
+of an earthquake that several agencies list: the shallower than SHALLOW_KM, then the larger.  `Catalogue.notes` says
+which.
+"""
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +22,20 @@ from damage.files import DATA, text_lines
 SHIPPED = DATA / "groningen" / "knmi_catalogue_1991_2022.csv"
 """The catalogue that ships: its README says what it is."""
 MAGNITUDES = (-3.0, 10.0)
+SHALLOW_KM, DEEPEST_KM = 5.0, 10.0
+"""Depths beyond which events are named, since models take the field's 3 km, and are left out: 10 km is what agencies
+without near stations fix, and no gas field is deeper."""
+BESIDE_KM = 10.0
+"""Farthest that an event of the field may be from the nearest epicentre of the catalogue that ships."""
+ONE_EVENT = {True: (10.0, 25.0), False: (2.0, 5.0)}
+"""Largest difference of time [s] and epicentre [km] of one earthquake in two lines, by whether they name different
+agencies: KNMI's own list has two events 3 s apart."""
+_EARTHQUAKE = "earthquake", "induced", "triggered", "extraction", "injection"
+_NO_TYPE = "", "not reported", "unknown"
 _GRID, _DEGREES = ("easting_rd_m", "northing_rd_m"), ("latitude", "longitude")
 _FDSN = {"eventid": "id", "time": "time", "latitude": "latitude", "longitude": "longitude", "magnitude": "magnitude",
-         "eventlocationname": "place"}  # heading in lower case: name here; others are passed over
+         "eventlocationname": "place", "depth/km": "depth", "eventtype": "type",
+         "catalog": "agency"}  # heading in lower case: name here; others are passed over
 _FDSN_NEEDED = ("time", "latitude", "longitude", "magnitude")
 
 
@@ -25,7 +43,8 @@ _FDSN_NEEDED = ("time", "latitude", "longitude", "magnitude")
 class Catalogue:
     """Events in the order of time, read-only arrays of one length.
 
-    time: datetimes, UTC; magnitude [-]; x_m, y_m: epicentres in RD [m]; place, id: text; source: path of the file.
+    time: datetimes, UTC; magnitude [-]; x_m, y_m: epicentres in RD [m]; place, id: text; source: path of the file;
+    notes: sentences on events that were left out, or are doubtful.
     """
 
     time: np.ndarray
@@ -35,6 +54,7 @@ class Catalogue:
     place: np.ndarray
     id: np.ndarray
     source: str
+    notes: tuple = ()
 
     def __len__(self):
         return len(self.time)
@@ -61,7 +81,7 @@ class Catalogue:
 
     def at(self, which):
         """The events at an index, a slice or flags."""
-        return Catalogue(*(getattr(self, name)[which] for name in _COLUMNS), self.source)
+        return Catalogue(*(getattr(self, name)[which] for name in _COLUMNS), self.source, self.notes)
 
 
 _COLUMNS = "time", "magnitude", "x_m", "y_m", "place", "id"
@@ -71,8 +91,8 @@ def read_catalogue(path=SHIPPED):
     """Read a Catalogue.  Raises InputError, with the line, where the file does not fit.
 
     CSV: columns date_utc, time_utc, magnitude and either easting_rd_m, northing_rd_m or latitude, longitude; depth_km,
-    field, place, knmi_id may be there.  FDSN text: a first line #EventID|Time|Latitude|Longitude|...|Magnitude.
-    Depths are not used.
+    field, place, knmi_id may be there.  FDSN text: a first line #EventID|Time|Latitude|Longitude|...|Magnitude, of
+    whose other columns Depth/km, EventType and Catalog are read.
     """
     check_file(path, "a catalogue of earthquakes (CSV or FDSN text)", MOST_MB)
     with open(path, "rb") as file:
@@ -91,7 +111,7 @@ def _read_csv(path):
     words = zip(table.words("date_utc"), table.words("time_utc"))
     times = [_time(f"{date}T{time}", f"{path} line {line}") for (date, time), line in zip(words, table.line)]
     return _catalogue(path, table.line, times, magnitude, (first, second), pairs[0] == _GRID, table.words("place"),
-                      table.words("knmi_id"))
+                      table.words("knmi_id"), {"depth": table.numbers("depth_km")})
 
 
 def _known(table, name):
@@ -115,7 +135,7 @@ def _read_fdsn(path):
         if len(cells) != len(heads):
             raise InputError(f"{path} line {number}: {len(cells)} cells, the first line has {len(heads)}: expected as "
                              "many, with | between")
-        rows.append({"place": "", "id": "", **dict(zip(heads, cells))})
+        rows.append({"place": "", "id": "", "depth": "", "type": "", "agency": "", **dict(zip(heads, cells))})
         numbers.append(number)
     if not rows:
         raise InputError(f"{path}: no event; expected at least one line below the first")
@@ -124,12 +144,16 @@ def _read_fdsn(path):
     magnitude, latitude, longitude = (
         np.array([_number(row[name], name, place) for row, place in zip(rows, where)])
         for name in ("magnitude", "latitude", "longitude"))
+    depth = np.array([_number(row["depth"], "depth", place) if row["depth"] else np.nan
+                      for row, place in zip(rows, where)])
     return _catalogue(path, numbers, times, magnitude, (latitude, longitude), False,
-                      *(np.array([row[name] for row in rows], object) for name in ("place", "id")))
+                      *(np.array([row[name] for row in rows], object) for name in ("place", "id")),
+                      {"depth": depth, **{name: [row[name] for row in rows] for name in ("type", "agency")}})
 
 
-def _catalogue(path, lines, times, magnitude, epicentres, in_grid, place, identifier):
-    """A Catalogue of columns, after a check of their ranges; lines: numbers of the file's lines."""
+def _catalogue(path, lines, times, magnitude, epicentres, in_grid, place, identifier, more):
+    """A Catalogue of columns, after a check of their ranges; lines: numbers of the file's lines; more: columns depth
+    [km], type, agency of those that the file has."""
     least, most = MAGNITUDES
     bounds, (first, second) = (NETHERLANDS_RD_M, _GRID) if in_grid else (NETHERLANDS_DEG, _DEGREES)
     outside = ~within(bounds, *epicentres)
@@ -141,10 +165,82 @@ def _catalogue(path, lines, times, magnitude, epicentres, in_grid, place, identi
             raise InputError(f"{path} line {lines[int(np.argmax(wrong))]}: {problem}; correct it")
     x_m, y_m = epicentres if in_grid else to_rd(*epicentres)
     columns = np.array(times, object), magnitude, x_m, y_m, place, identifier
-    order = sorted(range(len(times)), key=times.__getitem__)
-    for column in (columns := tuple(np.asarray(column)[order] for column in columns)):
+    order = np.array(sorted(range(len(times)), key=times.__getitem__))
+    kept, notes = order, []
+    if Path(path) != SHIPPED:
+        kept, notes = _of_the_field(order, np.asarray(lines), *columns[:4], more)
+        if not len(kept):
+            raise InputError(f"{path}: no event that the ground-motion models are for; expected induced earthquakes of "
+                             f"the Groningen field; {notes[0]}")
+    for column in (columns := tuple(np.asarray(column)[kept] for column in columns)):
         column.setflags(write=False)
-    return Catalogue(*columns, str(path))
+    return Catalogue(*columns, str(path), tuple(f"{path}: {note}" for note in notes))
+
+
+def _of_the_field(order, lines, times, magnitude, x_m, y_m, more):
+    """Those of the indices `order`, in the order of time, whose events the models are for, and notes on the others."""
+    depth = more["depth"][order] if more.get("depth") is not None else np.full(len(order), np.nan)
+    kinds = [str(more["type"][k]).strip().lower() if "type" in more else "" for k in order]
+    no_quake = np.array([kind not in _NO_TYPE and not any(word in kind for word in _EARTHQUAKE) for kind in kinds])
+    field_km = np.array([from_field_km(x_m[k], y_m[k]) for k in order])
+    kept, notes = np.ones(len(order), bool), []
+    for out, words in ((no_quake, "no earthquake by its type"),
+                       (depth > DEEPEST_KM, f"deeper than {DEEPEST_KM:g} km, as tectonic earthquakes are"),
+                       (field_km > BESIDE_KM, f"more than {BESIDE_KM:g} km from the epicentres of the field")):
+        if (out & kept).any():
+            notes.append(f"left out as {words}: {_lines(lines[order[out & kept]])}")
+        kept &= ~out
+    deep = kept & (depth > SHALLOW_KM)
+    if deep.any():
+        notes.append(f"deeper than {SHALLOW_KM:g} km, but taken at the field's depth, 3 km: "
+                     f"{_lines(lines[order[deep]])}; take out what is not of the field")
+    rank = np.zeros(len(times))  # by which the line of an earthquake stays
+    rank[order] = magnitude[order] - 100 * deep
+    order, pairs = _one_by_one(order[kept], times, rank, x_m, y_m, more.get("agency"))
+    return order, notes + [
+        f"lines {lines[first]} and {lines[second]} are {seconds:.1f} s and {km:.1f} km apart (M {magnitude[first]:g} "
+        f"and {magnitude[second]:g}): taken as one earthquake, line {lines[second]} left out; take out the other line "
+        "to have this one" for first, second, seconds, km in pairs]
+
+
+def _one_by_one(order, times, rank, x_m, y_m, agency):
+    """The indices `order` without those of an earthquake that is there already, of which the highest rank stays, and
+    (kept, left out, seconds, km) of each of these."""
+    kept, pairs = [], []
+    for k in order:
+        for place in reversed(range(len(kept))):
+            other = kept[place]
+            seconds = (times[k] - times[other]).total_seconds()
+            km = float(np.hypot(x_m[k] - x_m[other], y_m[k] - y_m[other])) / 1e3
+            most_s, most_km = ONE_EVENT[agency is not None and agency[k] != agency[other]]
+            if seconds <= most_s and km <= most_km:
+                kept[place], goes = (k, other) if rank[k] > rank[other] else (other, k)
+                pairs.append((kept[place], goes, seconds, km))
+                break
+            if seconds > ONE_EVENT[True][0]:
+                kept.append(k)
+                break
+        else:
+            kept.append(k)
+    return np.array(sorted(kept, key=times.__getitem__), int), pairs
+
+
+@lru_cache(maxsize=1)
+def _field():
+    """Epicentres (n, 2) of the catalogue that ships [m]."""
+    field = read_catalogue(SHIPPED)
+    return np.column_stack([field.x_m, field.y_m]).astype(float)
+
+
+def from_field_km(x_m, y_m):
+    """Distance of a place in RD [m] from the nearest epicentre of the Groningen field [km]."""
+    return float(np.hypot(*(_field() - (x_m, y_m)).T).min()) / 1e3
+
+
+def _lines(numbers, most=5):
+    """Numbers of lines in words, the first few of many."""
+    return f"line{'s' * (len(numbers) > 1)} " + ", ".join(map(str, sorted(numbers)[:most])) + (
+        f" and {len(numbers) - most} more" if len(numbers) > most else "")
 
 
 def _time(words, where):

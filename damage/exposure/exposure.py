@@ -10,7 +10,7 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr
 
 from damage.errors import InputError
-from damage.exposure.catalogue import Catalogue
+from damage.exposure.catalogue import Catalogue, from_field_km
 from damage.exposure.ground_motion import GroundMotionModel, checked_vs30
 from damage.exposure.places import Place, to_wgs84
 from damage.history.schema import Column
@@ -21,7 +21,8 @@ LEVELS_MM_S = (1, 2, 5, 10)
 RARE = 0.01
 """Probability of the value that is reported beside the median."""
 REACH_KM = 25.0
-"""Farthest that a place may be from the nearest epicentre [km]: to there the model was compared with records."""
+"""Farthest that a place may be from the nearest epicentre of the field [km]: to there the model was compared with
+records."""
 _NODES = 64  # of the quadrature over the site term
 
 COLUMNS = {
@@ -40,7 +41,7 @@ COLUMNS = {
 class Exposure:
     """A place, the events of a catalogue and a ground-motion model; vs30_m_s: of the place [m/s].
 
-    Raises InputError where the place is farther than REACH_KM from all epicentres.
+    Raises InputError where the place is farther than REACH_KM from all epicentres, or from those of the field.
     """
 
     place: Place
@@ -56,6 +57,21 @@ class Exposure:
                 f"latitude {self.place.latitude:.4f}, longitude {self.place.longitude:.4f} is "
                 f"{self.distance_km[nearest]:.0f} km from the nearest epicentre ({self.catalogue.place[nearest]}): "
                 f"expected a place within {REACH_KM:g} km of one, as in the Groningen field; look at the coordinates")
+        if (km := from_field_km(self.place.x_m, self.place.y_m)) > REACH_KM:
+            raise InputError(
+                f"latitude {self.place.latitude:.4f}, longitude {self.place.longitude:.4f} is {km:.0f} km from the "
+                f"Groningen field's nearest epicentre: expected a place within {REACH_KM:g} km of one, to which the "
+                "ground-motion model was compared with records; look at the coordinates")
+
+    @property
+    def warnings(self):
+        """Sentences on what is doubtful: of the catalogue, and of distances."""
+        strongest = int(np.argmax(self.median_mm_s))
+        km = self.distance_km[strongest]
+        return [*self.catalogue.notes, *([
+            f"the event of the largest median, M {self.catalogue.magnitude[strongest]:g}, is {km:.0f} km away: the "
+            f"model was compared with records to {REACH_KM:g} km, PGV farther away is extrapolated"] if km > REACH_KM
+            else [])]
 
     @cached_property
     def distance_km(self):
@@ -106,6 +122,7 @@ class Exposure:
             "largest_median_mm_s": largest, "one_percent_mm_s": float(self.model.exceeded_mm_s(largest, RARE)),
             "largest_of_all_median_mm_s": self.largest_exceeded_mm_s(0.5),
             "largest_of_all_one_percent_mm_s": self.largest_exceeded_mm_s(RARE),
+            "warnings": self.warnings,
             "at_least_once": {str(level): self.at_least_once(level) for level in LEVELS_MM_S},
             "events": self.table().to_dict("records")}
 
@@ -129,7 +146,8 @@ def describe(found, rows=10):
             f"{found['at_least_once'][str(level)]:>9.3f}" for level in LEVELS_MM_S), "",
         f"{'time (UTC)':<20} {'M':>4} {'place':<18} {'km':>5} {'median':>8} {'1 %':>8}   probability of exceeding",
         f"{'[mm/s]':>59} {'[mm/s]':>8}" + "".join(f"{level:>7}" for level in LEVELS_MM_S),
-        *map(_row, events[:rows]), *[f"... and {len(events) - rows} weaker ones"] * (len(events) > rows)]
+        *map(_row, events[:rows]), *[f"... and {len(events) - rows} weaker ones"] * (len(events) > rows),
+        *(f"warning: {warning}" for warning in found["warnings"])]
     return "\n".join(lines)
 
 

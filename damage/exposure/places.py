@@ -16,6 +16,12 @@ NETHERLANDS_RD_M = (0.0, 300e3), (300e3, 630e3)
 """Bounds of easting and northing in RD [m]."""
 NETHERLANDS_DEG = (50.5, 53.8), (3.0, 7.5)
 """Bounds of latitude and longitude [degrees], a little wider than the country."""
+TOWNS_DEG = {
+    "Groningen": (53.219, 6.567), "Winsum": (53.330, 6.520), "Bedum": (53.300, 6.602), "Uithuizen": (53.407, 6.676),
+    "Ten Boer": (53.276, 6.694), "Loppersum": (53.333, 6.748), "Hoogezand": (53.162, 6.761),
+    "Slochteren": (53.221, 6.806), "Appingedam": (53.321, 6.858), "Delfzijl": (53.330, 6.918),
+    "Veendam": (53.106, 6.879), "Winschoten": (53.144, 7.037), "Assen": (52.997, 6.562)}
+"""Latitude and longitude of towns in and around the field, to about 1 km, for maps [degrees, WGS84]."""
 
 _ORIGIN_RD, _ORIGIN_DEG = (155000.0, 463000.0), (52.15517440, 5.38720621)  # Amersfoort
 # (power of the first, power of the second, coefficient)

@@ -21,8 +21,8 @@ COMPONENT_STYLES = {"DI": ("DI", BLACK, "solid"), "DI_drift": ("DI drift", GREEN
                     "DI_open": ("DI open", VERMILLION, "dash"), "DI_slip": ("DI slip", BLUE, "dashdot")}
 CRACK_COLOURS = JOINT_COLOURS | {"opened": VERMILLION}
 """{state: colour} as in the pictures, except for opened joints: thin orange lines are too faint on screens."""
-CRACK_DASHES = {"opened": "solid", "slipped": "2px,2px", "both": "solid"}
-"""Lines of cracked joints: what slipped is dotted, what did both is black between crosses."""
+CRACK_DASHES = {"opened": "solid", "slipped": "2px,2px", "both": "6px,2px"}
+"""Lines of cracked joints, which differ on paper, too: what slipped is dotted, what did both is dashed."""
 ELASTIC = {"name": "elastic, cannot fail", "colour": JOINT_COLOURS["elastic"], "dash": "4px,3px", "pixels": 0.9}
 """The line of joints that a lintel keeps elastic."""
 

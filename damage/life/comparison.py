@@ -12,7 +12,7 @@ import numpy as np
 
 from damage.history.schema import Column
 from damage.life.estimate import paired, probability
-from damage.studies.fragility import curve, fit
+from damage.studies.fragility import curve, solve
 
 VISIBLE = 1.0, 2.0
 """Psi whose probability is reported."""
@@ -44,6 +44,7 @@ READINGS = {
     **_bounds("p_largest", "probability with the largest event alone"),
     "median_mm_s": Column("mm/s", "median PGV of the wall's fragility in a single event"),
     "dispersion": Column("1", "its logarithmic standard deviation"),
+    "undetermined": Column("", "why the lives determine no curve, empty where they do"),
     "p_by_each_event": Column("1", "probability by this curve if every event draws anew"),
     "p_by_largest": Column("1", "probability by this curve if only the largest event counts")}
 """Columns of readings.csv."""
@@ -115,9 +116,11 @@ def _readings(lives, largest_alone):
 
 def by_own_curve(largest, hits, pgv):
     """Fragility of single events of PGV `largest` (n,) [mm/s] that have an outcome or not (n,), and the probability of
-    the outcome after the events `pgv` (lives, events) by both readings; NaN where none or all have it."""
-    median, dispersion = fit(largest, np.asarray(hits, int), np.ones(len(largest), int))
-    found = {"median_mm_s": median, "dispersion": dispersion}
+    the outcome after the events `pgv` (lives, events) by both readings; NaN where the lives determine no curve."""
+    median, dispersion, why, _ = solve(largest, np.asarray(hits, int), np.ones(len(largest), int))
+    if dispersion == 0:
+        median, dispersion, why = np.nan, np.nan, "no life has it up to a PGV from which on all do: no dispersion"
+    found = {"median_mm_s": median, "dispersion": dispersion, "undetermined": why}
     if not np.isfinite(median):
         return found | {"p_by_each_event": np.nan, "p_by_largest": np.nan}
     single = curve(pgv, median, dispersion)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage.csv_table import from_words
 from damage.errors import InputError
 from damage.exposure.lives import Draws, read_address
 from damage.history.schema import Column
@@ -163,7 +164,7 @@ def together(parts):
 def _read(path):
     """Table of lives.csv with every digit; InputError where it is none."""
     try:
-        table = pd.read_csv(path, comment="#", dtype={"time_utc": str}, float_precision="round_trip")
+        table = from_words(pd.read_csv(path, comment="#", dtype={"time_utc": str}, float_precision="round_trip"))
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: {error}; expected lives.csv, as python3 -m damage lives writes it") from error
     if missing := [name for name in COLUMNS if name not in table]:
@@ -212,6 +213,7 @@ def describe(parts):
         lines += [f"{one.point}: {len(last)} lives, {one.years[0]} to {one.years[1]}, {events.median():g} events in "
                   f"the median life ({events.min()} to {events.max()}), median of the largest PGV "
                   f"{last['largest_mm_s'].median():.1f} mm/s",
+                  *(f"  warning: {warning}" for warning in one.draws.exposure.warnings),
                   *_of_the_settlement(one.table),
                   f"  at the end: median Psi {last['psi'].median():.2f}, median DI {last['DI'].median():.4f}, median "
                   f"of the largest Psi {last['max_psi'].median():.2f}"]

@@ -12,6 +12,7 @@ from dataclasses import fields
 import pandas as pd
 
 from damage.checks import check_file, is_plain_name
+from damage.csv_table import from_words
 from damage.errors import InputError
 from damage.files import LONGEST_LINE
 from damage.history.schema import Column
@@ -281,15 +282,20 @@ def read_table(path, needed=()):
     be read or lacks a needed column.
     """
     try:
-        table = before_offsets(one_spelling(_read_csv(path)))
+        table = before_offsets(one_spelling(from_words(_read_csv(path))))
     except (OSError, ValueError) as error:  # of the file, or of its text
         raise InputError(f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file of a "
                          "study, run it again with ./run_all.sh") from error
+    check_there(table, path, needed)
+    return table
+
+
+def check_there(table, path, needed):
+    """Raise InputError where a table lacks one of these columns; path: of it."""
     lacking = [name for name in needed if name not in table]
     if lacking:
         raise InputError(f"{path} has no column {lacking[0]}; expected the tables of a study of this version, run it "
                          "again with ./run_all.sh, or make them anew: python3 -m damage tables summary")
-    return table
 
 
 def check_names(table, path):

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from damage.csv_table import as_words
 from damage.errors import InputError
 from damage.files import json_text, whole_or_nothing, write_text
 from damage.history.info import info, made_by
@@ -185,9 +186,10 @@ def write_run_tables(history, stem, names=RUN_TABLES):
 
 
 def write_table(table, path):
-    """Write a DataFrame as CSV, numbers with nine significant digits; returns the path."""
+    """Write a DataFrame as CSV, numbers with nine significant digits, words so that no spreadsheet executes them
+    (`damage.csv_table`); returns the path."""
     with whole_or_nothing(path) as unfinished:
-        table.to_csv(unfinished, index=False, float_format="%.9g")
+        as_words(table).to_csv(unfinished, index=False, float_format="%.9g")
     return path
 
 

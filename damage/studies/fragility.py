@@ -8,11 +8,17 @@ are the seeds of their joints' strengths, of the records, or of both, each with 
 other earthquakes out; of few records those over records are themselves uncertain.  Samples drawn from few scatter less
 than new ones would, so they are stretched about the fit (`stretch`).  The interval for the curve of a new record is
 wider: `damage.studies.new_record`.
+
+A curve is given only where the runs determine it (`solve`).  The same holds for every bootstrap sample.  A sample that
+determines none is not left out, since an interval of the others alone would be too narrow: its median counts as beyond
+all bounds, on the side of the runs that it is known to lie on, else on both.  So a bound stands while fewer than one
+in twenty samples lie beyond it, and is NaN otherwise.
 """
 
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,7 +26,7 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from damage.errors import InputError
-from damage.measure.columns import check_names, read_table
+from damage.measure.columns import check_names, check_there, read_table
 from damage.studies.new_record import CONFIDENCE, new_record
 from damage.studies.states import (
     LEVELS,
@@ -41,16 +47,29 @@ FEW_RECORDS = 10
 REPLICATES = 500
 _PERCENTILES = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
 DISPERSIONS = 1e-3, 3.0
-"""Range of a fitted dispersion [-]."""
+"""Range of a fitted dispersion [-]; at its ends the runs determine none."""
+_STARTS = 0.5, 0.2
+"""Dispersions that the optimiser starts from [-]: the second where it stays at the first."""
+
+
+class Fit(NamedTuple):
+    """A lognormal curve: median, dispersion [-], NaN where the runs determine none; why: the reason, "" where they do.
+    side: where the median lies then: 1 above all intensities that were run, -1 below, 0 not known."""
+
+    median: float
+    dispersion: float
+    why: str = ""
+    side: int = 0
 
 
 @dataclass(frozen=True)
 class Fragility:
     """A fitted curve with its bounds.
 
-    intensity: a column of summary.csv, in the unit of which all intensities are; median, dispersion [-]: NaN where no
-    run or every run exceeds the level; n_runs, n_exceeding, n_records, n_walls; replicates: by a name of OVER (n, 2)
-    medians and dispersions of the bootstrap samples that could be fitted; n_replicates: how many were drawn of each.
+    intensity: a column of summary.csv, in the unit of which all intensities are; median, dispersion [-]: NaN where the
+    runs determine no curve, why: the reason; n_runs, n_exceeding, n_records, n_walls; replicates: by a name of OVER
+    (n_replicates, 2) medians and dispersions of the bootstrap samples.  Of a sample that determines none the dispersion
+    is NaN, the median infinite, 0 or NaN where it lies above all intensities of the runs, below, or is not known.
     step: two intensities where up to one no run exceeds the level and from the other on all do, with one other at
     most between them; the data then give no dispersion (it is 0), and bound the median by the two.  None where there
     are none.  name: of the damage state, "" for the condition.  stripes: what `new_record` takes, None where unknown.
@@ -70,6 +89,7 @@ class Fragility:
     step: tuple[float, float] | None = None
     name: str = ""
     stripes: tuple | None = field(default=None, compare=False, repr=False)
+    why: str = ""
 
     @property
     def state(self):
@@ -78,8 +98,8 @@ class Fragility:
 
     @cached_property
     def new_record(self):
-        """The NewRecord of the runs, None where there is none."""
-        return new_record(*self.stripes) if self.stripes else None
+        """The NewRecord of the runs, None where there is none, as of runs that determine no curve."""
+        return new_record(*self.stripes) if self.stripes and np.isfinite(self.median) else None
 
     def probability(self, intensity):
         """P(measure > level) at intensities of any shape."""
@@ -88,39 +108,57 @@ class Fragility:
     def bounds(self, intensity, over="walls"):
         """Lower and upper bound of the probability at intensities (n,), (2, n); over: a name of OVER.
 
-        None where nothing can be resampled: a single wall or record, or no sample that could be fitted.
+        None where nothing can be resampled, a single wall or record, and where the runs, or too many of the samples,
+        determine no curve.
         """
-        x, replicates = np.asarray(intensity, float), self._samples(over)
+        x, (medians, dispersions) = np.asarray(intensity, float), self._samples(over).T
         step = [curve(x, end, 0.0) for end in self.step[::-1]] if self.step else None
         if step and over == "walls":
             return np.array(step)  # walls that are drawn all turn between its ends
-        if len(replicates) < 2:
+        known = np.isfinite(dispersions)
+        curves = curve(x[None, :], medians[known, None], dispersions[known, None])
+        unknown = np.full((np.count_nonzero(~known), len(x)), np.inf)
+        low, high = _interval(np.vstack([curves, -unknown]), np.vstack([curves, unknown]))
+        if np.isnan([low, high]).any():
             return None
-        curves = curve(x[None, :], *(column[:, None] for column in replicates.T))
-        low, high = np.percentile(curves, _PERCENTILES, axis=0)
         return np.array([np.minimum(low, step[0]), np.maximum(high, step[1])] if step else [low, high])
 
     def median_bounds(self, over="walls"):
         """Lower and upper bound of (median, dispersion), (2, 2), NaN where there are none."""
-        replicates = self._samples(over)
-        low, high = np.percentile(replicates, _PERCENTILES, axis=0) if len(replicates) > 1 \
-            else np.full((2, 2), np.nan)
         if self.step and over == "walls":
             return np.array([[end, np.nan] for end in self.step])
-        if self.step and np.isfinite(low[0]):
-            low[0], high[0] = min(low[0], self.step[0]), max(high[0], self.step[1])
+        samples = self._samples(over)
+        least = np.where(np.isnan(samples) | (samples == 0) & [True, False], -np.inf, samples)
+        low, high = _interval(least, np.where(np.isnan(samples), np.inf, samples))
+        if self.step:
+            low[0], high[0] = np.minimum(low[0], self.step[0]), np.maximum(high[0], self.step[1])
         return np.array([low, high])
 
     def _samples(self, over):
-        """Medians and dispersions (n, 2) of the bootstrap samples, stretched about the fit."""
+        """Medians and dispersions (n, 2) of the bootstrap samples, stretched about the fit; none where there is no
+        fit."""
         samples = self.replicates.get(over, np.zeros((0, 2)))
-        drawn = {"walls": self.n_walls, "records": self.n_records}.get(over, min(self.n_walls, self.n_records))
         if len(samples) == 0 or not np.isfinite(self.median):
-            return samples
+            return np.zeros((0, 2))
+        drawn = {"walls": self.n_walls, "records": self.n_records}.get(over, min(self.n_walls, self.n_records))
         fit = np.array([self.median, self.dispersion])
         with np.errstate(divide="ignore", invalid="ignore"):
             stretched = fit * (samples / fit) ** stretch(drawn)
         return np.where((samples > 0) & (fit > 0), stretched, samples)
+
+    def _determined(self, over):
+        """Number of the bootstrap samples that determine a curve."""
+        return int(np.isfinite(self.replicates[over][:, 1]).sum()) if over in self.replicates else 0
+
+    def notes(self):
+        """Lines on what the runs, or bootstrap samples, do not determine."""
+        if self.why:
+            return [f"{self.state}: no curve, {self.why}"]
+        if self.n_replicates < 2 or "both" not in self.replicates or np.isfinite(self.median_bounds("both")).all():
+            return []
+        lost = self.n_replicates - self._determined("both")
+        return [f"{self.state}: {lost} of {self.n_replicates} bootstrap samples determine no curve and count as beyond "
+                "the bounds of the mean curve: where 5 % or more do, a bound is open (-)"]
 
     def row(self):
         """The fit as a flat dictionary: a row of the table; medians have the intensity's unit in their names."""
@@ -129,12 +167,12 @@ class Fragility:
 
         row = {"state": self.state, "measure": self.measure, "level": self.level, "runs": self.n_runs,
                "exceeding": self.n_exceeding, "records": self.n_records, named("median"): self.median,
-               "dispersion": self.dispersion}
+               "dispersion": self.dispersion, "undetermined": self.why}
         for over in OVER:
             (low, least), (high, largest) = self.median_bounds(over)
             row |= {named(f"median_{over}_low"): low, named(f"median_{over}_high"): high,
                     f"dispersion_{over}_low": least, f"dispersion_{over}_high": largest,
-                    f"fitted_{over}": len(self.replicates.get(over, ()))}
+                    f"fitted_{over}": self._determined(over)}
         low, high = self.new_record.median_bounds() if self.new_record else (np.nan, np.nan)
         return row | {named("median_new_record_low"): low, named("median_new_record_high"): high,
                       "confidence": CONFIDENCE, "replicates": self.n_replicates}
@@ -159,20 +197,36 @@ def curve(intensity, median, dispersion):
 
 
 def fit(intensity, exceeding, runs):
-    """(median, dispersion) by maximum likelihood.
+    """(median, dispersion) of `solve`."""
+    return tuple(solve(intensity, exceeding, runs)[:2])
+
+
+def solve(intensity, exceeding, runs):
+    """The Fit by maximum likelihood.
 
     intensity: (n,) [g]; exceeding, runs: (n,) how many of how many runs exceed the level there.
-    NaN where none or all do: the data then bound the median on one side only.  Where the runs turn from none to all at
-    once (`step_of`), no dispersion is the likeliest: 0, and the median is the intensity where some exceed, or else the
-    geometric mean of the two, between which all medians are as likely.
-    """
-    x, y, n = np.log(np.asarray(intensity, float)), np.asarray(exceeding, float), np.asarray(runs, float)
-    if y.sum() in (0, n.sum()):
-        return np.nan, np.nan
-    if ends := step_of(intensity, exceeding, runs):
-        some = np.exp(x[(y > 0) & (y < n)])
-        return float(some[0] if len(some) else np.sqrt(ends[0] * ends[1])), 0.0
+    Where the runs turn from none to all at once (`step_of`), no dispersion is the likeliest: 0, and the median is the
+    intensity where some exceed, or else the geometric mean of the two, between which all medians are as likely.
 
+    Otherwise the runs determine a curve where its likelihood has one maximum, inside the bounds of the dispersion, and
+    the median is no extrapolation.  The first asks for two intensities at which some runs exceed and some do not.  Of
+    runs that each have their own intensity it asks for the same: that one exceeds below another that does not (M. J.
+    Silvapulle, 1981, doi:10.1111/j.2517-6161.1981.tb01676.x, of one covariate).
+    """
+    x, y, n = (np.asarray(values, float)[np.asarray(runs) > 0] for values in (intensity, exceeding, runs))
+    if ends := step_of(x, y, n):
+        some = x[(y > 0) & (y < n)]
+        return Fit(float(some[0] if len(some) else np.sqrt(ends[0] * ends[1])), 0.0)
+    side = int(np.all(y < n / 2)) - int(np.all(y > n / 2))
+    if y.sum() in (0, n.sum()):
+        return Fit(np.nan, np.nan, f"{'no' if y.sum() == 0 else 'every'} run exceeds it", side)
+    if x[y > 0].min() >= x[y < n].max():
+        return Fit(np.nan, np.nan, "one intensity only has runs of both kinds, a curve needs two", side)
+    return _likeliest(np.log(x), y, n, side)
+
+
+def _likeliest(x, y, n, side):
+    """The Fit of ln intensities x (n,); side: where the median lies if no rising curve is the likeliest."""
     def misfit(parameters):  # Baker (2015), equation (11), with the sign changed
         z = (x - parameters[0]) / np.exp(parameters[1])
         below, above = log_ndtr(z), log_ndtr(-z)
@@ -180,10 +234,22 @@ def fit(intensity, exceeding, runs):
         dz = y * np.exp(density - below) - (n - y) * np.exp(density - above)
         return (-np.sum(y * below + (n - y) * above), np.array([np.sum(dz) / np.exp(parameters[1]), np.sum(dz * z)]))
 
-    centre = np.average(x, weights=n)
-    best = scipy.optimize.minimize(misfit, (centre, np.log(0.5)), jac=True, method="L-BFGS-B",
-                                   bounds=((x.min() - 5, x.max() + 5), tuple(np.log(DISPERSIONS))))
-    return float(np.exp(best.x[0])), float(np.exp(best.x[1]))
+    centre, ends = np.average(x, weights=n), np.log(DISPERSIONS)
+    for start in np.log(_STARTS):
+        best = scipy.optimize.minimize(misfit, (centre, start), jac=True, method="L-BFGS-B",
+                                       bounds=((x.min() - 5, x.max() + 5), tuple(ends)))
+        if best.x[1] != start:
+            break
+    median, dispersion = (float(np.exp(value)) for value in best.x)
+    if best.x[1] == start:
+        return Fit(np.nan, np.nan, "the likelihood does not depend on the dispersion", side)
+    if np.abs(best.x[1] - ends).min() < 1e-6:
+        words = ": no rising curve fits" if best.x[1] > start else ""
+        return Fit(np.nan, np.nan, f"the dispersion is at its bound of {dispersion:g}{words}", side)
+    if above := int(best.x[0] > x.max()) - int(best.x[0] < x.min()):
+        where = "above" if above > 0 else "below"
+        return Fit(np.nan, np.nan, f"the median would lie {where} all intensities that were run", above)
+    return Fit(median, dispersion)
 
 
 def step_of(intensity, exceeding, runs):
@@ -195,6 +261,19 @@ def step_of(intensity, exceeding, runs):
     if len(some) > 1 or not len(none) or not len(all_) or none.max() > all_.min():
         return None
     return (float(none.max()), float(all_.min())) if all(none.max() < x < all_.min() for x in some) else None
+
+
+_SIDES = {1: (np.inf, np.nan), 0: (np.nan, np.nan), -1: (0.0, np.nan)}
+"""Median and dispersion that stand for a bootstrap sample without a curve, by `Fit.side`."""
+
+
+def _interval(low, high):
+    """Percentiles, lower of low (n, ...) and upper of high, NaN where they fall among those that are infinite."""
+    if len(low) < 2:
+        return np.full((2, *low.shape[1:]), np.nan)
+    with np.errstate(invalid="ignore"):
+        ends = [np.percentile(values, at, axis=0) for values, at in zip((low, high), _PERCENTILES)]
+    return np.where(np.isfinite(ends), ends, np.nan)
 
 
 def exceeding(runs, measure, level):
@@ -223,12 +302,12 @@ def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=
         drawn = [kind in (one, "both") and size > 1 for one, size in zip(OVER, sizes)]
         if not any(drawn) or (kind == "both" and not all(drawn)):
             continue
-        fits = [fit(values, *_drawn(counts, sizes, drawn, random)[::-1]) for _ in range(replicates)]
-        fits = np.array(fits).reshape(-1, 2)
-        found[kind] = fits[np.isfinite(fits).all(axis=1)]
+        fits = [solve(values, *_drawn(counts, sizes, drawn, random)[::-1]) for _ in range(replicates)]
+        found[kind] = np.array([_SIDES[one.side] if one.why else one[:2] for one in fits]).reshape(-1, 2)
     n, y = counts.sum(axis=(1, 2))
-    return Fragility(measure, level, *fit(values, y, n), len(runs), int(exceeds.sum()), found, replicates, len(known),
-                     len(walls), intensity, step_of(values, y, n), name, (values, *counts.sum(axis=1)[::-1]))
+    median, dispersion, why, _ = solve(values, y, n)
+    return Fragility(measure, level, median, dispersion, len(runs), int(exceeds.sum()), found, replicates, len(known),
+                     len(walls), intensity, step_of(values, y, n), name, (values, *counts.sum(axis=1)[::-1]), why)
 
 
 def _drawn(counts, sizes, drawn, random):
@@ -246,10 +325,17 @@ def load_runs(folder):
                          "./run_all.sh fragility --solver reference")
     runs = read_table(path, (*LEVELS, "pga_g", "strength_cov", "strength_seed"))
     check_names(runs, path)
-    runs = runs[(runs["strength_cov"] > 0) & (runs["status"] == "complete")]
+    check_there(runs, path, ("wall", "record", "status", "collapsed_at_s"))
+    runs = runs[(pd.to_numeric(runs["strength_cov"], errors="coerce") > 0) & (runs["status"] == "complete")]
     if len(runs) == 0:
         raise InputError(f"{path} holds no finished run with scattered strengths; expected some with strength-cov, "
                          "as in studies/fragility.toml")
+    for name, expected in (("wall", "a name"), ("strength_seed", "a number"), ("collapsed_at_s", "a time or nothing")):
+        words = runs[name].notna() & pd.to_numeric(runs[name], errors="coerce").isna()
+        bad = runs[name].isna() if name == "wall" else words | runs[name].isna() & (name == "strength_seed")
+        if bad.any():
+            raise InputError(f"{path}: {bad.sum()} of {len(runs)} runs have {runs[name][bad].iloc[0]!r} as {name}; "
+                             f"expected {expected} in each; take another copy of the table")
     return runs
 
 
@@ -274,7 +360,7 @@ def fragility_table(fits, intensity):
 def in_words(fits):
     """Text on curves {wall: [Fragility]}: a line each, with the intervals of the median for the mean curve and for a
     new record."""
-    lines = []
+    lines, notes = [], []
     for wall, ones in fits.items():
         one = ones[0]
         lines += [f"{wall} wall by {one.intensity} [{unit_of(one.intensity)[1]}], {one.n_runs} runs, {one.n_walls} "
@@ -285,13 +371,17 @@ def in_words(fits):
             median = _span(one.step) if one.step else f"{one.median:#.3g}" if np.isfinite(one.median) else "-"
             dispersion = "step" if one.step else f"{one.dispersion:.2f}" if np.isfinite(one.median) else "-"
             new = one.new_record.median_bounds() if one.new_record else (np.nan, np.nan)
-            lines.append(f"{one.state:28} {one.n_exceeding:6} {median:>16} {dispersion:>10} "
-                         f"{_span(one.median_bounds('both')[:, 0]):>16} {_span(new):>16}")
-    return "\n".join(lines)
+            mean = one.median_bounds("both")[:, 0]
+            lines.append(f"{one.state:28} {one.n_exceeding:6} {median:>16} {dispersion:>10} {_span(mean):>16} "
+                         f"{_span(new):>16}")
+            notes += one.notes()
+    return "\n".join(lines + notes)
 
 
 def _span(bounds):
-    return "{:#.3g} to {:#.3g}".format(*bounds) if np.isfinite(bounds).all() else "-"
+    """Two bounds in words; one that is missing as "-"."""
+    ends = ["-" if np.isnan(end) else f"{end:#.3g}" for end in bounds]
+    return "-" if ends == ["-", "-"] else " to ".join(ends)
 
 
 def at_intensities(fits, values):
@@ -306,7 +396,8 @@ def at_intensities(fits, values):
                          "probability": one.probability(value),
                          **_ends("mean", mean[:, place] if mean is not None else (np.nan, np.nan)),
                          "new_record": new.probability([value])[0] if new else np.nan,
-                         **_ends("new_record", new.bounds([value])[:, 0] if new else (np.nan, np.nan))})
+                         **_ends("new_record", new.bounds([value])[:, 0] if new else (np.nan, np.nan)),
+                         "undetermined": one.why})
     return pd.DataFrame(rows)
 
 
@@ -317,10 +408,11 @@ def _ends(name, bounds):
 def efficiency_table(runs, states=STATES, intensity=None):
     """Efficiency of intensities: a DataFrame with a row for each wall, State and intensity, best first.
 
-    dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN where no run or
-    every run exceeds.  scatter: standard deviation of ln(measure) about a straight line over ln(intensity), of the runs
-    that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007), doi:10.1193/1.2723158, call an
-    intensity efficient where it is small.  median: in `unit`.  intensity: one more than INTENSITIES.
+    dispersion: of the fitted curve, 0 where the intensity separates exceeding from other runs; NaN where the runs
+    determine none, undetermined: the reason.  scatter: standard deviation of ln(measure) about a straight line over
+    ln(intensity), of the runs that stand and have some damage, whatever the level: N. Luco, C. A. Cornell (2007),
+    doi:10.1193/1.2723158, call an intensity efficient where it is small.  median: in `unit`.  intensity: one more than
+    INTENSITIES.
     """
     names = list(dict.fromkeys([*there(runs), *([intensity] if intensity else [])]))
     rows = [{"wall": wall, **_efficiency(of_wall, state, name)} for wall, of_wall in runs.groupby("wall", sort=False)
@@ -335,7 +427,8 @@ def _efficiency(runs, state, intensity):
     """The row of the table for one wall, State and intensity."""
     one = fragility(runs, state.measure, state.level, intensity, replicates=0, name=state.name)
     return {"state": one.state, "measure": one.measure, "level": one.level, "intensity": intensity,
-            "dispersion": one.dispersion, "scatter": _scatter(runs, one.measure, intensity), "median": one.median,
+            "dispersion": one.dispersion, "undetermined": one.why,
+            "scatter": _scatter(runs, one.measure, intensity), "median": one.median,
             "unit": unit_of(intensity)[1], "runs": one.n_runs, "exceeding": one.n_exceeding, "records": one.n_records}
 
 

@@ -10,9 +10,8 @@ from damage.draw.panels import add_heading, finish, grid, letter, record_label, 
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, styled
 from damage.studies.fragility import FEW_RECORDS, curve, exceeding
 from damage.studies.new_record import CONFIDENCE
-from damage.studies.states import LEVELS, State, in_unit, label, leading, unit_of
+from damage.studies.states import LEVELS, State, in_picture, in_unit, label, leading, unit_of
 
-_PANELS = {"max_DI": "maximum DI", "max_crack_width_mm": "maximum crack width [mm]", "max_psi": r"maximum $\Psi$"}
 _MOST_PANELS = 3
 """In a row."""
 _BANDS = {"new record": (0.13, "interval of a new record's own curve"),
@@ -64,7 +63,8 @@ def _panel(ax, number, x, runs, fits, intensity):
     styled_fits = list(zip(fits, cycle(_STYLES)))
     handles, kinds = zip(*(_draw(ax, x, runs, one, style, intensity) for one, style in styled_fits))
     ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
-    letter(ax, number, _PANELS.get(fits[0].measure, fits[0].measure))
+    measure = fits[0].measure
+    letter(ax, number, label(measure).removesuffix(" [-]") if measure in LEVELS else label(measure))
     ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     return set().union(*kinds)
 
@@ -84,7 +84,7 @@ def _bands(one, x):
     """{name of _BANDS: lower and upper bound (2, n)} of the bands that there are."""
     new, both = one.new_record, one.bounds(x, "both")
     found = {"new record": new.bounds(x) if new else None, "both": both,
-             "walls": one.bounds(x) if both is None else None}
+             "walls": one.bounds(x) if one.n_records == 1 else None}
     return {kind: bounds for kind, bounds in found.items() if bounds is not None}
 
 
@@ -105,7 +105,7 @@ def _draw(ax, x, runs, one, style, intensity):
         if one.new_record:
             words += "\nof a new record {:#.2g} to {:#.2g} {}".format(*one.new_record.median_bounds(), unit)
     else:
-        words += f": {one.n_exceeding} of {one.n_runs} runs"
+        words += f": no curve, {one.n_exceeding} of {one.n_runs} runs exceed it"
     return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=words), list(bands)
 
 
@@ -120,7 +120,9 @@ def picture_after_damage(wall, shocks, table, intensity, states=PSI):
         handles = [_draw_after(ax, x, shocks, row, style, intensity)
                    for (_, row), style in zip(rows.iterrows(), cycle(_STYLES))]
         ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.1), ncols=1, borderaxespad=0)
-        letter(ax, number, state.words.replace("max_psi", r"$\Psi$"))
+        words, unit = in_picture(state.measure)
+        words = words.removeprefix("maximum ") if state.measure in LEVELS else words
+        letter(ax, number, state.name or f"{words} > {state.level:g} {unit.strip('-')}")
         ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     axes[0, 0].set_ylabel("probability of exceeding")
     records = shocks["record"].dropna().unique()
@@ -136,7 +138,7 @@ def _draw_after(ax, x, shocks, row, style, intensity):
     mine, median = shocks[shocks["before"] == row["before"]], row[in_unit("median", intensity)]
     shares = exceeding(mine, row["measure"], row["level"]).groupby(mine[intensity].round(6)).mean()
     ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
-    text = f"{row['before']}: {row['exceeding']} of {row['runs']} shocks"
+    text = f"{row['before']}: no curve, {row['exceeding']} of {row['runs']} shocks exceed it"
     if np.isfinite(median):
         ax.plot(x, curve(x, median, row["dispersion"]), color=colour, ls=line)
         unit = unit_of(intensity)[1]

@@ -88,13 +88,13 @@ def _medians(predicted, of_record, state, intensity):
 
 
 def _own_median(one):
-    """Bounds of the median of a Fragility of one record: equal but for a step, whose shares bound it, and for a record
-    in which all or none of the runs exceed the level."""
+    """Bounds of the median of a Fragility of one record: equal where its runs determine it, else the intensities
+    between which its shares pass one half."""
     if not one.step and np.isfinite(one.median):
         return one.median, one.median
     x, (exceed,), (runs,) = one.stripes
     x, most = np.asarray(x), exceed >= runs / 2
-    return x[~most].max(initial=0.0), x[most].min(initial=np.inf)
+    return tuple(sorted((x[~most].max(initial=0.0), x[most].min(initial=np.inf))))
 
 
 def scores(table):

@@ -128,7 +128,8 @@ def _numbers(runs, name, where, table="summary.csv"):
 
 def there(runs):
     """Names of the INTENSITIES that every one of the runs has."""
-    return [name for name in INTENSITIES if name in runs and runs[name].notna().all()]
+    return [name for name in INTENSITIES if name in runs and runs[name].notna().all()
+            and pd.api.types.is_numeric_dtype(runs[name])]
 
 
 def leading(runs):
@@ -159,7 +160,18 @@ def in_unit(name, column):
     return "_".join(filter(None, (name, unit_of(column)[0])))
 
 
-def label(column):
-    """The label of an axis of an intensity."""
+def in_picture(column):
+    """A column of summary.csv as a picture names it: words, unit ("-" of a number without one).
+
+    >>> in_picture("max_drift_ratio"), in_picture("initial_stiffness_n_per_m")
+    (('maximum drift ratio', '-'), ('initial stiffness', 'N/m'))
+    """
     unit = unit_of(column)[1]
-    return INTENSITIES.get(column, f"{column} [{'-' if unit == '1' else unit}]")
+    words = column.removesuffix("_" + unit.lower().replace("/", "_per_")).replace("_", " ")
+    words = re.sub(r"^max ", "maximum ", words).replace("psi", r"$\Psi$")
+    return words, "-" if unit == "1" else unit
+
+
+def label(column):
+    """The label of an axis of an intensity, or the title of a panel of a measure."""
+    return INTENSITIES.get(column, "{} [{}]".format(*in_picture(column)))

@@ -104,11 +104,11 @@ function widthClass(legend, millimetres) {
   return found;
 }
 
-const BROKEN = 1, CROSS_PX = 8;
+const BROKEN = 1;
 
-// Lines of the joints that are not whole at instant k: broken, by width and state, crosses; how many of each state.
+// Lines of the joints that are not whole at instant k: broken, by width and state; how many of each state.
 function cracks(run, k, at, legend, withWords) {
-  const n = run.n_ever, lines = Array.from({length: 2 + legend.widths.length * legend.states.length},
+  const n = run.n_ever, lines = Array.from({length: 1 + legend.widths.length * legend.states.length},
     () => ({x: [], y: [], text: []})), counts = {};
   for (let j = 0; j < n; j++) {
     const state = run.state[n * k + j];
@@ -124,11 +124,6 @@ function cracks(run, k, at, legend, withWords) {
         + `${mm.toFixed(3)} mm wide`;
       line.text.push(words, words, "");
     }
-    if (place === legend.states.length - 1) {
-      const cross = lines[lines.length - 1];
-      cross.x.push((ends[0][0] + ends[1][0]) / 2);
-      cross.y.push((ends[0][1] + ends[1][1]) / 2);
-    }
   }
   return {lines, counts};
 }
@@ -142,8 +137,6 @@ function wallTraces(legend) {
     {...line(elastic.colour, elastic.pixels, elastic.dash), hoverinfo: "skip"}, line("#777777", 0.9)];
   for (const width of legend.widths) for (const state of legend.states) traces.push(
     line(state.colour, width.pixels, state.dash));
-  traces.push({type: "scatter", mode: "markers", x: [], y: [], hoverinfo: "skip", showlegend: false,
-    marker: {symbol: "x-thin-open", size: CROSS_PX, color: "#000000", line: {width: 1}}});
   return traces;
 }
 
@@ -224,8 +217,6 @@ function printable(run, legend, onPaper) {
     onPaper ? {color: "#000000", width: 1.7 * width.pixels} : {color: state.colour, width: width.pixels})));
   Plotly.restyle(byId(`wall-${run.letter}`), {"line.color": lines.map((one) => one.color),
     "line.width": lines.map((one) => one.width)}, lines.map((_, number) => first + number));
-  Plotly.restyle(byId(`wall-${run.letter}`), {"marker.size": (onPaper ? 1.8 : 1) * CROSS_PX,
-    "marker.line.width": onPaper ? 1.6 : 1}, [first + lines.length]);
 }
 
 // As the style of a printed page has it: its width without margins, gaps between columns [px], the size of drawings.
@@ -260,7 +251,7 @@ function drawWall(run, legend, lines) {
   const traces = wallTraces(legend).map((trace, number) => ({...trace, ...lines[number]}));
   return drawInto(`wall-${run.letter}`, traces, {shapes: [ground], margin: {...MARGIN, l: 48},
     xaxis: {...axis, range: box.x, title: named("x [m]")},
-    yaxis: {...axis, range: box.y, title: named("z [m]"), scaleanchor: "x"}});
+    yaxis: {...axis, range: box.y, title: named("z [m]"), scaleanchor: "x", constraintoward: "bottom"}});
 }
 
 const moving = (run, series, factor) => run[series].map((value, point) => (run.settles[point] ? NaN : factor * value));
@@ -311,13 +302,11 @@ async function drawOverTime(runs, panels) {
 }
 
 function drawLegend(legend, withElastic) {
-  const sample = (colour, width, dash, cross) => '<svg width="46" height="14" aria-hidden="true">'
+  const sample = (colour, width, dash) => '<svg width="46" height="14" aria-hidden="true">'
     + `<line x1="2" y1="7" x2="44" y2="7" stroke="${colour}" stroke-width="${width}" `
-    + `stroke-dasharray="${dash === "solid" ? "none" : dash}"/>`
-    + (cross ? '<path d="M19 3l8 8M27 3l-8 8" stroke="#000"/>' : "") + "</svg>";
+    + `stroke-dasharray="${dash === "solid" ? "none" : dash}"/></svg>`;
   const middle = legend.widths[2].pixels;
-  const parts = legend.states.map((state, number) => `<span>${sample(state.colour, middle, state.dash,
-    number === legend.states.length - 1)}${state.name}</span>`);
+  const parts = legend.states.map((state) => `<span>${sample(state.colour, middle, state.dash)}${state.name}</span>`);
   const {elastic} = legend;
   if (withElastic) parts.push(`<span>${sample(elastic.colour, 2 * elastic.pixels, elastic.dash)}${elastic.name}</span>`);
   parts.push(`<span>${sample("#777", 0.8, "solid")}broken, up to ${legend.widths[0].from_mm} mm</span>`);
