@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.__main__ import DELEGATED  # noqa: E402, of this repository
+from damage.commands.examples import examples_of  # noqa: E402
 from damage.commands.table import COMMANDS  # noqa: E402
 from damage.run.options import OneLineParser, make_parser  # noqa: E402
 from damage.version import VERSION  # noqa: E402
@@ -117,7 +118,7 @@ class Commands(Directive):
         parsers = {"reference": make_parser("reference", "reference")}
         parsers["reference"].description = DELEGATED["reference"].partition(" (see")[0]
         for name, (_, purpose, arguments) in COMMANDS.items():
-            parsers[name] = OneLineParser(description=purpose)
+            parsers[name] = OneLineParser(description=purpose, examples=examples_of(name))
             for add in arguments:
                 add(parsers[name])
         return list(starmap(_command, parsers.items()))
@@ -133,7 +134,8 @@ def _command(name, parser):
             options += nodes.definition_list_item(
                 "", nodes.term("", "", nodes.literal("", words._format_action_invocation(action))),
                 nodes.definition("", nodes.paragraph("", words._expand_help(action) if action.help else "")))
-    return nodes.section("", nodes.title("", name), nodes.paragraph("", purpose), options,
+    examples = nodes.literal_block("", "\n".join(parser.examples), language="sh")
+    return nodes.section("", nodes.title("", name), nodes.paragraph("", purpose), options, examples,
                          ids=[f"command-{name}"], names=[name])
 
 

@@ -284,7 +284,7 @@ GROUND = {"settle": "knick", "distortion": 1 / 1000}
 
 @pytest.fixture(scope="module")
 def pushed_after(tmp_path_factory):
-    """A wall that settles and is pushed then, in one run, and its push alone, of a run that continues the settlement."""
+    """A wall that settles and is pushed then, in one run, and the push of a run that continues its settlement."""
     folder = tmp_path_factory.mktemp("pushed")
     whole = damage.run(SMALL, **GROUND, pushover=0.05, lintel=2)
     damage.run(SMALL, **GROUND, lintel=2, out=folder / "settled.h5")
@@ -319,7 +319,7 @@ def test_force_and_drift_of_a_push_count_from_its_start(pushed_after):
 def test_settled_and_unsettled_walls_are_compared(tmp_path, pushed_after):
     """On one support and on one below each brick their joints are the same; failures of the settlement leave no drift
     to compare."""
-    whole, alone = pushed_after
+    whole, _ = pushed_after
     plain = damage.run(SMALL, pushover=0.05, lintel=2)
     for first, second in ((whole, plain), (plain, whole)):
         found = compare(first, [second])

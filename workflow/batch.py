@@ -109,8 +109,9 @@ def conclude(study, folder):
 
 
 def _parse():
-    parser = OneLineParser(prog="python3 -m damage study", allow_abbrev=False, description=(
-        "Run a study: simulations, tables, pictures.  What is done is not done again."))
+    parser = OneLineParser(prog="python3 -m damage study", allow_abbrev=False, examples=(
+        "python3 -m damage study quick", "python3 -m damage study my_study.toml -j 4 --keep summary --out mine"),
+        description="Run a study: simulations, tables, pictures.  What is done is not done again.")
     parser.add_argument("study", type=Path, metavar="STUDY", help="a study file (.toml); python3 -m damage study takes "
                         "the name of one that ships, too")
     parser.add_argument("-j", dest="jobs", type=number_from(1, 9999, int), default=os.cpu_count(), metavar="N",

@@ -2,7 +2,7 @@
 
 import sys
 
-from damage.commands.table import JSON, command, file_arg, show
+from damage.commands.table import JSON, command, file_arg, group, output, show
 from damage.errors import InputError, warn
 from damage.run.options import add_preparation, recorded
 
@@ -10,8 +10,8 @@ from damage.run.options import add_preparation, recorded
 @command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
          "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
          "acc_gal or acc_g; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as "
-         "BGAR_HGE"), JSON, add_preparation,
-         file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"))
+         "BGAR_HGE"), group("preparation of the record", add_preparation), JSON,
+         output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary
     from damage.motion.plausible import implausible_peak

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from damage.commands.table import JSON, command, file_arg, out
+from damage.commands.table import JSON, command, file_arg, out, output
 from damage.errors import InputError
 from damage.files import json_text, write_text
 
@@ -28,8 +28,8 @@ def _figures(asked):
 
 @command("judge the paper's statements by the tables of studies",
          file_arg("results", "RESULTS_DIR", "folder with studies below it"), JSON,
-         file_arg("--markdown", "FILE", "write the document, too"),
-         file_arg("--readme", "README.md", "renew the results between its markers, too"))
+         output(file_arg("--markdown", "FILE", "write the document, too"),
+                file_arg("--readme", "README.md", "renew the results between its markers, too")))
 def _paper(asked):
     from damage.paper.report import as_json, as_markdown, describe, update_readme
     from damage.paper.verdict import judge
@@ -44,7 +44,7 @@ def _paper(asked):
 
 @command("which modelling choices move the paper's claims, by the tables of the study readings",
          file_arg("results", "RESULTS_DIR", "folder with the study below it"),
-         file_arg("--markdown", "FILE", "write the document, too"))
+         output(file_arg("--markdown", "FILE", "write the document, too")))
 def _readings(asked):
     from damage.paper.readings import as_markdown, conclusions, judge_readings, table
 
@@ -56,7 +56,7 @@ def _readings(asked):
 
 @command("combined modelling choices by the paper's claims that they meet, by the tables of the study combinations",
          file_arg("results", "RESULTS", "folder with the study below it"),
-         file_arg("--markdown", "FILE", "write the document, too"))
+         output(file_arg("--markdown", "FILE", "write the document, too")))
 def _combinations(asked):
     from damage.paper.combinations import (
         as_markdown,

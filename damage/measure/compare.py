@@ -117,8 +117,9 @@ def compare_drift(first, second):
 
     first_failure_s: time of the first failure in either run [s], None without one; rms_before_failure: RMS difference
     up to it over the RMS of the first run [-], compared with `allowed` in `agrees`, both None where it came before the
-    drift that is compared; lag_s: by how much the second run lags behind the first [s]; diverged_at_s: first time at which they differ by more than DIVERGED of the peak [s],
-    None where they never do; rms_whole: the RMS difference of the entire runs [-].
+    drift that is compared; lag_s: by how much the second run lags behind the first [s]; diverged_at_s: first time at
+    which they differ by more than DIVERGED of the peak [s], None where they never do;
+    rms_whole: the RMS difference of the entire runs [-].
     """
     time, here, there = _common_drift(first, second)
     failure = min(_first_break(first), _first_break(second))

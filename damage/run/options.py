@@ -4,12 +4,14 @@ import argparse
 import hashlib
 import os
 import re
+import sys
 from dataclasses import fields, replace
 from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
 
 from damage.checks import check_path
-from damage.errors import InputError
+from damage.errors import InputError, did_you_mean
 from damage.exposure.lives import events_of, read_address
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
@@ -32,21 +34,48 @@ from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500
+_EXAMPLES = {
+    "reference": ("python3 -m damage reference symmetric --harmonic 0.2 0.05 --members 8",
+                  "python3 -m damage reference my_wall.toml --record record.csv --window 17 27 --out run.h5"),
+    "yade": ("./yade walls/symmetric.py --harmonic 0.2 0.05",
+             "./yade walls/solid.py --pushover 0.1 --boundary fixed --out pushed.h5")}
 
 WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someone else before you use it."
 """For the help of every command that takes one."""
 
 
-class OneLineParser(argparse.ArgumentParser):
-    """An argument parser that raises its complaint as InputError instead of printing the usage."""
+class _Help(argparse.HelpFormatter):
+    """Help whose texts of several lines, as examples are, stand as they are."""
 
-    def __init__(self, *args, **kwargs):
-        super().__init__(*args, **kwargs)
+    def _fill_text(self, text, width, indent):
+        return text if "\n" in text else super()._fill_text(text, width, indent)
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """An argument parser that raises its complaint as InputError instead of printing the usage.
+
+    examples: command lines, which its help ends with.
+    """
+
+    def __init__(self, *args, examples=(), **kwargs):
+        self.examples = examples
+        more = {"epilog": "\n  ".join(["examples:", *examples])} if examples else {}
+        super().__init__(*args, **{"formatter_class": _Help, **more, **kwargs})
         # argparse takes -1e-5 for an option; it is a number.
         self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
+    def parse_known_args(self, args=None, namespace=None):
+        """As argparse's; an unknown option is refused first, since it may be the wrong name of one that is required."""
+        args = sys.argv[1:] if args is None else list(args)
+        # Behind a command they are the command's.
+        mine = takewhile(lambda word: word.startswith("-") if self._subparsers else word != "--", args)
+        for name in (word.partition("=")[0] for word in mine if word.startswith("--")):
+            if name != "--" and name not in self._option_string_actions:
+                self.error(f"unrecognized arguments: {name}{did_you_mean(name, self._option_string_actions)}")
+        return super().parse_known_args(args, namespace)
+
     def error(self, message):
-        raise InputError(f"{message}; see --help")
+        raise InputError(f"{message}{' ' if message.endswith('?') else '; '}see --help")
 
 
 def file_path(word):
@@ -90,7 +119,7 @@ def parse_run(arguments, prog, solver):
 @lru_cache(maxsize=4)  # a study asks for one for each of its runs
 def make_parser(prog, solver):
     """The parser of a run's command line."""
-    parser = OneLineParser(prog=prog, allow_abbrev=False, description=(
+    parser = OneLineParser(prog=prog, allow_abbrev=False, examples=_EXAMPLES[solver], description=(
         f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
     _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
