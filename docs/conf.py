@@ -34,6 +34,7 @@ html_theme = "furo"
 html_title = f"masonry-damage {VERSION}"
 html_copy_source = html_show_copyright = False
 html_show_search_summary = False  # Sphinx's own asks for each page; docs/_static/search_context.js does not
+html_search_scorer = str(Path(__file__).with_name("search_scorer.js"))
 html_static_path = ["_static"]
 html_css_files = ["narrow.css"]
 html_favicon = "_static/brick.svg"

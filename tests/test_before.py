@@ -9,8 +9,11 @@ import damage
 from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.measure.crack_file import read_cracks
+from damage.measure.crack_mapping import describe_level, map_cracks
+from damage.measure.summary import summarise
 from damage.reference.session import run_reference
 from damage.run.before import Surveyed, with_cracks
+from damage.run.options import parse_run
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall
 
@@ -106,6 +109,64 @@ def test_a_cracked_wall_is_weaker(tmp_path):
     joint = np.isclose(cracked.joints["z_m"], 0.3) & (cracked.joints["kind"] == "bed")
     assert intact.is_intact and joint.sum() == 8 and cracked.opening_m[:, joint].max() > 1e-4
     assert cracked.parameters["cracked"]["file"] == "cracks.csv"
+
+
+DIAGONALS = "crack,point,x_m,z_m,width_mm\n" + "".join(
+    f"{label},1,{x},{z},1\n{label},2,{x + 0.3},{z + 0.3},1\n" for label, x, z in (
+        ("A", 0.02, 0.02), ("B", 0.8, 0.25), ("C", 0.01, 0.28)))
+"""Three straight cracks across bricks and joints, 1.27 m together."""
+
+
+def test_a_survey_of_straight_lines_says_how_little_it_frees(tmp_path, capsys):
+    along, across = tmp_path / "along.csv", tmp_path / "across.csv"
+    along.write_text(CRACK)
+    across.write_text(DIAGONALS)
+    layout = lay_out(SMALL)
+    with_cracks(layout, Surveyed.read(along))
+    said = capsys.readouterr()
+    assert said.out == ("cracks of along.csv: 0.34 m, 0.34 m of them (100 %) along joints; 6 of 146 contact points "
+                        "(0.34 m) start without bond; widths are not used\n")
+    assert said.err == ""
+    cracked = with_cracks(layout, Surveyed.read(across))
+    said, freed = capsys.readouterr(), cracked.contacts.length[cracked.contacts.tensile_strength == 0].sum()
+    assert freed < 0.72 and f"joints of {freed:.2f} m lose their bond for 1.27 m of surveyed cracks" in said.err
+
+
+def test_the_tolerance_of_a_survey(tmp_path, capsys):
+    """A crack 20 mm above its bed joint is on it within half a brick's height, not within 10 mm."""
+    path = tmp_path / "cracks.csv"
+    path.write_text(CRACK.replace("0.3,1", "0.32,1"))
+    settings = parse_run(["--cracked", str(path), "--tolerance-mm", "10"], "", "reference")
+    assert settings.cracked.tolerance_m == 0.01 and settings.as_dict()["cracked"]["tolerance_m"] == 0.01
+    with pytest.raises(InputError, match="none of its cracks runs along a joint"):
+        with_cracks(lay_out(SMALL), settings.cracked)
+    assert (with_cracks(lay_out(SMALL), Surveyed.read(path)).contacts.tensile_strength == 0).sum() == 6
+    with pytest.raises(InputError, match="--tolerance-mm belongs to --cracked"):
+        parse_run(["--tolerance-mm", "10"], "", "reference")
+
+
+def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
+    """Neither under gravity nor later; others still count."""
+    path = tmp_path / "cracks.csv"
+    path.write_text(DIAGONALS)
+    history = damage.run(SMALL, cracked=path, **SHAKE)
+    summary = summarise(history)
+    freed = ((history.joints["tensile_strength_pa"] == 0) & (history.joints["cohesion_pa"] == 0)).to_numpy()
+    assert history.static["broken_joints"] > 0 and freed[history.broken[0]].all()
+    assert not any("failed under gravity" in warning for warning in summary["warnings"])
+    failed = history.broken[-1] & ~freed
+    assert summary["tension_breaks"] + summary["shear_breaks"] == failed.sum() > 0
+
+
+def test_cracks_count_as_drawn(tmp_path):
+    """Straight lines touch many joints here and there; the label says which is one crack."""
+    path = tmp_path / "cracks.csv"
+    path.write_text(DIAGONALS)
+    pattern = read_cracks(path)[-1]
+    mapped = map_cracks(pattern, lay_out(SMALL))
+    level = describe_level(pattern, mapped, lay_out(SMALL))
+    assert len(mapped.table) > 3 and level["cracks"] == 3
+    assert level["psi"] == pytest.approx(2 * 3**0.15) == level["psi_drawn"]  # of 1 mm
 
 
 def test_cracks_beside_the_wall_are_one_line(tmp_path, capsys):

@@ -29,6 +29,7 @@ from damage.run.settings import (
     RunSettings,
     rayleigh_factors,
 )
+from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT
@@ -106,7 +107,7 @@ def parse_run(arguments, prog, solver):
     return RunSettings(
         **_motion(parsed), life=life, settlement=settlement_of(parsed),
         continued=getattr(parsed, "continue") and str(getattr(parsed, "continue")),
-        cracked=parsed.cracked and Surveyed.read(parsed.cracked), rest_s=parsed.rest, time_step_s=parsed.dt,
+        cracked=_surveyed(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), new_contacts=getattr(parsed, "new_contacts", False),
@@ -190,7 +191,19 @@ def _add_before(group):
     group.add_argument("--continue", type=file_path, metavar="FILE.h5", help="start from the end of this run of the "
                        "same wall, as if it had continued; YADE repeats that run first")
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
-                       "from the start (docs/reference/crack-format.md; the last load level)")
+                       "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
+    group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a crack "
+                       "of --cracked may be drawn (default: half a brick's height)")
+
+
+def _surveyed(parsed):
+    """The Surveyed cracks of parsed options, None without them."""
+    tolerance_mm = parsed.tolerance_mm
+    if parsed.cracked is None:
+        if tolerance_mm is not None:
+            raise InputError("--tolerance-mm belongs to --cracked; give both")
+        return None
+    return Surveyed.read(parsed.cracked, None if tolerance_mm is None else tolerance_mm * MILLIMETRE)
 
 
 def fraction(word):
