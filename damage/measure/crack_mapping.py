@@ -139,7 +139,7 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     """
     check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches
-    chosen = table[cracked(table["width_m"], threshold)]
+    chosen, counted = (of[cracked(of["width_m"].to_numpy(float), threshold)] for of in (table, parts))
     in_psi = table[cracked(table["width_m"], psi_from)]
     drawn = cracked(parts["width_m"].to_numpy(float), psi_from)
     known = not np.isnan(pattern.drift_ratio)
@@ -150,7 +150,7 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
         bounds["DI_drift"] = None
     return {
         "load_level": pattern.level, "drift_pct": 100 * pattern.drift_ratio if known else None,
-        "cracks": int(parts["crack"][cracked(parts["width_m"].to_numpy(float), threshold)].nunique()), "crack_length_m": float(chosen["length_m"].sum()),
+        "cracks": counted["crack"].nunique(), "crack_length_m": float(chosen["length_m"].sum()),
         "unmapped_m": mapped.unmapped_m, "surplus_m": mapped.surplus_m,
         "undecided_m": float(chosen.loc[chosen["opening_m"].isna(), "length_m"].sum()),
         "max_width_mm": float(parts["width_m"].max() / MILLIMETRE) if len(parts) else 0.0,

@@ -49,8 +49,8 @@ def read_state(path, layout, model, solver):
         if len(packed):
             return _unpacked(packed, like)
     except _UNREADABLE as error:
-        raise InputError(f"--continue {path}: its state of the solver cannot be read ({one_line(error)}); expected what "
-                         "a run of this wall wrote; run it again") from error
+        raise InputError(f"--continue {path}: its state of the solver cannot be read ({one_line(error)}); expected "
+                         "what a run of this wall wrote; run it again") from error
     raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
                      "of this version without --new-contacts; run it again")
 
@@ -77,9 +77,9 @@ def _unpacked(packed, like):
             content = io.BytesIO(archive.read(f"{name}.npy"))
             _check_table(name, content, repack_fields(table))
             found[name] = np.load(content, allow_pickle=False)
-            for field in table.dtype.names or ():
-                if table.dtype[field].kind in "iu" and field != "failed" and np.any(found[name][field] != table[field]):
-                    raise InputError(f"table {name}: {field} is not that of the wall")
+            rows = (field for field in table.dtype.names or () if table.dtype[field].kind in "iu" and field != "failed")
+            if other := [field for field in rows if np.any(found[name][field] != table[field])]:
+                raise InputError(f"table {name}: {other[0]} is not that of the wall")
     return found
 
 

@@ -167,7 +167,8 @@ def add_preparation(group):
 
 
 def _add_push(group):
-    group.add_argument("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift")
+    group.add_argument("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift, "
+                       "after --settle from where it stands then")
     group.add_argument("--cyclic", metavar="PCT,PCT,...", help="push the top cyclically to these drifts")
     group.add_argument("--boundary", choices=BOUNDARIES,
                        help="the pushed top may rotate (cantilever, default), or not (fixed)")
