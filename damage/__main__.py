@@ -47,7 +47,7 @@ def main(arguments=None):
 
 def _run(arguments, quiet):
     if arguments[:1] == ["help"]:
-        arguments = [*arguments[1:2], "--help"]
+        arguments = [*(name for name in arguments[1:2] if name != "help"), "--help"]
     if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
         from damage.reference.session import run_reference
 

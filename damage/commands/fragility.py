@@ -13,8 +13,8 @@ from damage.run.options import number_from
              arg("--intensity", metavar="COLUMN", help="column of summary.csv with a number above zero in "
                   "every run (default: that of the study file, else sa_eigen_period_g; PGA is pga_g)"),
              arg("--state", action="append", dest="states", metavar="STATE", help="damage state, a column of "
-                  'summary.csv and the level that it exceeds, as "moderate: max_psi > 2"; may be repeated (default: those of the '
-                  "study file, else levels of DI, crack width and Psi)"),
+                 'summary.csv and the level that it exceeds, as "moderate: max_psi > 2"; may be repeated (default: '
+                 "those of the study file, else levels of DI, crack width and Psi)"),
              arg("--at", type=number_from(1e-12, 1e12), nargs="+", metavar="X", help="also print the probability at "
                   "these intensities, with its intervals"),
              arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
