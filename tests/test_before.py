@@ -10,10 +10,12 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import damage
+from damage.__main__ import main
 from damage.errors import InputError
 from damage.history.head import seal
 from damage.history.reader import read_history
 from damage.history.schema import STATE
+from damage.laboratory.crack_report import history_drawn
 from damage.measure.crack_file import read_cracks
 from damage.measure.crack_mapping import describe_level, map_cracks
 from damage.measure.summary import summarise
@@ -230,6 +232,14 @@ def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
     assert not any("failed under gravity" in warning for warning in summary["warnings"])
     failed = history.broken[-1] & ~freed
     assert summary["tension_breaks"] + summary["shear_breaks"] == failed.sum() > 0
+
+
+def test_cracks_of_a_history_are_drawn(first_half, tmp_path):
+    assert main(["cracks", str(first_half), "--at", "max,end", "--out", str(tmp_path)]) == 0
+    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["cracks_level_1.png", "cracks_level_2.png"]
+    (mapped, _), (pattern, _), _ = history_drawn(first_half, ["max", "end"])
+    assert mapped.drawn_m == pytest.approx(pattern.length_m.sum()) and pattern.length_m.sum() > 0.1
+    assert mapped.unmapped_m == pytest.approx(0, abs=1e-6)  # they are the joints' own
 
 
 def test_cracks_count_as_drawn(tmp_path):
