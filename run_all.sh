@@ -138,9 +138,9 @@ export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 show_first_result() {
     local folder=${out:-$root/results/quick}/first
     local history=$folder/symmetric_harmonic-0.2-0.05_rest-1_reference.h5
-    ! "$PYTHON" -m damage --quiet check "$history" 2>/dev/null || return 0
+    ! PYTHONSAFEPATH=1 "$PYTHON" -m damage --quiet check "$history" 2>/dev/null || return 0
     echo "first result, by the reference solver; YADE's runs follow"
-    "$PYTHON" -m damage reference "$root/walls/symmetric.py" --harmonic 0.2 0.05 --rest 1 --out "$history" --overwrite ||
+    PYTHONSAFEPATH=1 "$PYTHON" -m damage reference "$root/walls/symmetric.py" --harmonic 0.2 0.05 --rest 1 --out "$history" --overwrite ||
         [ $? -ne 130 ] || exit 130
 }
 if [[ $study == quick && $program == batch.py && $solver != reference && -z $slurm && ${#more[@]} -eq 0 ]]; then

@@ -10,9 +10,9 @@ import logging
 import os
 import sys
 from contextlib import nullcontext, redirect_stdout
-from functools import partial
 
 import damage.commands  # noqa: F401, fills the table
+from damage.commands.examples import GROUPS, examples_of
 from damage.commands.table import COMMANDS, Silence
 from damage.errors import InputError, did_you_mean, one_line
 from damage.memory import hold_buffers
@@ -23,7 +23,8 @@ from damage.version import VERSION
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where no folder takes its cache it warns at length
 
 DELEGATED = {"reference": "run a wall in the reference solver (see reference --help)",
-             "study": "run a study: simulations, tables and pictures, by Snakemake (see study --help)"}
+             "study": "run a study: simulations, tables and pictures, by Snakemake (see study --help)",
+             "help": "the options of a command, with examples: help index"}
 """Commands whose options are those of another program: what they are for."""
 
 
@@ -31,11 +32,12 @@ def main(arguments=None):
     """Run one command; returns the exit status: 0 done, 1 out of memory, or `check` found a file without an end, 2 bad
     input, 3 a library is missing."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
-    quiet = arguments[:1] == ["--quiet"]
+    quiet = "--quiet" in arguments and not {"-h", "--help", "help"} & set(arguments)
+    arguments = [word for word in arguments if word != "--quiet"]
     if "_ARGCOMPLETE" in os.environ:
         _complete()
     with redirect_stdout(Silence()) if quiet else nullcontext():
-        return guarded(lambda: _run(arguments[quiet:], quiet))
+        return guarded(lambda: _run(arguments, quiet))
 
 
 def guarded(run):
@@ -49,6 +51,8 @@ def guarded(run):
 
 
 def _run(arguments, quiet):
+    if arguments[:1] == ["help"]:
+        arguments = [*(name for name in arguments[1:2] if name != "help"), "--help"]
     if arguments[:1] == ["reference"]:  # its options are those of a run, as YADE's are
         from damage.reference.session import run_reference
 
@@ -56,7 +60,7 @@ def _run(arguments, quiet):
     if arguments[:1] == ["study"]:  # its options are those of the batch
         from damage.studies.batch import run_study
 
-        return run_study(arguments[1:])
+        return run_study(arguments[1:], quiet)
     if arguments == ["--version"]:
         print(f"masonry-damage {VERSION}, commit {commit()}")
         return 0
@@ -65,7 +69,7 @@ def _run(arguments, quiet):
         known = sorted({*COMMANDS, *DELEGATED})
         raise InputError(f"no command {arguments[0]!r}: expected one of {', '.join(known)}"
                          f"{did_you_mean(arguments[0], known)}")
-    asked = _parser().parse_args(arguments)
+    asked = command_parser().parse_args(arguments)
     return asked.command(asked) or 0
 
 
@@ -73,7 +77,7 @@ def _complete():
     """Complete the command line for a shell, then exit; needs argcomplete."""
     import argcomplete
 
-    argcomplete.autocomplete(_parser(whole=True))
+    argcomplete.autocomplete(command_parser(whole=True))
 
 
 def _failed(error):
@@ -95,33 +99,50 @@ def _failed(error):
     return status
 
 
-def _parser(whole=False):
+class _Parser(OneLineParser):
+    """The parser of all commands, whose help lists them in groups."""
+
+    def format_help(self):
+        formatter = self._get_formatter()
+        formatter.add_usage(self.usage, self._actions, self._mutually_exclusive_groups)
+        formatter.add_text(self.description)
+        listed = {one.dest: one for one in self._subparsers._group_actions[0]._choices_actions}
+        others = [name for name in listed if not any(name in names for names in GROUPS.values())]
+        for title, names in {**GROUPS, "other commands": others}.items():
+            formatter.start_section(title)
+            formatter.add_arguments([listed[name] for name in names])
+            formatter.end_section()
+        formatter.start_section("options")
+        formatter.add_arguments(self._optionals._group_actions)
+        formatter.end_section()
+        formatter.add_text(self.epilog)
+        return formatter.format_help()
+
+
+def command_parser(whole=False):
     """The parser of all commands; whole: with the options of `reference`, which has a parser of its own."""
-    parser = parser_of(COMMANDS, "python3 -m damage", (
+    parser = _Parser(prog="python3 -m damage", allow_abbrev=False, examples=[
+        "python3 -m damage demo", "python3 -m damage help reference"], description=(
         f"Damage of masonry walls under induced seismicity: masonry-damage {VERSION}. Installed by pip, it is "
-        "also the command damage, or masonry-damage."), partial(_add_delegated, whole=whole))
+        "also the command damage, or masonry-damage."))
     parser.add_argument("--version", action="store_true", help="print the version and the commit, and end")
-    parser.add_argument("--quiet", action="store_true", help="before a command: print warnings and errors only")
-    return parser
-
-
-def _add_delegated(commands, whole):
+    parser.add_argument("--quiet", action="store_true", help="anywhere: print warnings and errors only")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
     run = {"reference": [make_parser("reference", "reference")]} if whole else {}
     for name, purpose in DELEGATED.items():
         commands.add_parser(name, help=purpose, parents=run.get(name, []), conflict_handler="resolve")
+    add_commands(commands, COMMANDS)
+    return parser
 
 
-def parser_of(table, prog, description, add_others=lambda commands: None):
-    """The parser of a table of commands; add_others adds further ones before them."""
-    parser = OneLineParser(prog=prog, allow_abbrev=False, description=description)
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser)
-    add_others(commands)
+def add_commands(commands, table):
+    """Add a parser for each command of a table to the subparsers of a program."""
     for name, (function, purpose, arguments) in table.items():
-        command = commands.add_parser(name, help=purpose, description=purpose, allow_abbrev=False)
+        command = commands.add_parser(name, help=purpose, description=purpose, allow_abbrev=False,
+                                      examples=examples_of(name))
         command.set_defaults(command=function)
         for add in arguments:
             add(command)
-    return parser
 
 
 if __name__ == "__main__":

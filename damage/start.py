@@ -38,6 +38,8 @@ def begin(beside=0):
             os.dup2(os.open(os.devnull, os.O_RDWR), number)
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+    if sys.stdout is not None and (sys.stdout.errors == "strict" or sys.stdout.encoding.lower() != "utf-8"):
+        sys.stdout.reconfigure(errors="replace")  # an old terminal lacks letters that names and help have
     closed = "standard output is closed: expected a file, a pipe or a screen; open it" if sys.stdout is None else None
     missing = shortage(beside) or closed
     if missing:

@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.__main__ import DELEGATED  # noqa: E402, of this repository
+from damage.commands.examples import examples_of  # noqa: E402
 from damage.commands.table import COMMANDS  # noqa: E402
 from damage.run.options import OneLineParser, make_parser  # noqa: E402
 from damage.version import VERSION  # noqa: E402
@@ -33,6 +34,7 @@ html_theme = "furo"
 html_title = f"masonry-damage {VERSION}"
 html_copy_source = html_show_copyright = False
 html_show_search_summary = False  # Sphinx's own asks for each page; docs/_static/search_context.js does not
+html_search_scorer = str(Path(__file__).with_name("search_scorer.js"))
 html_static_path = ["_static"]
 html_css_files = ["narrow.css"]
 html_favicon = "_static/brick.svg"
@@ -117,7 +119,7 @@ class Commands(Directive):
         parsers = {"reference": make_parser("reference", "reference")}
         parsers["reference"].description = DELEGATED["reference"].partition(" (see")[0]
         for name, (_, purpose, arguments) in COMMANDS.items():
-            parsers[name] = OneLineParser(description=purpose)
+            parsers[name] = OneLineParser(description=purpose, examples=examples_of(name))
             for add in arguments:
                 add(parsers[name])
         return list(starmap(_command, parsers.items()))
@@ -133,7 +135,8 @@ def _command(name, parser):
             options += nodes.definition_list_item(
                 "", nodes.term("", "", nodes.literal("", words._format_action_invocation(action))),
                 nodes.definition("", nodes.paragraph("", words._expand_help(action) if action.help else "")))
-    return nodes.section("", nodes.title("", name), nodes.paragraph("", purpose), options,
+    examples = nodes.literal_block("", "\n".join(parser.examples), language="sh")
+    return nodes.section("", nodes.title("", name), nodes.paragraph("", purpose), options, examples,
                          ids=[f"command-{name}"], names=[name])
 
 

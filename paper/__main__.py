@@ -9,10 +9,11 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from damage.__main__ import guarded, parser_of
-from damage.commands.table import JSON, command, file_arg, out
+from damage.__main__ import add_commands, guarded
+from damage.commands.table import JSON, command, file_arg, out, output
 from damage.errors import InputError
 from damage.files import json_text, write_text
+from damage.run.options import OneLineParser
 
 COMMANDS = {}
 command = partial(command, table=COMMANDS)
@@ -24,7 +25,9 @@ def main(arguments=None):
 
 
 def _run(arguments):
-    asked = parser_of(COMMANDS, "python3 -m paper", __doc__).parse_args(arguments)
+    parser = OneLineParser(prog="python3 -m paper", allow_abbrev=False, description=__doc__)
+    add_commands(parser.add_subparsers(required=True, metavar="COMMAND", parser_class=OneLineParser), COMMANDS)
+    asked = parser.parse_args(arguments)
     return asked.command(asked) or 0
 
 
@@ -49,8 +52,8 @@ def _figures(asked):
 
 @command("judge the paper's statements by the tables of studies",
          file_arg("results", "RESULTS_DIR", "folder with studies below it"), JSON,
-         file_arg("--markdown", "FILE", "write the document, too"),
-         file_arg("--readme", "README.md", "renew the results between its markers, too"))
+         output(file_arg("--markdown", "FILE", "write the document, too"),
+                file_arg("--readme", "README.md", "renew the results between its markers, too")))
 def _verdict(asked):
     from paper.report import as_json, as_markdown, describe, update_readme
     from paper.verdict import judge
@@ -65,7 +68,7 @@ def _verdict(asked):
 
 @command("which modelling choices move the paper's claims, by the tables of the study readings",
          file_arg("results", "RESULTS_DIR", "folder with the study below it"),
-         file_arg("--markdown", "FILE", "write the document, too"))
+         output(file_arg("--markdown", "FILE", "write the document, too")))
 def _readings(asked):
     from paper.readings import as_markdown, conclusions, judge_readings, table
 
@@ -77,7 +80,7 @@ def _readings(asked):
 
 @command("combined modelling choices by the paper's claims that they meet, by the tables of the study combinations",
          file_arg("results", "RESULTS", "folder with the study below it"),
-         file_arg("--markdown", "FILE", "write the document, too"))
+         output(file_arg("--markdown", "FILE", "write the document, too")))
 def _combinations(asked):
     from paper.combinations import (
         as_markdown,

@@ -219,6 +219,7 @@ _env_leave_out_what_breaks() {
 }
 
 _env_main() {
+    local -x PYTHONSAFEPATH=1 # the working folder may hold a numpy.py that someone sent
     local modules=(numpy scipy pandas h5py matplotlib numba jinja2)
     case ${1:-run} in
         run) modules+=(snakemake) ;;

@@ -1,16 +1,27 @@
 """What a wall went through before a run: runs that continue another, joints that start without a bond."""
 
+import io
+import shutil
+import zipfile
+
 import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
 import damage
+from damage.__main__ import main
 from damage.errors import InputError
+from damage.history.head import seal
 from damage.history.reader import read_history
+from damage.history.schema import STATE
+from damage.laboratory.crack_report import history_drawn
 from damage.measure.crack_file import read_cracks
+from damage.measure.crack_mapping import describe_level, map_cracks
+from damage.measure.summary import summarise
 from damage.reference.session import run_reference
 from damage.run.before import Surveyed, with_cracks
+from damage.run.options import parse_run
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Opening, Wall
 
@@ -77,6 +88,74 @@ def test_a_history_without_a_state_is_one_line(tmp_path):
         damage.run(SMALL, **SHAKE, **{"continue": first})
 
 
+# --- a state that someone else wrote -----------------------------------------------------------------------
+
+def as_npy(shape, data=b""):
+    """An array's file that claims a shape of float64."""
+    content = io.BytesIO()
+    np.lib.format.write_array_header_1_0(content, {"descr": "<f8", "fortran_order": False, "shape": shape})
+    return content.getvalue() + data
+
+
+def archive(tables, **raw):
+    """Bytes of an archive of tables, some replaced by these files, None: left out."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, table in tables.items():
+            file = io.BytesIO()
+            np.save(file, table)
+            if (entry := raw.get(name, file.getvalue())) is not None:
+                packed.writestr(f"{name}.npy", entry)
+    return np.frombuffer(content.getvalue(), "u1")
+
+
+def wrong_index(tables):
+    interfaces = tables["interfaces"].copy()
+    interfaces["b"][3] = 10**6
+    return archive(tables | {"interfaces": interfaces})
+
+
+STATES = {  # bytes of the state, of its tables; what is said
+    "packed-zeros": (lambda tables: np.zeros(30_000_000, "u1"), "says it has 30000000 bytes, expected up to"),
+    "a-bomb-in-the-archive": (lambda tables: archive(tables | {"velocity": np.zeros(5_000_000)}),
+                              "table velocity has 40000128 bytes, expected"),
+    "one-number-for-all-bodies": (lambda tables: archive(tables | {"velocity": np.array(0.1)}),
+                                  r"table velocity is 8 bytes \(\), expected 8 bytes \(4"),
+    "another-type": (lambda tables: archive(tables | {"velocity": tables["velocity"].astype("f4")}),
+                     "table velocity is 4 bytes"),
+    "a-shape-beyond-its-data": (lambda tables: archive(tables, velocity=as_npy((10**12,))),
+                                "is 8 bytes .1000000000000,"),
+    "cut-in-the-midst": (lambda tables: archive(tables)[:-2000], "not a zip file"),
+    "without-a-table": (lambda tables: archive(tables, energy=None), "tables energy are in it or in the wall's state"),
+    "no-archive": (lambda tables: np.arange(200, dtype="u1"), "not a zip file"),
+    "pickled": (lambda tables: archive(tables | {"velocity": np.array([{}], object)}), "table velocity is"),
+    "rows-that-are-not-there": (wrong_index, "table interfaces: b is not that of the wall"),
+}
+
+
+@pytest.fixture(scope="module")
+def first_half(tmp_path_factory):
+    path = tmp_path_factory.mktemp("first") / "first.h5"
+    damage.run(SMALL, **SHAKE, out=path)
+    return path
+
+
+@pytest.mark.parametrize("case", STATES)
+def test_a_state_that_no_run_wrote_is_one_line(case, first_half, tmp_path):
+    """Sealed anew, as one who means harm would."""
+    make, said = STATES[case]
+    path = shutil.copyfile(first_half, tmp_path / "first.h5")
+    with h5py.File(path, "r+") as file:
+        with np.load(io.BytesIO(file[STATE][()].tobytes())) as packed:
+            tables = dict(packed)
+        del file[STATE]
+        file.create_dataset(STATE, data=make(tables), compression="gzip", chunks=(1 << 16,), maxshape=(None,))
+    seal(path)
+    with pytest.raises(InputError, match=f"its state of the solver cannot be read .*{said}") as caught:
+        damage.run(SMALL, **SHAKE, out=tmp_path / "second.h5", **{"continue": path})
+    assert "\n" not in str(caught.value) and not (tmp_path / "second.h5").exists()
+
+
 # --- surveyed cracks ---------------------------------------------------------------------------------------
 
 CRACK = "crack,point,x_m,z_m,width_mm\n1,1,0,0.3,1\n1,2,0.3375,0.3,1\n"
@@ -106,6 +185,72 @@ def test_a_cracked_wall_is_weaker(tmp_path):
     joint = np.isclose(cracked.joints["z_m"], 0.3) & (cracked.joints["kind"] == "bed")
     assert intact.is_intact and joint.sum() == 8 and cracked.opening_m[:, joint].max() > 1e-4
     assert cracked.parameters["cracked"]["file"] == "cracks.csv"
+
+
+DIAGONALS = "crack,point,x_m,z_m,width_mm\n" + "".join(
+    f"{label},1,{x},{z},1\n{label},2,{x + 0.3},{z + 0.3},1\n" for label, x, z in (
+        ("A", 0.02, 0.02), ("B", 0.8, 0.25), ("C", 0.01, 0.28)))
+"""Three straight cracks across bricks and joints, 1.27 m together."""
+
+
+def test_a_survey_of_straight_lines_says_how_little_it_frees(tmp_path, capsys):
+    along, across = tmp_path / "along.csv", tmp_path / "across.csv"
+    along.write_text(CRACK)
+    across.write_text(DIAGONALS)
+    layout = lay_out(SMALL)
+    with_cracks(layout, Surveyed.read(along))
+    said = capsys.readouterr()
+    assert said.out == ("cracks of along.csv: 0.34 m, 0.34 m of them (100 %) along joints; 6 of 146 contact points "
+                        "(0.34 m) start without bond; widths are not used\n")
+    assert said.err == ""
+    cracked = with_cracks(layout, Surveyed.read(across))
+    said, freed = capsys.readouterr(), cracked.contacts.length[cracked.contacts.tensile_strength == 0].sum()
+    assert freed < 0.72 and f"joints of {freed:.2f} m lose their bond for 1.27 m of surveyed cracks" in said.err
+
+
+def test_the_tolerance_of_a_survey(tmp_path, capsys):
+    """A crack 20 mm above its bed joint is on it within half a brick's height, not within 10 mm."""
+    path = tmp_path / "cracks.csv"
+    path.write_text(CRACK.replace("0.3,1", "0.32,1"))
+    settings = parse_run(["--cracked", str(path), "--tolerance-mm", "10"], "", "reference")
+    assert settings.cracked.tolerance_m == 0.01 and settings.as_dict()["cracked"]["tolerance_m"] == 0.01
+    with pytest.raises(InputError, match="none of its cracks runs along a joint"):
+        with_cracks(lay_out(SMALL), settings.cracked)
+    assert (with_cracks(lay_out(SMALL), Surveyed.read(path)).contacts.tensile_strength == 0).sum() == 6
+    with pytest.raises(InputError, match="--tolerance-mm belongs to --cracked"):
+        parse_run(["--tolerance-mm", "10"], "", "reference")
+
+
+def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
+    """Neither under gravity nor later; others still count."""
+    path = tmp_path / "cracks.csv"
+    path.write_text(DIAGONALS)
+    history = damage.run(SMALL, cracked=path, **SHAKE)
+    summary = summarise(history)
+    freed = ((history.joints["tensile_strength_pa"] == 0) & (history.joints["cohesion_pa"] == 0)).to_numpy()
+    assert history.static["broken_joints"] > 0 and freed[history.broken[0]].all()
+    assert not any("failed under gravity" in warning for warning in summary["warnings"])
+    failed = history.broken[-1] & ~freed
+    assert summary["tension_breaks"] + summary["shear_breaks"] == failed.sum() > 0
+
+
+def test_cracks_of_a_history_are_drawn(first_half, tmp_path):
+    assert main(["cracks", str(first_half), "--at", "max,end", "--out", str(tmp_path)]) == 0
+    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["cracks_level_1.png", "cracks_level_2.png"]
+    (mapped, _), (pattern, _), _ = history_drawn(first_half, ["max", "end"])
+    assert mapped.drawn_m == pytest.approx(pattern.length_m.sum()) and pattern.length_m.sum() > 0.1
+    assert mapped.unmapped_m == pytest.approx(0, abs=1e-6)  # they are the joints' own
+
+
+def test_cracks_count_as_drawn(tmp_path):
+    """Straight lines touch many joints here and there; the label says which is one crack."""
+    path = tmp_path / "cracks.csv"
+    path.write_text(DIAGONALS)
+    pattern = read_cracks(path)[-1]
+    mapped = map_cracks(pattern, lay_out(SMALL))
+    level = describe_level(pattern, mapped, lay_out(SMALL))
+    assert len(mapped.table) > 3 and level["cracks"] == 3
+    assert level["psi"] == pytest.approx(2 * 3**0.15) == level["psi_drawn"]  # of 1 mm
 
 
 def test_cracks_beside_the_wall_are_one_line(tmp_path, capsys):

@@ -1,6 +1,8 @@
 """What every command has: its version, quiet, completion of a shell; and messages of a wall file's mistakes."""
 
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -9,8 +11,11 @@ from contextlib import suppress
 import pytest
 from conftest import REPOSITORY, one_line_error, run_command
 
-from damage.__main__ import main
+from damage.__main__ import DELEGATED, command_parser, main
+from damage.commands.examples import GROUPS
+from damage.commands.table import COMMANDS
 from damage.history.reader import read_history
+from damage.run.options import make_parser
 from damage.version import VERSION
 from damage.wall.file import load_wall
 
@@ -31,6 +36,66 @@ def test_quiet_leaves_files_and_no_word(tmp_path, capsys):
     assert main(["--quiet", "modes", str(wall), "--out", str(tmp_path / "quiet")]) == 0
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "quiet/modes.png").is_file()
+
+
+def test_quiet_stands_anywhere(tmp_path, capsys):
+    wall = tmp_path / "wall.py"
+    wall.write_text(f'{SMALL}Wall("w", 0.45, 0.15)\n')
+    for words in (["modes", "--quiet", str(wall)], ["modes", str(wall), "--quiet"]):
+        assert main(words) == 0 and capsys.readouterr() == ("", "")
+
+
+def test_a_quiet_study_hands_its_silence_on(tmp_path):
+    """It is another program, which takes the place of this one."""
+    done = run_command(sys.executable, "-m", "damage", "study", "quick", "--dry-run", "--quiet", "--out", tmp_path)
+    assert (done.returncode, done.stdout) == (0, "")
+
+
+@pytest.mark.parametrize("words, meant", [
+    (["index", "--thresholdmm", "0.1", "a.h5"], "--threshold-mm"), (["plot", "a.h5", "--ot", "x"], "--out"),
+    (["reference", "symmetric", "--harmonix", "0.2", "0.05"], "--harmonic"),
+    (["reference", "symmetric", "--recrod=a.csv"], "--record"), (["--quite", "index"], "--quiet")], ids=" ".join)
+def test_an_unknown_option_names_the_nearest(words, meant, capsys):
+    """Also where one that is required is missing for it."""
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and f"did you mean {meant}? see --help" in error
+
+
+def help_of(*words):
+    with suppress(SystemExit):
+        main(list(words))
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, "reference"])
+def test_help_of_a_command_ends_with_two_examples_that_it_takes(name, capsys):
+    assert name == "reference" or sum(name in names for names in GROUPS.values()) == 1
+    parser = make_parser("reference", "reference") if name == "reference" else command_parser()
+    help_of("help", name)
+    shown = capsys.readouterr().out
+    *_, first, second = shown.rstrip().splitlines()
+    for line in (first, second):
+        words = shlex.split(re.split(r" [|>] (?=[a-z])", line)[0])
+        assert words[:4] == ["python3", "-m", "damage", name]
+        parser.parse_args(words[5:] if name == "reference" else words[3:])
+    help_of(name, "--help")
+    assert capsys.readouterr().out == shown
+
+
+def test_help_lists_all_commands_in_groups(capsys):
+    help_of("help")
+    shown = capsys.readouterr().out
+    listed = re.findall(r"^  ([a-z][a-z-]+)  ", shown, re.MULTILINE)
+    assert sorted(set(listed)) == sorted({*COMMANDS, *DELEGATED}) and "other commands" not in shown
+    assert main(["help", "indx"]) == 2 and "did you mean index?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["--help"], ["materials"], ["record", "BGAR_HGE"], ["study", "--help"]],
+                         ids=" ".join)
+def test_an_old_terminal_gets_replaced_letters(words):
+    done = run_command("env", "PYTHONIOENCODING=ascii", sys.executable, "-m", "damage", *words)
+    assert (done.returncode, done.stderr) == (0, "") and done.stdout.isascii()
+    assert words != ["--help"] or "fa?ade" in done.stdout
 
 
 def test_quiet_tells_errors(tmp_path, capsys):

@@ -97,6 +97,15 @@ class TestInterpreter:
         mine = machine.stub("mine", NO_PACKAGES)
         assert machine.source(PYTHON=str(mine)).stdout.strip() == str(machine.system_python)
 
+    def test_modules_of_the_working_folder_are_not_executed(self, machine, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        machine.stub("python3", f'PYTHONPATH={machine.modules} exec {sys.executable} -S "$@"',
+                     machine.system_python.parent)
+        for module in ("numpy", "snakemake"):
+            (tmp_path / f"{module}.py").write_text(f"open({str(tmp_path / 'executed')!r}, 'w')\n")
+        assert machine.source(then='echo "${PYTHONSAFEPATH:-}"').stdout == "\n"  # it is not exported
+        assert not (tmp_path / "executed").exists()
+
     def test_what_it_exports(self, machine):
         done = machine.source(then="env", PYTHONPATH="/elsewhere", PYTHONHOME="/elsewhere")
         assert {f"PYTHON={machine.system_python}", f"PYTHONPATH={machine.repository}:/elsewhere", "MPLBACKEND=Agg",

@@ -2,6 +2,7 @@
 
 import json
 import re
+from contextlib import contextmanager
 
 import numpy as np
 import pandas as pd
@@ -59,6 +60,24 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(tiny, tmp_p
     assert f"3 members: {rounded(100 * drift.median(), 3)} ({words}) %" in key["Largest drift"][-1]
     assert key["Largest drift"][1] == rounded(key["Largest drift"][0], 3)  # no more digits than on the screen
     assert key["Maximum DI"][1] == f"{key['Maximum DI'][0]:.3f}"
+
+
+def test_an_interruption_keeps_the_members_that_had_ended(tiny, tmp_path, capsys, monkeypatch):
+    """Of nine the first eight, which stepped together."""
+    groups = []
+
+    @contextmanager
+    def attended(*words, **options):
+        groups.append(words)
+        yield lambda run, time_s: len(groups) == 1
+
+    monkeypatch.setattr("damage.reference.members.attended", attended)
+    out = tmp_path / "run.h5"
+    assert run_reference([tiny, *SHAKEN, "--members", "9", "--out", str(out)]) == 130
+    printed = capsys.readouterr()
+    assert pd.read_csv(tmp_path / "run_members.csv")["run"].to_list() == [f"run_s{k}" for k in range(1, 9)]
+    assert read_history(out).complete and "interrupted: 8 of 9 members had ended" in printed.err
+    assert "8 members: median (min to max)" in printed.out and "median and range are of these" in printed.out
 
 
 def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):

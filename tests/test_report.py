@@ -13,7 +13,7 @@ from damage.measure.warnings import energy_warnings, static_warnings
     (1, 1.0, ["1 contact points failed", "at rest"]),
 ])
 def test_an_odd_static_stage_is_reported(broken, unbalanced, words):
-    history = SimpleNamespace(static={"broken_joints": broken, "unbalanced_force": unbalanced})
+    history = SimpleNamespace(static={"broken_joints": broken, "unbalanced_force": unbalanced}, series=())
     warnings = static_warnings(history)
     assert len(warnings) == len(words)
     assert all(word in warning for word, warning in zip(words, warnings))

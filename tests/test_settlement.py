@@ -8,11 +8,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 import damage
+from damage.draw.compare import joint_agreement
 from damage.draw.run import energy_picture, hysteresis_picture
 from damage.errors import InputError, RunError
 from damage.history.reader import read_history
+from damage.measure.compare import compare, describe
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, ground_measures
+from damage.measure.pushed import first_loading
 from damage.motion.loading import AtRest
 from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
 from damage.reference.session import BACKEND
@@ -272,3 +275,59 @@ def test_schedule_of_a_settlement(tmp_path):
     prepared.writer.finish("interrupted")
     assert [one.name for one in found] == ["settlement", "motion", "rest", "settling"]
     assert found[0].end_step == zero_step(found) == found[1].start_step and found[0].end_step % every == 0
+
+
+# --- a push on settled ground ----------------------------------------------------------------------------
+
+GROUND = {"settle": "knick", "distortion": 1 / 1000}
+
+
+@pytest.fixture(scope="module")
+def pushed_after(tmp_path_factory):
+    """A wall that settles and is pushed then, in one run, and the push of a run that continues its settlement."""
+    folder = tmp_path_factory.mktemp("pushed")
+    whole = damage.run(SMALL, **GROUND, pushover=0.05, lintel=2)
+    damage.run(SMALL, **GROUND, lintel=2, out=folder / "settled.h5")
+    return whole, damage.run(SMALL, supports="bricks", lintel=2, pushover=0.05, **{"continue": folder / "settled.h5"})
+
+
+def test_a_wall_is_pushed_after_its_settlement(pushed_after):
+    whole, alone = pushed_after
+    moving = whole.series["stage"].to_numpy() == "motion"
+    assert whole.complete and moving.sum() == len(alone.series) - 1 > 20
+    for name in ("top_displacement_m", "drift_ratio", "base_shear_n", "top_force_n"):
+        # The push is the same, but for rounding, until it fails the first bond.
+        assert_allclose(whole.series[name][moving][:14], alone.series[name][1:15], rtol=1e-3, err_msg=name)
+    assert not whole.series["top_force_n"][~moving].any() and whole.series["top_force_n"].abs().max() > 1e3
+    assert energy_error_of(whole) < 1e-3
+
+
+def test_force_and_drift_of_a_push_count_from_its_start(pushed_after):
+    """The settlement leaves a drift, and a displacement of the top that would be no part of a stiffness."""
+    whole, alone = pushed_after
+    zero = whole.series[whole.series["stage"] == "settlement"].iloc[-1]
+    shear, top = whole.series["base_shear_n"], whole.series["top_displacement_m"]
+    found, at = first_loading(whole), (shear >= 0.7 * shear.max()).idxmax()
+    assert zero["top_displacement_m"] > 1e-4
+    assert found["secant_stiffness_n_per_m"] == pytest.approx(shear[at] / (top[at] - zero["top_displacement_m"]))
+    assert found["drift_at_peak_force"] == pytest.approx(
+        whole.series["drift_ratio"][shear.idxmax()] - zero["drift_ratio"], rel=1e-6)
+    assert first_loading(alone)["secant_stiffness_n_per_m"] == pytest.approx(
+        found["secant_stiffness_n_per_m"], rel=0.1)
+
+
+def test_settled_and_unsettled_walls_are_compared(tmp_path, pushed_after):
+    """On one support and on one below each brick their joints are the same; failures of the settlement leave no drift
+    to compare."""
+    whole, _ = pushed_after
+    plain = damage.run(SMALL, pushover=0.05, lintel=2)
+    for first, second in ((whole, plain), (plain, whole)):
+        found = compare(first, [second])
+        assert found["joints"]["broke_in_either"] >= found["joints"]["broke_in_both"] > 0
+        assert found["drift"]["first_failure_s"] < 0 and found["drift"]["rms_before_failure"] is None
+        assert "not compared" in describe(found) and not found["agrees"]
+        assert len(joint_agreement(first, second)) == len(first.joints)
+    settled_alone = damage.run(SMALL, **GROUND, lintel=2)
+    assert compare(settled_alone, [settled_alone])["agrees"]
+    with pytest.raises(InputError, match="has no motion, .* has one; compare runs that both have one"):
+        compare(settled_alone, [plain])

@@ -44,6 +44,20 @@ def workflow(monkeypatch):
     monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
 
 
+@pytest.mark.xfail(strict=True, raises=pytest.fail.Exception,
+                   reason="the lock is a file that can be deleted: a second batch locks a new one")
+def test_a_folder_whose_lock_was_deleted_takes_no_second_batch(workflow, tmp_path, monkeypatch):
+    import batch
+
+    monkeypatch.setattr(batch, "LOCK_PATIENCE_S", 0.0)
+    (tmp_path / "s.toml").write_text(STUDY % 2)
+    study = SimpleNamespace(name="s", path=tmp_path / "s.toml")
+    with batch.claim(tmp_path / "out", study):
+        (tmp_path / "out" / ".lock").unlink()
+        with pytest.raises(InputError, match="another batch is at work"):
+            batch.claim(tmp_path / "out", study).close()
+
+
 def record(name, folder):
     """What a small run leaves, of today's measures."""
     return json.loads(json.dumps(record_of(make_history(folder / "one.h5", broken=[0], overwrite=True), name, "p")))

@@ -128,6 +128,21 @@ def test_the_search_shows_the_text_around_the_word(driver, address, word, page):
     assert driver.get_log("browser") == []
 
 
+@pytest.mark.parametrize("word", ["settlement", "record", "cracks", "study"])
+def test_guides_are_found_before_the_reference_of_modules(address, driver, word):
+    driver.get(f"{address}/search.html?q={word}")
+    until, parts = time.monotonic() + SEARCH_S, []
+    while time.monotonic() < until and not (parts and "api" in parts[-1]):
+        time.sleep(0.2)
+        parts = driver.execute_script("return Array.from(document.querySelectorAll('#search-results li > a'), "
+                                      "(link) => link.getAttribute('href').replace('api/commands', 'commands'))")
+    places = {part: [place for place, link in enumerate(parts) if link.startswith(f"{part}/")]
+              for part in ("guides", "api")}
+    others = [place for place in range(len(parts)) if place not in places["guides"] + places["api"]]
+    assert places["guides"] and places["api"], parts
+    assert max(places["guides"]) < min([*others, *places["api"]]) and max(others, default=-1) < min(places["api"])
+
+
 def test_a_narrow_screen_scrolls_up_and_down_only(narrow, site):
     """Tables that are wider scroll in a box of their own."""
     wide, cut = {}, {}

@@ -268,13 +268,16 @@ class Batches:
     """Runs batches of studies in a folder, with a yade that copies small histories, made once.
 
     The length of the rest tells it what to do: 2 fails, 3 leaves an unfinished history, 4 takes a
-    minute, anything else is done at once.
+    minute, anything else is done at once.  Modules of the results folder end every Python that imports them.
     """
 
     def __init__(self, folder):
         self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of {it}"
         (folder / "bin").mkdir()
         (folder / "bin" / "sitecustomize.py").write_text(ONE_PICTURE)
+        self.out.mkdir()
+        for module in ("numpy", "snakemake", "damage"):
+            (self.out / f"{module}.py").write_text("raise SystemExit('a module of the results folder was executed')\n")
         for status in ("complete", "unfinished"):
             make_history(folder / "bin" / f"{status}.h5", status=status)
         (folder / "yade.py").write_text(FAKE_YADE.format(calls=str(self.calls), folder=str(folder / "bin")))
@@ -327,8 +330,9 @@ def running(folder):
 @pytest.fixture
 def batches(tmp_path):
     pytest.importorskip("snakemake")
-    (tmp_path / "a {b}").mkdir()  # braces are wildcards to Snakemake
-    return Batches(tmp_path / "a {b}")
+    folder = tmp_path / "a {b} \N{BRICK}"  # braces are wildcards to Snakemake, JSON escapes letters of other planes
+    folder.mkdir()
+    return Batches(folder)
 
 
 @pytest.mark.slow

@@ -1,11 +1,10 @@
 """One run of a study made again, whose history was not kept: to the values that the table has, or it says otherwise."""
 
-import os
 import subprocess
 import sys
 
 import pandas as pd
-from shared import MARK, ROOT, python_path
+from shared import MARK, ROOT, environment
 from stale import changes
 from versions import CODE
 
@@ -65,7 +64,7 @@ def _simulate(run, number, history, folder):
     done = subprocess.run(
         [sys.executable, ROOT / "workflow" / "simulate.py", name, "--solver", run.solver, "--out", history, "--log",
          folder / "logs" / f"{name}.log", "--", *run.command(number)],
-        env={**os.environ, "PYTHONPATH": python_path()}, stderr=subprocess.PIPE, text=True)
+        env=environment(), stderr=subprocess.PIPE, text=True)
     print(done.stderr.replace(MARK, ""), end="", flush=True)
     return done.returncode
 

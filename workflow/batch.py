@@ -28,7 +28,7 @@ import slurm
 import versions
 from room import NO_ROOM, check_room, forecast, is_short, shortage
 from shards import RUNS_AN_HOUR, point_of, shard_of, write_shards
-from shared import MARK, RESULTS, ROOT, Log, end_with_parent, python_path, write_if_other
+from shared import MARK, RESULTS, ROOT, Log, end_with_parent, environment, write_if_other
 from stale import drop, find_stale, note
 
 from damage.errors import InputError, warn
@@ -106,12 +106,13 @@ def conclude(study, folder):
     document = folder / "tables" / f"{command}.md"
     print(f"{command}: {document}", flush=True)
     return subprocess.run([sys.executable, "-m", package, command, str(folder), "--markdown", str(document)],
-                          env={**os.environ, "PYTHONPATH": python_path()}, check=False).returncode
+                          env=environment(), check=False).returncode
 
 
 def _parse():
-    parser = OneLineParser(prog="python3 -m damage study", allow_abbrev=False, description=(
-        "Run a study: simulations, tables, pictures.  What is done is not done again."))
+    parser = OneLineParser(prog="python3 -m damage study", allow_abbrev=False, examples=(
+        "python3 -m damage study quick", "python3 -m damage study my_study.toml -j 4 --keep summary --out mine"),
+        description="Run a study: simulations, tables, pictures.  What is done is not done again.")
     parser.add_argument("study", type=Path, metavar="STUDY", help="a study file (.toml); python3 -m damage study takes "
                         "the name of one that ships, too")
     parser.add_argument("-j", dest="jobs", type=number_from(1, 9999, int), default=os.cpu_count(), metavar="N",
@@ -217,7 +218,7 @@ class Batch:
         return status
 
     def _command(self, targets, config):
-        config = {"study": json.dumps(str(self.study.path)), "solver": self.solver,
+        config = {"study": json.dumps(str(self.study.path), ensure_ascii=False), "solver": self.solver,
                   "jobs": 1 if self.slurm else self.jobs, "cores": self.cores, **config}
         where = (slurm.words(self.study.name, self.folder, self.jobs) if self.slurm
                  else ["--cores", str(self.jobs)])
@@ -230,7 +231,7 @@ class Batch:
     def _environment(self):
         """This process's, with what Snakemake, matplotlib and YADE's IPython keep inside the folder."""
         inside = self.folder / ".snakemake"
-        return {**STARTS_FASTER, **os.environ, "PYTHONPATH": python_path(), "MPLBACKEND": "Agg",
+        return {**STARTS_FASTER, **environment(), "MPLBACKEND": "Agg",
                 "XDG_CACHE_HOME": str(inside / "cache"), "MPLCONFIGDIR": str(inside / "matplotlib"),
                 "IPYTHONDIR": str(inside / "ipython")}
 

@@ -25,6 +25,8 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
+
 from shards import FIRST_TABLES
 from shared import announce, end_with_parent
 

@@ -54,6 +54,12 @@ def python_path():
     return os.pathsep.join(dict.fromkeys([str(ROOT), *(os.path.abspath(folder) for folder in given if folder)]))
 
 
+def environment():
+    """Environment of what a batch starts: this one's, with `python_path`, and without modules of the working folder,
+    which `python -m` would import before others: a folder that was sent may hold a numpy.py."""
+    return {**os.environ, "PYTHONPATH": python_path(), "PYTHONSAFEPATH": "1"}
+
+
 def write_if_other(path, text):
     """Write a text file, whole or not at all, unless it holds the text already: its time says when it changed."""
     if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:

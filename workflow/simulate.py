@@ -18,6 +18,8 @@ import sys
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
+
 from shared import MARK, ROOT, Log, announce, end_with_parent
 
 from damage.errors import InputError

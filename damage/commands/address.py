@@ -2,23 +2,25 @@
 
 import sys
 
-from damage.commands.table import JSON, arg, command, file_arg, out, save, show
+from damage.commands.table import JSON, Silence, arg, command, file_arg, group, out, output, save, show
 from damage.errors import InputError
 from damage.files import write_text
 from damage.run.options import WALLS_ARE_CODE, file_path, number_from
 
 _ADDRESS = (
+    group("address",
           arg("--at", nargs=2, type=float, metavar=("LAT", "LON"), help="the address, degrees in WGS84"),
           arg("--rd", nargs=2, type=float, metavar=("X", "Y"), help="instead: metres in the Dutch grid (EPSG:28992)"),
           arg("--vs30", type=float, default=200.0, metavar="M_S", help="mean shear-wave velocity of the upper 30 m "
-               "(default 200)"),
+               "(default 200)")),
+    group("earthquakes and ground motion",
           arg("--from", dest="first", type=int, metavar="YEAR", help="first year (default: the catalogue's)"),
           arg("--to", dest="last", type=int, metavar="YEAR", help="last year (default: the catalogue's)"),
           file_arg("--catalogue", "FILE", "events: CSV, or the text of an FDSN event service (default: KNMI's list for "
                 "the field, 1991-12 to 2022-01, which ships)"),
           arg("--component", metavar="LRG|GEO|MAX", help="larger of both horizontal components (default), their "
                "geometric mean, or the largest in any direction"),
-          arg("--model", default="bommer-2022", metavar="NAME", help="ground-motion model (default bommer-2022)"))
+          arg("--model", default="bommer-2022", metavar="NAME", help="ground-motion model (default bommer-2022)")))
 """Options of the commands that are about an address; `_exposure_of` reads them."""
 
 
@@ -53,24 +55,31 @@ def _exposure(asked):
 @command("lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one after the other, "
          "damage carried over, their motions and the joints' strengths drawn; the same command continues",
          file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
-         arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N", help="lives (default 100)"),
-         arg("--seed", type=number_from(0, 2**31, int), default=0, help="of the draws (default 0)"),
-         arg("--above", type=number_from(0.01, 1000), default=8.0, metavar="MM_S", help="PGV from which an event is "
-              "part of a life (default 8); the largest always is"),
-         arg("--within", type=number_from(0.1, 1000), default=10.0, metavar="KM", help="stations whose records are "
-              "used (default 10 km from the epicentre)"),
-         arg("--scale-to", default="pgv", metavar="pgv|sa", help="what records are scaled to: the drawn PGV "
-              "(default), or the spectral acceleration at 0.2 s that it implies"),
-         arg("--strong", nargs=2, type=float, default=(0.05, 0.1), metavar="SHARE", help="shares of the Arias "
-              "intensity that a record's window leaves out at its start and end (default 0.05 0.1)"),
-         arg("--rest", type=number_from(0, 100), default=0.2, metavar="S", help="free vibration after each event "
-              "(default 0.2), before the damped stage"),
-         arg("--strength-cov", type=number_from(0, 2), default=0.3, metavar="COV", help="scatter of the joints' "
-              "strengths (default 0.3)"),
-         arg("--settle", metavar="PROFILE|FILE.csv", help="settlement of the ground before the first event"),
-         arg("--distortion", metavar="1/500", help="of a named profile"),
-         arg("-j", dest="jobs", type=number_from(1, 9999, int), metavar="N", help="processes (default: one a core)"),
-         arg("--slurm", action="store_true", help="as jobs of a SLURM cluster"),
+         group(
+             "lives",
+             arg("--draws", type=number_from(2, 10000, int), default=100, metavar="N", help="lives (default 100)"),
+             arg("--seed", type=number_from(0, 2**31, int), default=0, metavar="N", help="of the draws (default 0)"),
+             arg("--above", type=number_from(0.01, 1000), default=8.0, metavar="MM_S", help="PGV from which an event "
+                  "is part of a life (default 8); the largest always is"),
+             arg("--within", type=number_from(0.1, 1000), default=10.0, metavar="KM", help="stations whose records are "
+                  "used (default 10 km from the epicentre)"),
+             arg("--scale-to", default="pgv", metavar="pgv|sa", help="what records are scaled to: the drawn PGV "
+                  "(default), or the spectral acceleration at 0.2 s that it implies"),
+             arg("--strong", nargs=2, type=float, default=(0.05, 0.1), metavar="SHARE", help="shares of the Arias "
+                  "intensity that a record's window leaves out at its start and end (default 0.05 0.1)")),
+         group(
+             "runs",
+             arg("--rest", type=number_from(0, 100), default=0.2, metavar="S", help="free vibration after each event "
+                  "(default 0.2), before the damped stage"),
+             arg("--strength-cov", type=number_from(0, 2), default=0.3, metavar="COV", help="scatter of the joints' "
+                  "strengths (default 0.3)"),
+             arg("--settle", metavar="PROFILE|FILE.csv", help="settlement of the ground before the first event"),
+             arg("--distortion", metavar="1/500", help="of a named profile")),
+         group(
+             "batch",
+             arg("-j", dest="jobs", type=number_from(1, 9999, int), metavar="N", help="processes (default: one a "
+                 "core)"),
+             arg("--slurm", action="store_true", help="as jobs of a SLURM cluster")),
          out("folder of the study: tables, pictures, report"))
 def _life(asked):
     from damage.exposure.lives import Choices, Draws
@@ -94,7 +103,8 @@ def _life(asked):
     study = write_study(asked.out, asked.wall, address,
                         {name: value for name, value in options.items() if value is not None}, asked.draws)
     run_study([str(study), "--out", str(asked.out), "--keep", "summary",
-               *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else [])])
+               *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else [])],
+              quiet=isinstance(sys.stdout, Silence))
 
 
 @command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "
@@ -103,7 +113,7 @@ def _life(asked):
          arg("--with", dest="tables", nargs="+", default=[], type=file_path, metavar="lives.csv", help="lives of "
               "equal points from other sessions, with other seeds"),
          arg("--tables", dest="only", action="store_true", help="tables and text only"),
-         file_arg("--markdown", "FILE", "write the text, too"),
+         output(file_arg("--markdown", "FILE", "write the text, too")),
          out("folder for the tables (default: figures in FOLDER)", required=False))
 def _lives(asked):
     from damage.draw.life import contributions_picture, life_picture

@@ -1,6 +1,6 @@
 """The command `fragility`."""
 
-from damage.commands.table import arg, command, file_arg, out, save
+from damage.commands.table import arg, command, file_arg, group, out, output, save
 from damage.errors import InputError
 from damage.provenance import shown_path
 from damage.run.options import number_from
@@ -8,21 +8,25 @@ from damage.run.options import number_from
 
 @command("probabilities of exceeding levels of damage, from a study with scattered strengths",
          file_arg("study", "STUDY_DIR", "folder of a study, as results/fragility"),
+         group(
+             "intensity and damage",
+             arg("--intensity", metavar="COLUMN", help="column of summary.csv with a number above zero in "
+                  "every run (default: that of the study file, else sa_eigen_period_g; PGA is pga_g)"),
+             arg("--state", action="append", dest="states", metavar="STATE", help="damage state, a column of "
+                 'summary.csv and the level that it exceeds, as "moderate: max_psi > 2"; may be repeated (default: '
+                 "those of the study file, else levels of DI, crack width and Psi)"),
+             arg("--at", type=number_from(1e-12, 1e12), nargs="+", metavar="X", help="also print the probability at "
+                  "these intensities, with its intervals"),
+             arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
+                 help="bootstrap samples (default 500)")),
+         group(
+             "comparison",
+             arg("--leave-one-out", action="store_true", help="compare each record with the curves of all others"),
+             file_arg("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
+             arg("--after-damage", action="store_true", help="of a study of sequences: by Psi before each shock")),
          out("folder for tables and pictures"),
-         arg("--intensity", metavar="COLUMN", help="column of summary.csv with a number above zero in every run "
-              "(default: that of the study file, else sa_eigen_period_g; PGA is pga_g)"),
-         arg("--state", action="append", dest="states", metavar="STATE", help="damage state, a column of summary.csv "
-              'and the level that it exceeds, as "moderate: max_psi > 2"; may be repeated (default: those of the '
-              "study file, else levels of DI, crack width and Psi)"),
-         arg("--at", type=number_from(1e-12, 1e12), nargs="+", metavar="X", help="also print the probability at "
-              "these intensities, with its intervals"),
-         arg("--leave-one-out", action="store_true", help="compare each record with the curves of all others"),
-         file_arg("--unseen", "STUDY_DIR", "compare the runs of this other study with the curves"),
-         arg("--after-damage", action="store_true", help="of a study of sequences: by Psi before each shock"),
-         arg("--replicates", type=number_from(0, 100_000, int), default=500, metavar="N",
-          help="bootstrap samples (default 500)"),
-         file_arg("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
-               "coefficients with units, arrays"))
+         output(file_arg("--export", "DIR", "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
+                         "coefficients with units, arrays")))
 def _fragility(asked):
     from damage.measure.columns import made_by_words
     from damage.studies.fragility import STATES, load_runs

@@ -1,6 +1,7 @@
 """Commands about histories: numbers, pictures, tables, reports."""
 
 from damage.commands.table import (
+    DAMAGE,
     DRIFT_LIMIT,
     HISTORIES,
     HISTORY,
@@ -9,7 +10,9 @@ from damage.commands.table import (
     arg,
     command,
     file_arg,
+    group,
     out,
+    output,
     save,
     show,
     threshold,
@@ -22,8 +25,8 @@ from damage.units import MILLIMETRE
 
 
 @command("the damage index and key numbers of a history", HISTORY, JSON, threshold("opening and slip"),
-         DRIFT_LIMIT, arg("--slip", choices=SLIP_CRITERIA, default="displacement",
-                            help="when a joint counts as slipped (default displacement)"), PSI_FROM)
+         DRIFT_LIMIT, group(DAMAGE, arg("--slip", choices=SLIP_CRITERIA, default="displacement",
+                                        help="when a joint counts as slipped (default displacement)")), PSI_FROM)
 def _index(asked):
     from damage.measure.summary import summarise
     from damage.run.report import describe, with_members
@@ -82,11 +85,12 @@ def _animate(asked):
 
 @command("a history for ParaView, or the tables of a study for other programs",
          file_arg("source", "FILE.h5|STUDY_DIR", "a history, or the folder of a study, as results/quick"),
-         file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
-         file_arg("--vtk", "DIR", "of a history: a VTU file a snapshot and a PVD file that lists them, for any "
-                  "ParaView"),
-         file_arg("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
-         file_arg("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)"))
+         output(
+             file_arg("--vtkhdf", "FILE.vtkhdf", "of a history: one file with all samples, for ParaView 5.12 or newer"),
+             file_arg("--vtk", "DIR", "of a history: a VTU file a snapshot and a PVD file that lists them, for any "
+                      "ParaView"),
+             file_arg("--parquet", "DIR", "of a study: runs.parquet and points.parquet (needs pyarrow)"),
+             file_arg("--netcdf", "FILE.nc", "of a study: both tables as netCDF (needs xarray and h5netcdf)")))
 def _export(asked):
     from damage.export.study import write_netcdf, write_parquet
     from damage.export.vtkhdf import write_vtkhdf
@@ -140,10 +144,10 @@ def _tables(asked):
          file_arg("paths", "PATH", "a history (.h5), up to six of them, or the folder of studies", nargs="+"),
          out("the file (default: beside the first PATH, of its name, or report.html in a folder)", "FILE.html",
               required=False),
-         arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
-         arg("--author", metavar="NAME", help="who wrote it, below the title"),
-         arg("--text", metavar="WORDS", help="what it begins with, as what was asked and what follows; blank lines "
-              "separate paragraphs"))
+         group("words", arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
+               arg("--author", metavar="NAME", help="who wrote it, below the title"),
+               arg("--text", metavar="WORDS", help="what it begins with, as what was asked and what follows; blank "
+                   "lines separate paragraphs")))
 def _report(asked):
     from damage.html.report import Words, write_report
 

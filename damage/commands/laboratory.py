@@ -8,7 +8,9 @@ from damage.commands.table import (
     arg,
     command,
     file_arg,
+    group,
     out,
+    output,
     save,
     show,
     threshold,
@@ -28,16 +30,17 @@ def _laboratory(asked):
 
 @command("cracks, Psi and index of a history, of digitised cracks or of a DIC field",
          file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
-         file_arg("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
-         file_arg("--wall", "walls/NAME.py", f"the wall of a crack file or a field. {WALLS_ARE_CODE}"),
-         file_arg("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file"),
-         arg("--at", metavar="MOMENT,...", help="of a history: max, end, times [s] (default max,end)"),
+         group("a history", arg("--at", metavar="MOMENT,...", help="max, end, times [s] (default max,end)")),
+         group("a crack file or a DIC field",
+               file_arg("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
+               file_arg("--wall", "walls/NAME.py", f"the wall of a crack file or a field. {WALLS_ARE_CODE}"),
+               arg("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="of a crack file: how far from "
+                   "a joint a crack may be drawn (default: half a brick's height)"),
+               arg("--margin-mm", type=number_from(0, 1000), metavar="MM",
+                   help="of a field: how far inside a brick's edges points count (default 10)")),
          threshold("opening, slip and width"), PSI_FROM, DRIFT_LIMIT,
-         arg("--tolerance-mm", type=number_from(1e-3, 1000),
-              help="how far from a joint a crack may be drawn (default: half a brick's height)"),
-         arg("--margin-mm", type=number_from(0, 1000),
-              help="of a field: how far inside a brick's edges points count (default 10)"),
-         out("folder for a picture of each load level", required=False), JSON)
+         output(file_arg("--export", "CRACKS.csv", "write the cracks of a history or a field as a crack file")),
+         out("folder for a picture of each load level, or moment", required=False), JSON)
 def _cracks(asked):
     from damage.laboratory.crack_report import crack_report, describe
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from damage.commands.table import JSON, arg, command, file_arg, show
+from damage.commands.table import JSON, arg, command, file_arg, group, output, show
 from damage.errors import InputError, warn
 from damage.motion.loading import PERIODS_S
 from damage.run.options import add_preparation, number_from, recorded
@@ -12,10 +12,10 @@ from damage.run.plausible import implausible_motion
 @command("intensity measures of a ground-motion record as a run with these options applies it: nothing is filtered "
          "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
          "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that "
-         "ships, as BGAR_HGE"), JSON, add_preparation,
-         arg("--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (python3 -m damage "
-             "modes WALL): also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse"),
-         file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"))
+         "ships, as BGAR_HGE"), group("preparation of the record", add_preparation, arg(
+             "--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (python3 -m "
+             "damage modes WALL): also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse")),
+         JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary
     from damage.motion.plausible import faint_warnings, implausible_peak, implausible_velocity

@@ -28,14 +28,29 @@ def arg(*names, **options):
     return lambda command: command.add_argument(*names, **options)
 
 
+def group(title, *arguments):
+    """A function that adds these arguments to the group of a parser with this title."""
+    def add(command):
+        named = (one for one in command._action_groups if one.title == title)
+        titled = next(named, None) or command.add_argument_group(title)
+        for one in arguments:
+            one(titled)
+    return add
+
+
 def file_arg(name, metavar, help_=None, **options):
     """The same of a path."""
     return arg(name, type=file_path, metavar=metavar, help=help_, **options)
 
 
+def output(*arguments):
+    """The same of what a command writes."""
+    return group("output", *arguments)
+
+
 def out(help_, metavar="DIR", required=True):
     """The option --out."""
-    return file_arg("--out", metavar, help_, required=required)
+    return output(file_arg("--out", metavar, help_, required=required))
 
 
 HISTORY = file_arg("history", "FILE.h5")
@@ -44,19 +59,24 @@ HISTORY = file_arg("history", "FILE.h5")
 HISTORIES = file_arg("histories", "FILE.h5", nargs="+")
 
 
-JSON = arg("--json", action="store_true", help="as JSON")
+JSON = output(arg("--json", action="store_true", help="as JSON"))
 
 
-DRIFT_LIMIT = arg("--drift-limit-pct", type=number_from(1e-6, 100), default=2.0, help="drift limit (default 2)")
+DAMAGE = "what counts as damage"
+
+
+DRIFT_LIMIT = group(DAMAGE, arg("--drift-limit-pct", type=number_from(1e-6, 100), default=2.0, metavar="PCT",
+                                help="drift limit (default 2)"))
 
 
 def threshold(of):
     """The option --threshold-mm; of: what exceeds it."""
-    return arg("--threshold-mm", type=number_from(1e-6, 1000), default=0.1, help=f"of {of} (default 0.1)")
+    return group(DAMAGE, arg("--threshold-mm", type=number_from(1e-6, 1000), default=0.1, metavar="MM",
+                             help=f"of {of} (default 0.1)"))
 
 
-PSI_FROM = arg("--psi-from-mm", type=number_from(1e-6, 1000), default=0.02,
-                 help="width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)")
+PSI_FROM = group(DAMAGE, arg("--psi-from-mm", type=number_from(1e-6, 1000), default=0.02, metavar="MM",
+                             help="width from which a crack counts in Psi (default 0.02; 0.1 is what an eye sees)"))
 
 
 def show(asked, found, describe):

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from damage.commands.table import JSON, command, file_arg, out, save
+from damage.commands.table import JSON, command, file_arg, group, out, save
 from damage.errors import warn
 from damage.files import json_text
 from damage.provenance import shown_path
@@ -17,11 +17,11 @@ def _materials(asked):
 
 
 @command("natural periods of a wall with intact joints", file_arg("wall", "WALL",
-         f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), JSON,
-         lambda command: add_model_options(command, (
+         f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"),
+         group("model", lambda command: add_model_options(command, (
              "lintel", "top", "load", "cells", "contacts", "bricks", "brick_order", "plane", "brick_mass")),
-         add_accept,
-         out("folder for a picture of the shapes", required=False))
+               add_accept),
+         JSON, out("folder for a picture of the shapes", required=False))
 def _modes(asked):
     from damage.wall.as_built import describe_openings
     from damage.wall.caps import describe_top
@@ -50,7 +50,7 @@ def _modes(asked):
 @command("a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic joints, names of "
          "piers and spandrels",
          file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"),
-         lambda command: add_model_options(command, ("lintel", "top", "load", "supports")), add_accept,
+         group("model", lambda command: add_model_options(command, ("lintel", "top", "load", "supports")), add_accept),
          out("the picture (default: the wall's name, .png, in the working folder)", "FILE.png|FILE.svg|FILE.pdf",
               required=False))
 def _draw(asked):

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from damage.draw import style
 from damage.draw.run import DASHES, JOINT_COLOURS, THIN
 from damage.draw.words import run_title
-from damage.measure.compare import compare_drift, compare_joints, joints_ever
+from damage.measure.compare import compare_drift, compare_joints, joint_keys, joints_ever
 from damage.wall.geometry import tributary_ends
 
 JOINTS = {  # agreement of a joint: (label, colour, line width [pt])
@@ -58,7 +58,7 @@ def joint_agreement(first, second):
         [both & (here["state"] == there["state"]), both, here["broken"], there["broken"]],
         ["same", "other", "first", "second"], default="intact")
     by_pair = dict(zip(here.index, kinds))
-    return np.array([by_pair[pair] for pair in zip(first.joints["first_body"], first.joints["second_body"])])
+    return np.array([by_pair[pair] for pair in zip(*joint_keys(first))])
 
 
 def _draw_drift(ax, first, second):

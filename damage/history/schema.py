@@ -68,7 +68,7 @@ SERIES = {
     "base_rotation_rad": Column("rad", "rotation of the base course from x towards z, least squares; NaN where the "
                                 "ground does not move", since=7),
     "base_shear_n": Column("N", "horizontal force of the wall on the ground, positive with positive drift"),
-    "top_force_n": Column("N", "force that moves the top in a pushover; NaN in dynamics"),
+    "top_force_n": Column("N", "force that moves the top in a pushover, zero before it; NaN in dynamics"),
     "kinetic_energy_j": Column("J", "stored, in all, with that of deformable bricks' strain modes"),
     "elastic_energy_j": Column("J", "stored in joints and deformable bricks, since the end of the static stage"),
     "gravity_energy_j": Column("J", "stored, since the end of the static stage"),

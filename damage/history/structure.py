@@ -45,6 +45,16 @@ def check_structure(file):
     return n_bytes
 
 
+def stored_bytes(file, path, most):
+    """The bytes (n,) of a packed dataset of an open file, at most so many; raises InputError for any other."""
+    dataset = _dataset(file, path)
+    if dataset.dtype != np.uint8 or dataset.ndim != 1:
+        raise InputError(f"{path} is of type {dataset.dtype} and shape {dataset.shape}, expected bytes, uint8 (n,)")
+    if _stored(path, dataset) > most:
+        raise InputError(f"{path} says it has {dataset.size} bytes, expected up to {most}")
+    return dataset[()]
+
+
 def _check_attributes(file):
     run = file.get("run", getlink=True)
     if not isinstance(run, h5py.HardLink) or not isinstance(file["run"], h5py.Group):

@@ -29,7 +29,7 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
                  drift_limit_pct=2.0, tolerance_mm=None, margin_mm=None, out=None):
     """(report, what `crack_pictures` draws) of the command's options: of a history, a crack file or a DIC field.
 
-    Options that do not belong to what there is are refused; of a history nothing is drawn.
+    Options that do not belong to what there is are refused; of a history without `out` nothing is drawn.
     """
     given = {name for name, value in {"wall": wall, "export": export, "at": at, "tolerance-mm": tolerance_mm,
                                       "margin-mm": margin_mm, "out": out}.items() if value is not None}
@@ -42,9 +42,10 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
         margin = 10.0 if margin_mm is None else margin_mm
         report, *drawn = field_report(dic, wall, margin * MILLIMETRE, export=export, **limits)
     elif Path(source).suffix == ".h5" or h5py.is_hdf5(source):
-        _only_with("a history", given, needs=(), without=("wall", "tolerance-mm", "margin-mm", "out"))
+        _only_with("a history", given, needs=(), without=("wall", "tolerance-mm", "margin-mm"))
         moments = ("max,end" if at is None else at).split(",")
-        report, drawn = history_report(source, moments, export=export, **limits), None
+        report, drawn = history_report(source, moments, export=export, **limits), out and history_drawn(
+            source, moments, limits["threshold"])
     else:
         _only_with("a crack file", given, without=("at", "export", "margin-mm"))
         patterns, layout = read_cracks(source), lay_out(load_wall(wall))
@@ -124,6 +125,15 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
             "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": total, "levels": levels,
             "max": largest(levels), "run": psi_summary(history, psi_from), "notes": offset_warnings(history)}
+
+
+def history_drawn(path, moments, threshold=THRESHOLD):
+    """What `crack_pictures` draws of the history at `path`: MappedCracks and CrackPatterns at these moments, and the
+    Layout."""
+    history = read_history(path)
+    layout = lay_out(history.masonry_wall, history.model)
+    patterns = patterns_of(history, choose_samples(history, moments), threshold)
+    return [map_cracks(pattern, layout) for pattern in patterns], patterns, layout
 
 
 # --- a crack file, a field --------------------------------------------------------------------------

@@ -54,7 +54,8 @@ def compare(first, others):
     measures of TOLERANCES.  drift, joints, patterns: `compare_drift`, `compare_joints` and `compare_patterns` with the
     first of the others.  slip: criterion of DI, `common_slip`.  agrees: whether all figures and the drift agree.
 
-    Raises InputError where a history has no sample, or they are of different walls.
+    Raises InputError where a history has no sample, they are of different walls, or some have a motion and some, as of
+    ground that settles alone, have none.
     """
     for history in (first, *others):
         if len(history.series) == 0:
@@ -62,9 +63,13 @@ def compare(first, others):
         if history.wall != first.wall or len(history.bodies) != len(first.bodies):
             raise InputError(f"{history.path} is of wall {history.wall} with {len(history.bodies)} bodies, "
                              f"{first.path} of {first.wall} with {len(first.bodies)}; compare runs of one wall")
+        if history.moving.empty != first.moving.empty:
+            still, moved = (history, first) if history.moving.empty else (first, history)
+            raise InputError(f"{still.path} has no motion, {moved.path} has one; compare runs that both have one, or "
+                             "both settle alone")
     numbers = _compare_numbers(first, others)
     drift = compare_drift(first, others[0])
-    judged = [row["agrees"] for row in numbers.values()] + [drift["agrees"]]
+    judged = [row["agrees"] for row in (*numbers.values(), drift) if row["agrees"] is not None]
     return {"first": str(first.path), "others": [str(other.path) for other in others],
             "slip": common_slip(first, *others), "figures": numbers,
             "drift": drift, "joints": compare_joints(first, others[0]), "patterns": compare_patterns(first, others[0]),
@@ -111,35 +116,39 @@ def compare_drift(first, second):
     """Differences of the drift ratios of two Histories over time, a plain dictionary.
 
     first_failure_s: time of the first failure in either run [s], None without one; rms_before_failure: RMS difference
-    up to it over the RMS of the first run [-], compared with `allowed` in `agrees`; lag_s: by how much the second run
-    lags behind the first [s]; diverged_at_s: first time at which they differ by more than DIVERGED of the peak [s],
-    None where they never do; rms_whole: the RMS difference of the entire runs [-].
+    up to it over the RMS of the first run [-], compared with `allowed` in `agrees`, both None where it came before the
+    drift that is compared; lag_s: by how much the second run lags behind the first [s]; diverged_at_s: first time at
+    which they differ by more than DIVERGED of the peak [s], None where they never do;
+    rms_whole: the RMS difference of the entire runs [-].
     """
     time, here, there = _common_drift(first, second)
     failure = min(_first_break(first), _first_break(second))
     before = time <= failure
-    difference, scale = here - there, np.sqrt(np.mean(here[before] ** 2))
-    rms = float(np.sqrt(np.mean(difference[before] ** 2)) / scale) if scale > NOISE else 0.0
+    difference, rms = here - there, None
+    if before.any():
+        scale = np.sqrt(np.mean(here[before] ** 2))
+        rms = float(np.sqrt(np.mean(difference[before] ** 2)) / scale) if scale > NOISE else 0.0
     peak = np.abs(here).max(initial=NOISE)
     apart = np.flatnonzero(np.abs(difference) > DIVERGED * peak)
     return {"first_failure_s": None if np.isinf(failure) else failure, "rms_before_failure": rms,
-            "allowed": DRIFT_TOLERANCE, "agrees": bool(rms <= DRIFT_TOLERANCE),
+            "allowed": DRIFT_TOLERANCE, "agrees": None if rms is None else bool(rms <= DRIFT_TOLERANCE),
             "lag_s": _lag(time, here, there), "diverged_at_s": float(time[apart[0]]) if len(apart) else None,
             "rms_whole": float(np.sqrt(np.mean(difference**2) / np.mean(here**2))) if peak > NOISE else 0.0}
 
 
 def _common_drift(first, second):
-    """Times before settling that both runs cover [s], and both drift ratios there, each (n,).
+    """Times that both runs cover [s], and both drift ratios there, each (n,): outside the settlement and settling
+    stages, or in the settlement where there is no other.
 
     Interpolated by cubic splines: linear interpolation between samples of 2 ms would reduce the amplitude of a
     vibration of 0.06 s by 0.4 %.
     """
     from scipy.interpolate import CubicSpline
 
-    frames = [history.moving for history in (first, second)]
-    end = min(frame["time_s"].iloc[-1] for frame in frames)
+    frames = [history.series if history.moving.empty else history.moving for history in (first, second)]
+    start, end = max(frame["time_s"].iloc[0] for frame in frames), min(frame["time_s"].iloc[-1] for frame in frames)
     time = frames[0]["time_s"].to_numpy()
-    time = time[time <= end]
+    time = time[(time >= start) & (time <= end)]
     if len(time) < 4:
         return time, *(np.interp(time, frame["time_s"], frame["drift_ratio"]) for frame in frames)
     return time, *(CubicSpline(frame["time_s"], frame["drift_ratio"])(time) for frame in frames)
@@ -168,7 +177,8 @@ def _lag(time, here, there):
 def joints_ever(history, threshold=THRESHOLD):
     """States that the joints of a History ever had: a DataFrame indexed by (first_body, second_body).
 
-    The contact points between two bodies are one joint, so that runs of different discretisations can be compared.
+    The contact points between two bodies are one joint, so that runs of different discretisations can be compared; all
+    supports are body -1, so that runs on one support and on one below each brick can be, too.
     Columns: opened (by more than the threshold [m]), slipped (ever at the shear limit) and broken (failed), bool;
     first_break_s: time of the first failure [s], NaN without one; x_m, z_m: mean place; state: index of
     `damage.history.moments.STATES` from opened and slipped.
@@ -179,11 +189,15 @@ def joints_ever(history, threshold=THRESHOLD):
         "opened": (history.opening_m > threshold).any(axis=0), "slipped": history.at_limit.any(axis=0),
         "broken": history.broken.any(axis=0), "first_break_s": first.to_numpy(),
         "x_m": history.joints["x_m"], "z_m": history.joints["z_m"]})
-    keys = [history.joints["first_body"], history.joints["second_body"]]
-    joints = points.groupby(keys).agg({"opened": "max", "slipped": "max", "broken": "max",
-                                       "first_break_s": "min", "x_m": "mean", "z_m": "mean"})
+    joints = points.groupby(joint_keys(history)).agg({"opened": "max", "slipped": "max", "broken": "max",
+                                                      "first_break_s": "min", "x_m": "mean", "z_m": "mean"})
     joints["state"] = state_codes(joints["opened"], joints["slipped"])
     return joints
+
+
+def joint_keys(history):
+    """First and second body of each contact point of a History, by which `joints_ever` has its joints."""
+    return [history.joints["first_body"].clip(lower=-1), history.joints["second_body"]]
 
 
 def compare_joints(first, second):
@@ -229,9 +243,10 @@ def describe(result):
     span = ("of the whole run, in which nothing fails" if drift["first_failure_s"] is None
             else f"before the first failure at {drift['first_failure_s']:.4f} s")
     diverged = "never" if drift["diverged_at_s"] is None else f"at {drift['diverged_at_s']:.3f} s"
-    lines.append(f"drift {span}: RMS {100 * drift['rms_before_failure']:.3f} % (allowed "
-                 f"{100 * drift['allowed']:.1f} %)  {'agrees' if drift['agrees'] else 'DIFFERS'}; diverged by 1 % "
-                 f"of the peak {diverged}; lag {1e3 * drift['lag_s']:.2f} ms")
+    judged = "not compared, nothing moved yet" if drift["agrees"] is None else (
+        f"RMS {100 * drift['rms_before_failure']:.3f} % (allowed {100 * drift['allowed']:.1f} %)  "
+        f"{'agrees' if drift['agrees'] else 'DIFFERS'}")
+    lines.append(f"drift {span}: {judged}; diverged by 1 % of the peak {diverged}; lag {1e3 * drift['lag_s']:.2f} ms")
     if joints["kappa"] is not None:
         lines.append(f"joints between bricks: {joints['broke_in_either']} failed in either run, "
                      f"{joints['broke_in_both']} in both, {joints['same_state']} to the same state, "

@@ -21,7 +21,7 @@ import pandas as pd
 
 from damage.checks import check_positive
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
-from damage.measure.cracks import ENDS, PSI_FROM, close_pairs, crack_numbers, cracked, ends_of, mean_width, psi_value
+from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, mean_width, psi_value
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -65,18 +65,20 @@ def map_cracks(pattern, layout, tolerance=None):
                         float(mapped - table["length_m"].sum()))
 
 
-def cracked_joints(stretches, layout):
-    """Indices of the contact points of a Layout of which a crack runs along at least half of the tributary length.
+def cracked_joints(stretches, layout, tolerance=None):
+    """Indices of the contact points of a Layout of which a crack runs along at least half of the tributary length, and
+    the length of the cracks that runs along joints [m].
 
-    stretches: (n, 2, 2) [m], both ends of straight parts of cracks; each lies on joints up to half a brick's height
-    away.
+    stretches: (n, 2, 2) [m], both ends of straight parts of cracks; each lies on joints up to `tolerance` [m] away,
+    None for half a brick's height.
     """
+    tolerance = layout.wall.brick.height / 2 if tolerance is None else tolerance
     ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
     length = np.zeros(layout.n_joints)
     for number, stretch in enumerate(stretches):
-        for _, joint, *_, along in _on_joints(number, stretch, ends, layout.wall.brick.height / 2):
+        for _, joint, *_, along in _on_joints(number, stretch, ends, tolerance):
             length[joint] += along
-    return np.flatnonzero(length >= layout.contacts.length[:layout.n_joints] / 2)
+    return np.flatnonzero(length >= layout.contacts.length[:layout.n_joints] / 2), float(length.sum())
 
 
 def _on_joints(number, stretch, ends, tolerance):
@@ -130,13 +132,14 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
     unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm, psi, psi_drawn, and
     DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
 
-    Psi is that of the joints whose width reaches psi_from [m], as in `damage.measure.cracks`; psi_drawn that of the
-    polylines as they were drawn, through bricks too, with the file's own numbering of cracks.  Without a drift DI is
+    Cracks count as they were drawn, by the file's own labels: a straight line over bricks and joints is one.  Psi is
+    that of the joints whose width reaches psi_from [m], as in `damage.measure.cracks`; psi_drawn that of the polylines
+    as they were drawn, through bricks too.  Without a drift DI is
     that of the cracks alone.  undecided_m: length over the threshold whose mode is unknown.
     """
     check_positive("drift limit", drift_limit)
     table, parts = mapped.table, pattern.stretches
-    chosen = table[cracked(table["width_m"], threshold)]
+    chosen, counted = (of[cracked(of["width_m"].to_numpy(float), threshold)] for of in (table, parts))
     in_psi = table[cracked(table["width_m"], psi_from)]
     drawn = cracked(parts["width_m"].to_numpy(float), psi_from)
     known = not np.isnan(pattern.drift_ratio)
@@ -147,19 +150,14 @@ def describe_level(pattern, mapped, layout, threshold=THRESHOLD, drift_limit=DRI
         bounds["DI_drift"] = None
     return {
         "load_level": pattern.level, "drift_pct": 100 * pattern.drift_ratio if known else None,
-        "cracks": _count(chosen), "crack_length_m": float(chosen["length_m"].sum()),
+        "cracks": counted["crack"].nunique(), "crack_length_m": float(chosen["length_m"].sum()),
         "unmapped_m": mapped.unmapped_m, "surplus_m": mapped.surplus_m,
         "undecided_m": float(chosen.loc[chosen["opening_m"].isna(), "length_m"].sum()),
         "max_width_mm": float(parts["width_m"].max() / MILLIMETRE) if len(parts) else 0.0,
-        "psi": float(psi_value(_count(in_psi), mean_width(in_psi["width_m"], in_psi["length_m"]))),
+        "psi": float(psi_value(in_psi["crack"].nunique(), mean_width(in_psi["width_m"], in_psi["length_m"]))),
         "psi_drawn": float(psi_value(parts["crack"][drawn].nunique(),
                                      mean_width(parts["width_m"][drawn], pattern.length_m[drawn]))),
         **bounds}
-
-
-def _count(table):
-    """How many cracks the rows of a table with ENDS make."""
-    return int(crack_numbers(np.ones(len(table), bool), close_pairs(ends_of(table))).max(initial=0))
 
 
 def index_bounds(table, total_length, drift, threshold=THRESHOLD):

@@ -31,7 +31,22 @@ def pushed_loading(history):
 
 
 def _force_and_drift(history):
-    return history.series["base_shear_n"].to_numpy(), history.series["drift_ratio"].to_numpy()
+    """Base shear [N] and drift ratio [-] of all samples (n,), the drift from time zero, where the push began; before
+    it, while the ground settles, both are zero."""
+    return (np.where(_before_the_push(history), 0.0, history.series["base_shear_n"].to_numpy()),
+            _from_time_zero(history, "drift_ratio"))
+
+
+def _from_time_zero(history, name):
+    """A column of the series less its value at time zero (n,); zero before."""
+    values, before = history.series[name].to_numpy(), _before_the_push(history)
+    return np.where(before, 0.0, values - values[before.sum()])
+
+
+def _before_the_push(history):
+    """Flags (n,) of the samples before time zero, which is the last sample of a settlement stage."""
+    settled = np.count_nonzero(history.series["stage"] == "settlement")
+    return np.arange(len(history.series)) < settled - 1
 
 
 # --- on first loading -------------------------------------------------------------------------------
@@ -54,7 +69,7 @@ def first_loading(history):
     # The base shear in place of the force at the top: the two differ by inertia and damping only, and the steps of a
     # prescribed velocity excite the base shear less.
     force, drift = _force_and_drift(history)
-    displacement = history.series["top_displacement_m"].to_numpy()
+    displacement = _from_time_zero(history, "top_displacement_m")
     peak = int(np.argmax(np.abs(force)))
     values = [float(abs(force[peak])), float(abs(drift[peak]))]
     for share in (INITIAL_SHARE, SECANT_SHARE):
@@ -155,7 +170,7 @@ def drift_at_first_crack(history):
     0.1 mm [-]; None without one."""
     visible = (history.opening_m > THRESHOLD) | (np.abs(history.slip_by("displacement")) > THRESHOLD)
     first = np.flatnonzero(visible.any(axis=1))
-    return float(history.series["drift_ratio"].abs().iloc[first[0]]) if len(first) else None
+    return float(abs(_force_and_drift(history)[1][first[0]])) if len(first) else None
 
 
 # --- cycle by cycle -------------------------------------------------------------------------------
@@ -187,7 +202,7 @@ def cycles_table(history):
     """
     loading, index = pushed_loading(history), history.index()
     force, drift = _force_and_drift(history)
-    top = history.series["top_displacement_m"].to_numpy()
+    top = _from_time_zero(history, "top_displacement_m")
     edges, rows = cycle_edges(history), []
     for number, (start, end) in enumerate(zip(edges, edges[1:])):
         inside = slice(start, end + 1)
@@ -251,7 +266,7 @@ def mode_shares(history, until=np.inf):
     beside = (np.abs(x[slipped, None] - x[risers]) < brick.length / 2 * (1 - 1e-6)) \
         & (np.abs(z[slipped, None] - z[risers]) < brick.height / 2 * (1 + 1e-6))
     stairs = float(length[slipped][beside.any(axis=1)].sum())
-    shares = {"drift_ratio": float(history.series["drift_ratio"].iloc[sample]),
+    shares = {"drift_ratio": float(_force_and_drift(history)[1][sample]),
               "opened_m": float(length[opened].sum()), "slipped_m": float(length[slipped].sum()),
               "opened_m2": float((length * opening)[opened].sum()), "slipped_m2": float((length * slip)[slipped].sum())}
     shares["stair_share"] = stairs / shares["slipped_m"] if slipped.any() else 0.0

@@ -1,5 +1,7 @@
 """Warnings of a run: conditions under which its results are doubtful."""
 
+import numpy as np
+
 from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.as_built import warn_of_courses
@@ -28,12 +30,27 @@ def warnings_of(history, energy_error, share):
 def static_warnings(history):
     """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at rest."""
     static, found = history.static, []
-    if static["broken_joints"] > 0:
-        found.append(f"{static['broken_joints']:.0f} contact points failed under gravity, before the motion")
+    failed = static["broken_joints"] and static["broken_joints"] - _without_bond(history)
+    if failed > 0:
+        found.append(f"{failed:.0f} contact points failed under gravity, before the motion")
     if static["unbalanced_force"] > AT_REST:
         found.append(f"the motion began before the wall was at rest: unbalanced force "
                      f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}")
     return found
+
+
+def _without_bond(history):
+    """How many of the contact points that have failed by the first sample had no bond: dry joints, and what a survey
+    took."""
+    if len(history.series) == 0:
+        return 0
+    return int(np.sum(history.states.broken[0] & ~with_bond(history)[history.states.joints]))
+
+
+def with_bond(history):
+    """Flags (n_joints,) of the contact points of a History that started with a bond."""
+    joints = history.joints
+    return ((joints["tensile_strength_pa"] > 0) | (joints["cohesion_pa"] > 0)).to_numpy()
 
 
 def energy_warnings(error):

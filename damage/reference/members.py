@@ -21,7 +21,8 @@ def run_members(backend, wall_file, make_wall, settings):
 
     settings: RunSettings; other arguments as of `damage.run.session.run_session`.  The history of the first member is
     the file of the run, with the table of all members beside it (`damage.measure.members`).  Histories of other members
-    are discarded, unless they failed or were interrupted: then they are in FILE_sSEED.h5.  The exit status is that of
+    are discarded, unless they failed or were interrupted: then they are in FILE_sSEED.h5.  After an
+    interruption the table is of the members that had ended.  The exit status is that of
     the first member where it failed, else the largest of all.
     """
     out = Path(settings.out or free_name(make_wall(), settings, backend.name))
@@ -40,11 +41,10 @@ def run_members(backend, wall_file, make_wall, settings):
         ended |= {one.writer.path: one.writer.history() for one, status in zip(group, statuses[first:])
                   if status == EXIT_OK}
         if EXIT_INTERRUPTED in statuses:
-            print(f"interrupted: {len(ended)} of {len(members)} members had ended; expected all for a table of members",
-                  file=sys.stderr)
-            return EXIT_INTERRUPTED
+            print(f"interrupted: {len(ended)} of {len(members)} members had ended", file=sys.stderr)
+            break
     if out not in ended:
-        return statuses[0]
+        return max(statuses[0], EXIT_INTERRUPTED * (EXIT_INTERRUPTED in statuses))
     print(f"members: {write_members(list(ended.values()), out)}")
     for path in ended.keys() - {out}:
         path.unlink(missing_ok=True)  # written where a history outgrew the memory

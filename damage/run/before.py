@@ -2,6 +2,8 @@
 
 import hashlib
 import io
+import zipfile
+import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,9 +11,10 @@ import h5py
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
-from damage.errors import InputError, warn
+from damage.errors import InputError, one_line, warn
 from damage.history.reader import read_history
 from damage.history.schema import STATE
+from damage.history.structure import stored_bytes
 from damage.history.writer import layout_tables
 from damage.measure.crack_file import read_cracks
 from damage.measure.crack_mapping import cracked_joints
@@ -30,19 +33,65 @@ def as_bytes(tables):
     return np.frombuffer(file.getvalue(), "u1")
 
 
-def read_state(path, layout, model):
+def read_state(path, layout, model, solver):
     """State of the solver, {name: array}, at the end of the run with the history `path`.
 
-    Arguments and errors as of `read_earlier`; raises InputError where the history has no state, too.
+    solver: another one of the same layout and settings, whose state has the same tables; other arguments and errors as
+    of `read_earlier`; raises InputError where the history has no state, or one that the solver cannot take, too.
     """
     read_earlier(path, layout, model)
-    with h5py.File(path, "r") as file:
-        packed = file[STATE][()] if STATE in file else np.zeros(0, "u1")
-    if len(packed) == 0:
-        raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
-                         "of this version without --new-contacts; run it again")
-    with np.load(io.BytesIO(packed.tobytes()), allow_pickle=False) as archive:
-        return dict(archive)
+    like = with_zero((solver.saved_state() or {}) | {
+        "set_in_motion_j": np.array(0.0), "base_moves": np.array(False)}, solver.instants())
+    most = sum(_UNPACKED_MORE + table.nbytes for table in like.values())
+    try:
+        with h5py.File(path, "r") as file:
+            packed = stored_bytes(file, STATE, most) if STATE in file else np.zeros(0, "u1")
+        if len(packed):
+            return _unpacked(packed, like)
+    except _UNREADABLE as error:
+        raise InputError(f"--continue {path}: its state of the solver cannot be read ({one_line(error)}); expected "
+                         "what a run of this wall wrote; run it again") from error
+    raise InputError(f"--continue {path}: it holds no state of its solver; expected a run of the reference solver "
+                     "of this version without --new-contacts; run it again")
+
+
+_UNPACKED_MORE = 8192
+"""Bytes of an array's header in an archive, and of its name."""
+_UNREADABLE = (InputError, zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, OSError, RuntimeError,
+               TypeError, SyntaxError)
+"""What reading a damaged archive raises."""
+
+
+def _unpacked(packed, like):
+    """The tables of an archive (`as_bytes`), {name: array}, that have the names, types and shapes of `like`: nothing is
+    unpacked that is larger than its table, no scalar fills one, no index leads to other rows."""
+    found = {}
+    with zipfile.ZipFile(io.BytesIO(packed.tobytes())) as archive:
+        sizes = {entry.filename.removesuffix(".npy"): entry.file_size for entry in archive.infolist()}
+        if sizes.keys() != like.keys():
+            other = ", ".join(sorted(sizes.keys() ^ like.keys()))
+            raise InputError(f"tables {other} are in it or in the wall's state, not in both")
+        for name, table in like.items():
+            if sizes[name] > table.nbytes + _UNPACKED_MORE:
+                raise InputError(f"table {name} has {sizes[name]} bytes, expected {table.nbytes}")
+            content = io.BytesIO(archive.read(f"{name}.npy"))
+            _check_table(name, content, repack_fields(table))
+            found[name] = np.load(content, allow_pickle=False)
+            rows = (field for field in table.dtype.names or () if table.dtype[field].kind in "iu" and field != "failed")
+            if other := [field for field in rows if np.any(found[name][field] != table[field])]:
+                raise InputError(f"table {name}: {other[0]} is not that of the wall")
+    return found
+
+
+def _check_table(name, content, table):
+    """Raise InputError unless an array in a file in memory has the type and shape of a table, by its header."""
+    version = np.lib.format.read_magic(content)
+    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read_header(content)
+    if shape != table.shape or dtype != table.dtype:
+        raise InputError(f"table {name} is {dtype.itemsize} bytes {shape}, expected {table.dtype.itemsize} bytes "
+                         f"{table.shape}")
+    content.seek(0)
 
 
 def read_earlier(path, layout, model):
@@ -83,30 +132,39 @@ def with_zero(state, zero):
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------
 
+LEAST_FREED = 0.7
+"""Length of the joints that lose their bond over that of the surveyed cracks [-] below which a run warns: lines along
+joints, a little off, keep nearly all; straight ones across bricks had 0.3 to 0.6."""
+
+
 @dataclass(frozen=True)
 class Surveyed:
     """Cracks of a file in the format of docs/reference/crack-format.md, at its last load level; file: name without
-    its folder; sha256: of the file; stretches: straight parts, (x, z of one end, x, z of the other) each [m]."""
+    its folder; sha256: of the file; stretches: straight parts, (x, z of one end, x, z of the other) each [m];
+    tolerance_m: how far from a joint a crack may be drawn [m], None for half a brick's height."""
 
     file: str
     sha256: str
     stretches: tuple[tuple[float, ...], ...]
+    tolerance_m: float | None = None
 
     @classmethod
-    def read(cls, path):
+    def read(cls, path, tolerance_m=None):
         """The cracks of a file; raises InputError."""
         last = read_cracks(path)[-1].stretches
         return cls(Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest(),
-                   tuple(map(tuple, last[list(ENDS)].to_numpy(float).tolist())))
+                   tuple(map(tuple, last[list(ENDS)].to_numpy(float).tolist())), tolerance_m)
 
 
 def with_cracks(layout, cracks):
     """The layout whose contact points along Surveyed cracks have no bond: they carry compression and friction alone.
 
     A contact point is cracked where a crack runs along at least half of its tributary length.  Elastic ones stay as
-    they are, with a warning.  Raises InputError where no crack lies on a joint.
+    they are, with a warning; what the survey comes to is printed, with a warning where that is little.  Raises
+    InputError where no crack lies on a joint.
     """
-    found, contacts = cracked_joints(np.reshape(cracks.stretches, (-1, 2, 2)), layout), layout.contacts
+    ends, contacts = np.reshape(cracks.stretches, (-1, 2, 2)), layout.contacts
+    found, on_joints_m = cracked_joints(ends, layout, cracks.tolerance_m)
     if len(found) == 0:
         raise InputError(f"--cracked {cracks.file}: none of its cracks runs along a joint of wall {layout.wall.name}; "
                          "expected places on this wall, x from its left end and z from its base [m]; look at them")
@@ -115,8 +173,22 @@ def with_cracks(layout, cracks):
     failed = np.zeros(len(contacts), bool)
     failed[found] = True
     failed &= ~contacts.elastic
+    _describe_survey(cracks.file, float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum()), on_joints_m, failed, layout)
     fibres = layout.fibres and _without_bond(layout.fibres, failed[layout.fibres.contact])
     return replace(layout, contacts=_without_bond(contacts, failed), fibres=fibres)
+
+
+def _describe_survey(file, surveyed_m, on_joints_m, failed, layout):
+    """Print what of surveyed cracks [m] runs along joints, and which of these have no bond (failed, (n_contacts,));
+    warn where that is little."""
+    freed_m = float(layout.contacts.length[failed].sum())
+    print(f"cracks of {file}: {surveyed_m:.2f} m, {on_joints_m:.2f} m of them ({100 * on_joints_m / surveyed_m:.0f} %) "
+          f"along joints; {failed.sum()} of {layout.n_joints} contact points ({freed_m:.2f} m) start without bond; "
+          "widths are not used")
+    if freed_m < LEAST_FREED * surveyed_m:
+        warn(f"--cracked {file}: joints of {freed_m:.2f} m lose their bond for {surveyed_m:.2f} m of surveyed cracks: "
+             "the wall starts less cracked than surveyed; expected cracks that are drawn along the "
+             "joints, bed by bed and head by head; draw them so, or give a larger --tolerance-mm")
 
 
 def _without_bond(table, failed):

@@ -4,12 +4,14 @@ import argparse
 import hashlib
 import os
 import re
+import sys
 from dataclasses import fields, replace
 from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
 
 from damage.checks import check_path
-from damage.errors import InputError
+from damage.errors import InputError, did_you_mean
 from damage.exposure.lives import events_of, read_address
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
@@ -28,11 +30,17 @@ from damage.run.settings import (
     RunSettings,
     rayleigh_factors,
 )
+from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500
+_EXAMPLES = {
+    "reference": ("python3 -m damage reference symmetric --harmonic 0.2 0.05 --members 8",
+                  "python3 -m damage reference my_wall.toml --record record.csv --window 17 27 --out run.h5"),
+    "yade": ("./yade walls/symmetric.py --harmonic 0.2 0.05",
+             "./yade walls/solid.py --pushover 0.1 --boundary fixed --out pushed.h5")}
 
 BY_FILE = "file"
 """Of --unit: the unit that the file names; for tables whose cells may not be empty."""
@@ -41,16 +49,38 @@ WALLS_ARE_CODE = "A wall file is Python and is executed: read a file from someon
 """For the help of every command that takes one."""
 
 
-class OneLineParser(argparse.ArgumentParser):
-    """An argument parser that raises its complaint as InputError instead of printing the usage."""
+class _Help(argparse.HelpFormatter):
+    """Help whose texts of several lines, as examples are, stand as they are."""
 
-    def __init__(self, *args, **kwargs):
-        super().__init__(*args, **kwargs)
+    def _fill_text(self, text, width, indent):
+        return text if "\n" in text else super()._fill_text(text, width, indent)
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """An argument parser that raises its complaint as InputError instead of printing the usage.
+
+    examples: command lines, which its help ends with.
+    """
+
+    def __init__(self, *args, examples=(), **kwargs):
+        self.examples = examples
+        more = {"epilog": "\n  ".join(["examples:", *examples])} if examples else {}
+        super().__init__(*args, **{"formatter_class": _Help, **more, **kwargs})
         # argparse takes -1e-5 for an option; it is a number.
         self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
+    def parse_known_args(self, args=None, namespace=None):
+        """As argparse's; an unknown option is refused first, since it may be the wrong name of one that is required."""
+        args = sys.argv[1:] if args is None else list(args)
+        # Behind a command they are the command's.
+        mine = takewhile(lambda word: word.startswith("-") if self._subparsers else word != "--", args)
+        for name in (word.partition("=")[0] for word in mine if word.startswith("--")):
+            if name != "--" and name not in self._option_string_actions:
+                self.error(f"unrecognized arguments: {name}{did_you_mean(name, self._option_string_actions)}")
+        return super().parse_known_args(args, namespace)
+
     def error(self, message):
-        raise InputError(f"{message}; see --help")
+        raise InputError(f"{message}{' ' if message.endswith('?') else '; '}see --help")
 
 
 def file_path(word):
@@ -81,7 +111,7 @@ def parse_run(arguments, prog, solver):
     return RunSettings(
         **_motion(parsed), life=life, settlement=settlement_of(parsed),
         continued=getattr(parsed, "continue") and str(getattr(parsed, "continue")),
-        cracked=parsed.cracked and Surveyed.read(parsed.cracked), rest_s=parsed.rest, time_step_s=parsed.dt,
+        cracked=_surveyed(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), new_contacts=getattr(parsed, "new_contacts", False),
@@ -94,7 +124,7 @@ def parse_run(arguments, prog, solver):
 @lru_cache(maxsize=4)  # a study asks for one for each of its runs
 def make_parser(prog, solver):
     """The parser of a run's command line."""
-    parser = OneLineParser(prog=prog, allow_abbrev=False, description=(
+    parser = OneLineParser(prog=prog, allow_abbrev=False, examples=_EXAMPLES[solver], description=(
         f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
     _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
@@ -146,7 +176,8 @@ def add_preparation(group):
 
 
 def _add_push(group):
-    group.add_argument("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift")
+    group.add_argument("--pushover", type=float, metavar="DRIFT_PCT", help="push the top to this drift, "
+                       "after --settle from where it stands then")
     group.add_argument("--cyclic", metavar="PCT,PCT,...", help="push the top cyclically to these drifts")
     group.add_argument("--boundary", choices=BOUNDARIES,
                        help="the pushed top may rotate (cantilever, default), or not (fixed)")
@@ -170,7 +201,19 @@ def _add_before(group):
     group.add_argument("--continue", type=file_path, metavar="FILE.h5", help="start from the end of this run of the "
                        "same wall, as if it had continued; YADE repeats that run first")
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
-                       "from the start (docs/reference/crack-format.md; the last load level)")
+                       "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
+    group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a "
+                       "crack of --cracked may be drawn (default: half a brick's height)")
+
+
+def _surveyed(parsed):
+    """The Surveyed cracks of parsed options, None without them."""
+    tolerance_mm = parsed.tolerance_mm
+    if parsed.cracked is None:
+        if tolerance_mm is not None:
+            raise InputError("--tolerance-mm belongs to --cracked; give both")
+        return None
+    return Surveyed.read(parsed.cracked, None if tolerance_mm is None else tolerance_mm * MILLIMETRE)
 
 
 def fraction(word):

@@ -168,6 +168,7 @@ class Run:
         solver.set_velocities(self._modal_velocity)
         self._take_hold()
         self._set_in_motion_j += float(solver.instants().kinetic_j[0] - before)
+        self._prescribe(self._samples - 1)  # what waited for this
 
     def _check_rest(self):
         """Raise RunError where the wall is not at rest after its settlement."""
@@ -315,7 +316,8 @@ class Run:
         fell = np.flatnonzero(self._have_fallen(motion[:end], now))
         if len(fell) > 0:
             problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
-        self._write({**rows, "top_force_n": now.top_force_n}, motion, now, end)
+        free = self.stage == "settlement" and self.settings.loading.drive.top is not None  # before it is pushed
+        self._write({**rows, "top_force_n": np.zeros(len(time_s)) if free else now.top_force_n}, motion, now, end)
         if problem is not None:
             raise self._failure(f"{problem} is no longer finite", time_s[end])
         self._prescribe(self._samples - 1)
@@ -333,6 +335,8 @@ class Run:
     def _prescribe(self, interval):
         """Move the top and the supports by their velocities in this interval; they rest after the last."""
         for velocities, move, first in self._prescribed:
+            if self.stage == "settlement" and first > 0:  # the top is not held yet
+                continue
             if first <= interval <= first + len(velocities):
                 move(velocities[interval - first] if interval < first + len(velocities) else 0 * velocities[0])
         if self._prescribed and all(interval >= first + len(velocities) for velocities, _, first in self._prescribed):

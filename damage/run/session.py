@@ -217,7 +217,7 @@ def _past(backend, settings, layout, model, time_step):
     if not settings.continued:
         return None, ()
     if backend.keeps_state:
-        return read_state(settings.continued, layout, model), ()
+        return read_state(settings.continued, layout, model, backend.make(layout, time_step, settings)), ()
     earlier = earlier_runs(settings, layout, backend, model, time_step)
     print(f"the {backend.name} solver keeps no state: it repeats {', '.join(one.command for one in earlier)}",
           flush=True)

@@ -11,11 +11,12 @@ from damage.files import is_there, shipped, shipped_files
 HELP = "-h", "--help"
 
 
-def run_study(arguments):
+def run_study(arguments, quiet=False):
     """Replace this process with the batch of a study; returns only on errors.
 
     arguments: the study (a file, or the name of one that ships), then options of the batch; the solver is the reference
-    solver unless they name another.  Raises InputError, and ImportError where Snakemake is missing.
+    solver unless they name another; quiet: print warnings and errors only.  Raises InputError, and ImportError where
+    Snakemake is missing.
     """
     study, *options = arguments or HELP[1:]
     if study not in HELP:
@@ -34,6 +35,8 @@ def run_study(arguments):
     # Runs side by side are what uses the processors; threads of linear algebra would only wait for them.
     environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ, "PYTHONPATH": _python_path()}
     sys.stdout.flush()
+    if quiet:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     os.execve(sys.executable, [sys.executable, str(program), *options], environment)
 
 
