@@ -139,12 +139,13 @@ def wall_schema():
         "outline": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2,
                                                "maxItems": 2}},
         "masonry": {"type": "object", "additionalProperties": False,
-                    "anyOf": [{"required": ["material", "format"]}, {"required": ["young_modulus"], "maxProperties": 1}],
+                    "anyOf": [{"required": ["material", "format"]},
+                              {"required": ["young_modulus"], "maxProperties": 1}],
                     "properties": {key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()}},
         "kind": {"enum": list(KINDS_OF_FLOORS)},
         "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)},
                              _object(Lintel, {"kind": {"enum": list(KINDS_OF_LINTELS)}})]},
-        **dict.fromkeys(ENERGIES, {"anyOf": [{"type": "number"}, {"const": RULE}]})}
+        **{name: {"anyOf": [{"type": "number"}, {"const": RULE}]} for name in ENERGIES}}
     special |= {"brick": _object(Brick, {}), "joint": _object(Joint, special, FRICTION)}
     special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
     return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")

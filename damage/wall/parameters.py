@@ -122,8 +122,9 @@ def _energies_by_rule(joint):
     for name in asked:
         strength = "tensile_strength" if name in ENERGIES[:2] else "compressive_strength"
         if not getattr(joint, strength):
-            raise InputError(f"Joint.{name} = {RULE!r} with {strength} = {getattr(joint, strength)}: expected a strength "
-                             f"above zero, of which the rule makes the energy; give Joint({strength}=...) [Pa]")
+            raise InputError(f"Joint.{name} = {RULE!r} with {strength} = {getattr(joint, strength)}: expected a "
+                             f"strength above zero, of which the rule makes the energy; give Joint({strength}=...) "
+                             "[Pa]")
     made = softening_energies(joint.tensile_strength)
     made[ENERGIES[2]] = crushing_energy(joint.compressive_strength or 0.0)
     return {name: made[name] for name in asked}
@@ -183,7 +184,9 @@ def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
     moduli = [1 / (1 / modulus - 1 / (stiffness * brick.height)) for modulus, stiffness in
               ((young_modulus, joint.normal_stiffness), (shear_ratio * young_modulus, joint.shear_stiffness))]
     if min(moduli) <= 0:
-        raise InputError(f"masonry of {young_modulus:g} Pa: its bed joints alone are softer; give stiffer joints")
+        most = brick.height * min(joint.normal_stiffness, joint.shear_stiffness / shear_ratio)
+        raise InputError(f"masonry of {young_modulus:g} Pa: its bed joints alone are softer; expected less than "
+                         f"{most:.3g} Pa; give stiffer joints")
     return replace(brick, young_modulus=moduli[0], shear_modulus=moduli[1])
 
 
