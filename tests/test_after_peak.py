@@ -72,12 +72,12 @@ def test_the_prediction_takes_what_was_tested():
 
 @pytest.mark.parametrize("name", after_peak.HELD)
 def test_the_table_of_tests_alone_makes_the_predicted_walls(name):
-    """The rules of docs/guides/tested-wall.md; COMP1_3's file has a brick height of 81 mm for 80.9 mm."""
+    """The rules of docs/guides/tested-wall.md; bricks of the wall's exact length and height differ by up to 0.5 %."""
     made, shipped = after_peak.tested_wall(SPECIMENS[name]), wall_by(name, PREDICTION)
     assert made.courses == shipped.courses
     for one, other in ((made, shipped), (made.brick, shipped.brick), (made.joint, shipped.joint)):
         numbers = [(value, vars(other)[key]) for key, value in vars(one).items() if isinstance(value, float)]
-        assert_allclose(*zip(*numbers), rtol=3e-3)
+        assert_allclose(*zip(*numbers), rtol=6e-3)
 
 
 def test_two_equal_walls_that_slid_differ_in_ultimate_drift():

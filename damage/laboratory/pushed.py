@@ -15,7 +15,8 @@ from damage.measure import pushed
 
 TESTS = DATA / "eucentre" / "tests.csv"
 SPECIMENS = {"squat": "COMP1_3", "squat_tested": "COMP1_3", **{name.lower(): name for name in (
-    "COMP1_1", "COMP1_3", "COMP2_1", "COMP2_2", "COMP2_3", "COMP2_4", "COMP2_5")}}
+    "COMP1_1", "COMP1_3", "COMP2_1", "COMP2_2", "COMP2_3", "COMP2_4", "COMP2_5", "MI1", "MI2", "ISP1", "ISP3",
+    "ABRAMS_W1", "ABRAMS_W3")}}
 """Name of a wall -> the test that it models."""
 MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear", "SL": "sliding"}
 FIGURES = {"stiffness_n_per_m": ("stiffness, secant to 0.7 of the peak", "kN/mm", 1e6),
