@@ -2,7 +2,7 @@
 
     python3 benchmarks/after_peak.py [--out DIR] [TABLE ...]
 
-TABLE: laws, prediction, cycles, unseen, elsewhere, about 25 minutes on one core; scatter, consequences, tail, as many
+TABLE: laws, prediction, cycles, unseen, elsewhere, about 35 minutes on one core; scatter, consequences, tail, as many
 again; all by default, in the reference solver.  Histories that are already in DIR are not run again.
 """
 

@@ -203,7 +203,7 @@ class TestFigures:
         assert_allclose(rows["mean force to 0.05 % drift"]["simulated"], 18, rtol=0.02)
         assert rows["peak force"]["measured"] is None
 
-    def test_a_force_that_has_not_fallen_is_told(self, tmp_path):
+    def test_a_force_that_has_not_fallen_is_named(self, tmp_path):
         found = pushed_report(pushed_over(tmp_path / "pushed.h5", 2e7 * self.DRIFT, self.DRIFT))
         assert any(row["figure"] == "ultimate drift, not reached: over" for row in found["figures"])
 
