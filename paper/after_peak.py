@@ -2,12 +2,13 @@
 
     python3 paper/after_peak.py [--out DIR] [TABLE ...]
 
-TABLE: laws, prediction, cycles, about 25 minutes on one core; scatter, consequences, tail, as many again; all by
-default, in the reference solver.  Histories that are already in DIR are not run again.
+TABLE: laws, prediction, cycles, unseen, elsewhere, about 35 minutes on one core; scatter, consequences, tail, as many
+again; all by default, in the reference solver.  Histories that are already in DIR are not run again.
 """
 
 import contextlib
 import io
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -20,8 +21,8 @@ import pandas as pd
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
 
-from damage import brick_of_masonry, read_history
-from damage.laboratory.pushed import SPECIMENS, TESTS, read_test
+from damage import Joint, Wall, brick_of_masonry, read_history
+from damage.laboratory.pushed import FIGURES, SPECIMENS, TESTS, read_test
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
@@ -34,11 +35,11 @@ from damage.wall.kinds import GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
 from damage.wall.modes import natural_modes
-from damage.wall.parameters import crushing_energy, softening_energies
+from damage.wall.parameters import ENERGIES, RULE, crushing_energy, softening_energies
 from paper.softening import main, print_row, print_table
 
-HELD = {"squat_tested": [], "comp2_4": ["--boundary", "fixed"], "comp2_1": ["--boundary", "fixed"],
-        "comp2_3": ["--boundary", "fixed"]}
+FIXED = ["--boundary", "fixed"]
+HELD = {"squat_tested": [], "comp2_4": FIXED, "comp2_1": FIXED, "comp2_3": FIXED}
 """Wall -> how it is held."""
 SLIDES = ("squat_tested", "comp2_4")
 """The walls whose tests failed in shear; the others rocked."""
@@ -50,6 +51,13 @@ SLIDING, ROCKING_SPEED = ("0.005,0.01,0.025,0.05,0.1,0.15,0.2,0.25,0.3", 8e-3), 
 CYCLES = {"squat_tested": SLIDING, "comp2_4": SLIDING, "comp2_1": ("0.5,1,2,3,3.5", ROCKING_SPEED),
           "comp2_3": ("0.25,0.5,0.75,1,1.5,2", ROCKING_SPEED)}
 """Amplitudes [%], one cycle each, and speed [m/s]."""
+UNSEEN = ("comp1_1", "comp2_2")
+ELSEWHERE = ("mi1", "mi2", "isp1", "isp3", "abrams_w1", "abrams_w3")
+"""Walls in whose view nothing was chosen, of the same tests and of other laboratories; made and pushed as
+docs/guides/tested-wall.md says."""
+BEYOND, ON = 1.4, 0.6
+"""How far a wall that rocks is pushed, in drifts at which a crushed toe carries no load; one that slides and has kept
+its force [%]."""
 SCATTER = 0.35
 """Coefficient of variation of the joints' strengths."""
 ALONG_COURSES = 0.4
@@ -104,8 +112,27 @@ PREDICTION = Law(crushes=True, modulus=MODULUS, scatter=SCATTER)
 SEEDS = (1, 2)
 
 
+def tested_wall(specimen):
+    """The wall of a test by the prediction, from its row in the table of tests alone."""
+    row = pd.read_csv(TESTS).set_index("Specimen").loc[specimen]
+    cohesion, halves = 1e6 * row["fv0_MPa"], round(2 * row["L_m"] / (row["lb_mm"] / 1e3 + 0.010))
+    joint = Joint(tensile_strength=0.875 * cohesion, cohesion=cohesion, friction_angle=math.atan(row["mu"]),
+                  compressive_strength=1e6 * row["fm_c_MPa"], **dict.fromkeys(ENERGIES, RULE))
+    brick = brick_of_masonry(MODULUS, joint, length=2 * row["L_m"] / halves, height=row["H_m"] / row["N courses"],
+                             thickness=row["t_m"])
+    return Wall(specimen.lower(), row["L_m"], row["H_m"], precompression=1e6 * row["sigma0_MPa"], brick=brick,
+                joint=joint)
+
+
+def toe_drift(wall):
+    """Drift [-] at which a crushed toe cannot carry the load on the top: G_c / (precompression x length)."""
+    return wall.joint.compressive_fracture_energy / (wall.precompression * wall.length)
+
+
 def wall_by(name, law):
-    """The wall of a shipped file by a Law."""
+    """The wall of a shipped file by a Law; an unseen one by the prediction."""
+    if name in UNSEEN + ELSEWHERE:
+        return tested_wall(SPECIMENS[name])
     wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
     energies = softening_energies(wall.joint.tensile_strength) if law.energies is None else dict(
         zip(("mode_i_fracture_energy", "mode_ii_fracture_energy"), law.energies))
@@ -122,7 +149,7 @@ def wall_by(name, law):
 
 def run(bench, name, label, law, words, seed=1):
     """The History of a wall by a Law."""
-    words = [*words, *HELD[name]]
+    words = [*words, *(HELD[name] if name in HELD else _held(name))]
     if law.scatter:
         words += ["--strength-cov", law.scatter, "--strength-seed", seed]
     kept = "_".join([name, label, *(str(word).strip("-") for word in words)])
@@ -131,16 +158,27 @@ def run(bench, name, label, law, words, seed=1):
         quiet = io.StringIO()
         with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet), \
                 mock.patch.object(layouts, "scattered", law.of or layouts.scattered):
-            status = run_session(BACKEND, REPOSITORY / "walls" / f"{name}.py", lambda: wall_by(name, law), [
+            source = REPOSITORY / "walls" / f"{name}.py" if name in HELD else TESTS
+            status = run_session(BACKEND, source, lambda: wall_by(name, law), [
                 *map(str, words), "--out", str(out), "--overwrite", "--no-pictures"], prog="after_peak")
         if status != 0:
             sys.exit(f"{out.stem} failed\n{quiet.getvalue()[-2000:]}")
     return read_history(out)
 
 
+def push_to(farthest, speed):
+    """The words of a push to a drift [%]."""
+    return ["--pushover", farthest, "--speed", speed]
+
+
 def push(name):
     """The words of a push of a wall."""
-    return ["--pushover", FARTHEST[name], "--speed", SPEED[name in SLIDES]]
+    return push_to(FARTHEST[name], SPEED[name in SLIDES])
+
+
+def _held(name):
+    """How a wall in whose view nothing was chosen is held, by its table."""
+    return [] if pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name], "H0_over_H"] == 1 else FIXED
 
 
 HEADS = ("wall", "law", "peak [kN]", "test", "secant [kN/mm]", "test", "bilinear [kN]", "test",
@@ -148,63 +186,22 @@ HEADS = ("wall", "law", "peak [kN]", "test", "secant [kN/mm]", "test", "bilinear
          "test", "friction [J]", "fracture [J]", "failure (on stairs)", "test")
 
 
-class Curves(NamedTuple):
-    """What a run says beside its test, means over the directions of loading: forces [N], stiffness [N/m], drifts [-].
-
-    mean: force averaged up to the test's ultimate drift, and left: force there, NaN where the run did not go so far;
-    farthest: the drift that was reached; shares: of `pushed.mode_shares` up to the ultimate drift."""
-
-    peak: float
-    stiffness: float
-    bilinear: float
-    mean: float
-    left: float
-    ultimate: float
-    farthest: float
-    shares: dict
-
-    @property
-    def never_ended(self):
-        """Whether the force was 0.8 of the peak or more to the end."""
-        return self.ultimate > 0.99 * self.farthest
-
-
-def curves_of(name, history):
-    """The Curves of a run."""
-    reached, height = float(np.mean(read_test(SPECIMENS[name]).ultimate_drift)), history.attributes["drift_height_m"]
-    curves = [pushed.capacity_curve(history, sign) for sign in ((1, -1) if history.loading.cycles else (1,))]
-    if not history.loading.cycles:
-        curves = [pushed.averaged(curve, float(curve["drift_ratio"].max()) / 200) for curve in curves]
-    lines = [pushed.bilinear(curve, height) for curve in curves]
-    far = min(curve["drift_ratio"].max() for curve in curves)
-    of_lines = {key: float(np.mean([line[key] for line in lines])) for key in lines[0]}
-    there = np.mean([(pushed.mean_force(curve, reached), np.interp(reached, curve["drift_ratio"], curve["force_n"]))
-                     for curve in curves], axis=0) if far >= 0.99 * reached else (np.nan, np.nan)
-    return Curves(float(np.mean([curve["force_n"].max() for curve in curves])), of_lines["stiffness_n_per_m"],
-                  of_lines["force_n"], *there, of_lines["ultimate_drift"], float(far),
-                  pushed.mode_shares(history, until=of_lines["ultimate_drift"]))
-
-
-def tested_curves(name):
-    """The Curves of a test, whose force at its ultimate drift is 0.8 of the peak."""
-    test = read_test(SPECIMENS[name])
-    mean = np.mean([energy / drift / test.height for energy, drift in zip(test.energy_j, test.ultimate_drift)])
-    peak, ultimate = np.mean(test.peak_force_n), np.mean(test.ultimate_drift)
-    return Curves(peak, np.mean(test.stiffness_n_per_m), np.mean(test.bilinear_force_n), mean,
-                  pushed.ULTIMATE_SHARE * peak, ultimate, np.inf, {"mode": test.mode})
+def capacity_of(name, history):
+    """`pushed.capacity` of a run to the ultimate drift of its test, and the test's figures."""
+    tested = read_test(SPECIMENS[name]).figures
+    return pushed.capacity(history, tested["ultimate_drift"]), tested
 
 
 def row(label, name, history):
     """A run beside its test, both as means over the directions of loading."""
-    found, tested = curves_of(name, history), tested_curves(name)
+    found, tested = capacity_of(name, history)
     lost, cells = history.series[list(DISSIPATED[:2])].iloc[-1], []
-    for key, unit in (("peak", 1e3), ("stiffness", 1e6), ("bilinear", 1e3), ("mean", 1e3), ("left", 1e3)):
-        cells += [f"{getattr(curves, key) / unit:.1f}" if np.isfinite(getattr(curves, key)) else "-"
-                  for curves in (found, tested)]
-    ultimate = f"over {100 * found.ultimate:.2f}" if found.never_ended else f"{100 * found.ultimate:.3f}"
-    print_row(SPECIMENS[name], label, *cells, ultimate, f"{100 * tested.ultimate:.2f}",
-              f"{lost.iloc[0]:.0f}", f"{lost.iloc[1]:.0f}",
-              f"{found.shares['mode']} ({100 * found.shares['stair_share']:.0f} %)", tested.shares["mode"])
+    for key in ("peak_force_n", "stiffness_n_per_m", "force_n", "mean_force_n", "left_n"):
+        cells += ["-" if one[key] is None else f"{one[key] / FIGURES[key][2]:.1f}" for one in (found, tested)]
+    ultimate, shares = 100 * found["ultimate_drift"], found["failure"]
+    print_row(SPECIMENS[name], label, *cells, f"{ultimate:.3f}" if found["ended"] else f"over {ultimate:.2f}",
+              f"{100 * tested['ultimate_drift']:.2f}", f"{lost.iloc[0]:.0f}", f"{lost.iloc[1]:.0f}",
+              f"{shares['mode']} ({100 * shares['stair_share']:.0f} %)", read_test(SPECIMENS[name]).mode)
 
 
 def laws(bench):
@@ -231,6 +228,38 @@ def cycles(bench):
         words = ["--cyclic", amplitudes, "--cycles", 1, "--speed", speed]
         for label, law in {"prediction": PREDICTION, **({"rule": LAWS["rule"]} if name == SLIDES[0] else {})}.items():
             row(label, name, run(bench, name, label, law, words))
+
+
+def push_unseen(bench, name):
+    """The words of a push of a wall of which only the table is known."""
+    words = push_to(FARTHEST[SLIDES[0]], SPEED[True])
+    history = run(bench, name, "prediction", PREDICTION, words)
+    by_hand = pushed.hand_capacities(history)
+    if by_hand["rocking"] < min(by_hand["sliding_top"], by_hand["sliding_base"]):
+        return push_to(f"{100 * BEYOND * toe_drift(tested_wall(SPECIMENS[name])):.3g}", SPEED[False])
+    return words if pushed.capacity(history)["ended"] else push_to(ON, SPEED[True])
+
+
+def elsewhere(bench):
+    """Pushes with two draws of walls of other laboratories by the prediction."""
+    print_table(*HEADS)
+    for name in ELSEWHERE:
+        words = push_unseen(bench, name)
+        for seed in SEEDS:
+            row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, words, seed))
+
+
+def unseen(bench):
+    """Pushes with two draws, and cycles, of walls by the prediction in whose view nothing was chosen."""
+    print_table(*HEADS)
+    for name in UNSEEN:
+        words = push_unseen(bench, name)
+        for seed in SEEDS:
+            row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, words, seed))
+        farthest = float(words[1])
+        amplitudes = ",".join(f"{farthest * share / 6:.3g}" for share in (0.25, 0.5, 1, 2, 3, 4, 5, 6))
+        words = ["--cyclic", amplitudes, "--cycles", 1, "--speed", ROCKING_SPEED]
+        row("cycles", name, run(bench, name, "prediction", PREDICTION, words))
 
 
 # --- draws of the strengths ------------------------------------------------------------------------
@@ -274,28 +303,25 @@ def scatter(bench):
         histories = together(bench, {f"{name}_draw_{seed}": [
             str(path), "--pushover", DRAWN_FAR, "--speed", DRAWN_SPEED, "--dt", f"{step:.4e}", *HELD[name],
             "--strength-cov", SCATTER, "--strength-seed", seed] for seed in range(1, DRAWS + 1)})
-        draws, tested = [curves_of(name, history) for history in histories.values()], tested_curves(name)
-        for label, key, unit, digits in (("peak [kN]", "peak", 1e3, 1), ("bilinear [kN]", "bilinear", 1e3, 1),
-                                         ("mean force to the test's ultimate drift [kN]", "mean", 1e3, 1),
-                                         ("left there [kN]", "left", 1e3, 1),
-                                         ("ultimate drift [%]", "ultimate", 0.01, 3)):
-            values = np.array([getattr(draw, key) for draw in draws]) / unit
-            shown = [getattr(tested, key) / unit, *np.quantile(values, (0.5, 0.05, 0.95)), values.min(), values.max()]
-            print_row(SPECIMENS[name], label, *(f"{value:.{digits}f}" for value in shown), enough(values))
-        within = [[abs(getattr(draw, key) / getattr(tested, key) - 1) <= 0.15 for draw in draws]
-                  for key in ("peak", "bilinear", "mean")]
+        draws = [capacity_of(name, history)[0] for history in histories.values()]
+        tested = read_test(SPECIMENS[name]).figures
+        for label, key, digits in (("peak [kN]", "peak_force_n", 1), ("bilinear [kN]", "force_n", 1),
+                                   ("mean force to the test's ultimate drift [kN]", "mean_force_n", 1),
+                                   ("left there [kN]", "left_n", 1), ("ultimate drift [%]", "ultimate_drift", 3)):
+            unit = FIGURES[key][2]
+            values = np.array([draw[key] for draw in draws]) / unit
+            shown = [tested[key] / unit, *np.quantile(values, (0.5, 0.05, 0.95)), values.min(), values.max()]
+            print_row(SPECIMENS[name], label, *(f"{value:.{digits}f}" for value in shown), pushed.draws_needed(values))
+        within = [[abs(draw[key] / tested[key] - 1) <= 0.15 for draw in draws]
+                  for key in ("peak_force_n", "force_n", "mean_force_n")]
         for label, hits in (
                 ("peak within 15 %", within[0]), ("bilinear force within 15 %", within[1]),
                 ("mean force within 15 %", within[2]),
-                ("last to two thirds of the test's drift", [draw.ultimate > tested.ultimate / 1.5 for draw in draws]),
-                ("keep 0.8 of the peak to the end", [draw.never_ended for draw in draws]),
-                ("fail on stairs", [draw.shares["mode"] == "shear, diagonal" for draw in draws])):
+                ("last to two thirds of the test's drift", [
+                    draw["ultimate_drift"] > tested["ultimate_drift"] / 1.5 for draw in draws]),
+                ("keep 0.8 of the peak to the end", [not draw["ended"] for draw in draws]),
+                ("fail on stairs", [draw["failure"]["mode"] == "shear, diagonal" for draw in draws])):
             print_row(SPECIMENS[name], label, "", f"{sum(hits)} of {DRAWS}", *[""] * 5)
-
-
-def enough(values):
-    """Number of draws whose median's standard error, 1.25 s / sqrt(n), is a fortieth of it: 5 % at 95 % confidence."""
-    return int(np.ceil((1.2533 * np.std(values, ddof=1) / (0.025 * np.median(values))) ** 2))
 
 
 # --- damage ----------------------------------------------------------------------------------------
@@ -374,7 +400,7 @@ def tail(bench):
             print_row(label, name, *(f"{value:.2g}" for value in shown))
 
 
-TABLES = {table.__name__: table for table in (laws, prediction, cycles, scatter, consequences, tail)}
+TABLES = {table.__name__: table for table in (laws, prediction, cycles, unseen, elsewhere, scatter, consequences, tail)}
 
 
 if __name__ == "__main__":

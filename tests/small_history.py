@@ -17,7 +17,7 @@ from damage.wall.parameters import Wall
 STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
 CYCLIC = TopDisplacement((0.2,), cycles=3, speed_m_s=0.02)
 LOADINGS = {
-    "cyclic": CYCLIC.as_dict(),
+    "cyclic": CYCLIC.as_dict(), "pushover": TopDisplacement((0.2,), cycles=0).as_dict(),
     "harmonic": Harmonic(0.2, 0.05).as_dict(),
     "free_vibration": FreeVibration().as_dict(),
     "record": {"kind": "record", "name": "NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz"},
@@ -31,7 +31,7 @@ def small_layout(**options):
 
 def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0, opening=None, slip=None, offset=None,
                  broken=(), at_limit=(), ended=None, snapshots=None, row=None, loading="harmonic", status="complete",
-                 collapsed_at_s=None, overwrite=False, write=HistoryWriter):
+                 collapsed_at_s=None, overwrite=False, write=HistoryWriter, model=None):
     """Write a history of a few samples to `path` and read it back; or by `write`, HistoryInMemory, keep it.
 
     stages: of each of n_times samples, step_s apart; drift: drift ratio, (n_times,) or one number;
@@ -40,7 +40,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     slips is broken from the moment it does; ended: {joint: sample from which on it has ended};
     snapshots: {time_s: (n_bodies, 3) [m, m, rad]}, None for one at rest with every fifth sample;
     row: {column of the series: (n_times,) or one number} over what is put in by itself;
-    status: "unfinished" for a run that was killed.
+    status: "unfinished" for a run that was killed; model: {option: value} other than the usual.
     """
     layout = layout or small_layout()
     n_times = len(stages)
@@ -53,7 +53,7 @@ def make_history(path, layout=None, *, stages=STAGES_21, step_s=0.01, drift=0.0,
     for joint, first in (ended or {}).items():
         state[first:, joint] |= ENDED
     writer = write(path, layout, solver="reference", versions={}, overwrite=overwrite, parameters={
-        "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": {}})
+        "loading": LOADINGS[loading], "wall": layout.wall.as_dict(), "model": model or {}})
     for k, stage in enumerate(stages):
         writer.append(stage, {name: values[k] for name, values in columns.items()},
                       {"opening_m": opened[k], "slip_m": slipped[k], "offset_m": away[k], "state": state[k]})

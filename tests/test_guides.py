@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from numpy.testing import assert_allclose
 
 import damage
+from benchmarks import after_peak
 
 ROOT = Path(__file__).resolve().parents[1]
 GUIDES = ROOT / "docs" / "guides"
@@ -20,6 +22,7 @@ SHORTER = (("--rest 1 ", "--rest 0.1 "), ("--members 8", "--members 2"), ("--sca
            ("--window 18.2 20.2", "--window 18.7 18.9"), ("--window 0.2 1.2", "--window 0.5 0.8"),
            *((f"--out {name}.h5 ", f"--no-pictures --out {name}.h5 ") for name in (
                "two_windows", "settled", "shaken", "cracked", "house", "my_record")),
+           ("--pushover 1.75", "--pushover 0.1"), ("0.07,0.15,0.29,0.58,0.87,1.2,1.5,1.75", "0.05,0.1"),
            ("--rest 0.5", "--rest 0"), ("--cycles 2 --rest 0.3", "--cycles 1 --rest 0"))
 """What is typed with other numbers, or without pictures of the run, which decide nothing but how long it takes: (in the
 guide, here)."""
@@ -114,8 +117,19 @@ def test_a_record_of_ones_own(clone):
     assert history.complete and history.series["base_acceleration_x_m_s2"].abs().max() > 0.2 * 9.8
 
 
+def test_a_wall_that_was_tested(clone):
+    output = follow("tested-wall", clone)
+    assert "comp2_2 / pushover_0.1pct_fixed: 2 draws" in output and "beside the test COMP2_2" in output
+    made = damage.load_wall(clone / "walls" / "comp2_2.toml")
+    by_rule = after_peak.tested_wall("COMP2_2")
+    for one, other in ((made, by_rule), (made.brick, by_rule.brick), (made.joint, by_rule.joint)):
+        assert_allclose(*zip(*((value, vars(other)[name]) for name, value in vars(one).items()
+                               if isinstance(value, float))), rtol=5e-3)
+    assert 1.4 * after_peak.toe_drift(by_rule) == pytest.approx(0.0175, rel=5e-3)
+
+
 def test_every_guide_is_followed_or_has_nothing_to_follow():
     followed = {"first-wall", "reading-results", "own-wall", "own-study", "own-record", "other-walls", "houses",
-                "cracked-before", "from-pip"}  # the last in test_from_pip.py
+                "cracked-before", "tested-wall", "from-pip"}  # the last in test_from_pip.py
     for path in GUIDES.glob("*.md"):
         assert (path.stem in followed) == bool(BLOCK.search(path.read_text(encoding="utf-8"))), path.name

@@ -20,6 +20,7 @@ from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.materials import FORMATS, MATERIALS, as_dict
 from damage.wall.model_options import ModelOptions
+from damage.wall.parameters import ENERGIES
 from damage.wall.plausible import implausible
 
 TEXT = """
@@ -59,6 +60,35 @@ class TestData:
     def test_brick_and_joint_by_tables(self):
         made = wall_from({"name": "w", "length": 2, "height": 1, "brick": {"length": 0.3}, "joint": {"cohesion": 1e5}})
         assert made == Wall("w", 2, 1, brick=Brick(length=0.3), joint=Joint(cohesion=1e5))
+
+    def test_masonry_of_a_modulus_beside_bricks_and_joints(self):
+        """1/E = 1/E_brick + 1/(k_n h), G = 0.4 E; friction and rules as `damage.Joint` has them."""
+        table = {"name": "w", "length": 2, "height": 1, "masonry": {"young_modulus": 4.9e9},
+                 "brick": {"height": 0.06}, "joint": {"friction": 0.55, "cohesion": 0.15e6, "tensile_strength": 0.13e6,
+                                                      "compressive_strength": 11e6, **dict.fromkeys(ENERGIES, "rule")}}
+        joint, brick = wall_from(table).joint, wall_from(table).brick
+        across = [1 / (1 / modulus + 1 / (stiffness * 0.06)) for modulus, stiffness in (
+            (brick.young_modulus, joint.normal_stiffness), (brick.shear_modulus, joint.shear_stiffness))]
+        assert_allclose(across, [4.9e9, 0.4 * 4.9e9])
+        assert_allclose([math.tan(joint.friction_angle), joint.compressive_fracture_energy], [0.55, 1.6e-3 * 11e6])
+        assert_allclose([joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy],
+                        [25 * 0.26**0.7, 250 * 0.26**0.7])
+        jsonschema = pytest.importorskip("jsonschema")
+        jsonschema.validate(table, wall_schema())
+        named = masonry("clay", "waalformaat", young_modulus=4.9e9, tensile_strength=0.13e6)["brick"]
+        assert_allclose(named.young_modulus, brick.young_modulus)
+
+    @pytest.mark.parametrize(("table", "message"), [
+        ({"joint": {"friction": 0.5, "friction_angle": 0.5}}, "leave one out"),
+        ({"joint": {"friction": "high"}}, "friction"), ({"joint": {"mode_i_fracture_energy": "rul"}}, "mode_i"),
+        ({"joint": {"compressive_fracture_energy": "rule"}}, "compressive_strength=..."),
+        ({"joint": {"mode_i_fracture_energy": "rule", "tensile_strength": 0.0}}, "tensile_strength=..."),
+        ({"masonry": {"young_modulus": 4.9e9}, "brick": {"shear_modulus": 2e9}}, "shear_modulus beside"),
+        ({"masonry": {"young_modulus": "stiff"}}, "young_modulus"),
+        ({"masonry": {"young_modulus": 4.9e9, "mortar": 0.01}}, "beside [brick] and [joint]"),
+        ({"masonry": {"young_modulus": 4.9e12}}, "softer")])
+    def test_what_would_be_misread_is_refused(self, table, message):
+        assert message in one_line_error(wall_from, {"name": "w", "length": 2, "height": 1, **table})
 
     def test_a_history_keeps_it(self):
         assert Wall.from_dict(json.loads(json.dumps(HOUSE.as_dict()))) == HOUSE

@@ -56,11 +56,18 @@ def _info(asked):
     show(asked, info(read_history(asked.history)), describe)
 
 
-@command("cycles, envelope and failure mode of a pushed wall", HISTORY, JSON)
+@command("cycles, envelope, failure mode and figures of a pushed wall; of several draws of its strengths median and "
+         "quantiles", HISTORIES, JSON,
+         arg("--to", type=number_from(1e-4, 100), metavar="DRIFT_PCT", help="drift to which the force is averaged "
+             "(default: ultimate drift of the test that the wall models, else of the run)"))
 def _cycles(asked):
-    from damage.laboratory.pushed import describe, pushed_report
+    from damage.laboratory.pushed import describe, describe_draws, draws_report, pushed_report
 
-    show(asked, pushed_report(read_history(asked.history)), describe)
+    histories, to = [read_history(path) for path in asked.histories], asked.to and asked.to / 100
+    if len(histories) == 1:
+        show(asked, pushed_report(histories[0], to), describe)
+    else:
+        show(asked, draws_report(histories, to), describe_draws)
 
 
 @command("the pictures of a history, PNG and PDF", HISTORY, out("folder for the pictures"))

@@ -21,6 +21,8 @@ STAIR_SHARE = 1 / 3
 ideal stair."""
 ULTIMATE_SHARE = 0.8
 """Share of the peak force to which the envelope falls at the ultimate drift (EN 1998-3)."""
+WINDOWS, FAR_ENOUGH = 200, 0.99
+"""Windows up to the largest drift over which the curve of a push is averaged; share of a drift that counts as it."""
 
 
 def pushed_loading(history):
@@ -152,6 +154,46 @@ def bilinear(curve, height):
     return {"stiffness_n_per_m": float(stiffness), "force_n": found,
             "elastic_drift": found / float(stiffness * height), "ultimate_drift": float(ultimate),
             "energy_j": float(area)}
+
+
+def loaded_curves(history):
+    """{"positive": curve, "negative": curve}, the `capacity_curve` of a History in each direction in which it was
+    loaded; that of a push is `averaged` over WINDOWS windows of the drift.  Raises InputError where there is none."""
+    cyclic = pushed_loading(history).cycles > 0
+    curves = {side: capacity_curve(history, sign) for side, sign in (("positive", 1), ("negative", -1))[:1 + cyclic]}
+    curves = {side: curve for side, curve in curves.items() if len(curve) and curve["force_n"].max() > 0}
+    if not curves:
+        raise InputError(f"{history.path}: the top was not pushed before the run ended ({history.status}); expected an "
+                         "envelope; run it again")
+    if not cyclic:
+        curves = {side: averaged(curve, float(curve["drift_ratio"].max()) / WINDOWS) for side, curve in curves.items()}
+    return curves
+
+
+def capacity(history, to=None):
+    """Figures of a pushed History, means over its `loaded_curves`, a plain dictionary.
+
+    peak_force_n, drift_at_peak [-]: of the curve; those of `bilinear`; mean_force_n: up to the drift `to` [-], of None
+    the ultimate drift, and left_n: force there, both None where the run did not go so far; farthest_drift: what was
+    reached; ended: whether the force fell below ULTIMATE_SHARE of the peak; failure: `mode_shares` up to the ultimate
+    drift.
+    """
+    height, curves = history.attributes["drift_height_m"], loaded_curves(history).values()
+    lines = [bilinear(curve, height) for curve in curves]
+    found = {name: float(np.mean([line[name] for line in lines])) for name in lines[0]}
+    peaks = np.mean([curve.loc[curve["force_n"].idxmax(), ["force_n", "drift_ratio"]] for curve in curves], axis=0)
+    to, farthest = to or found["ultimate_drift"], min(float(curve["drift_ratio"].max()) for curve in curves)
+    there = [(mean_force(curve, to), np.interp(to, curve["drift_ratio"], curve["force_n"])) for curve in curves]
+    there = np.mean(there, axis=0).tolist() if farthest >= FAR_ENOUGH * to else (None, None)
+    return {"peak_force_n": float(peaks[0]), "drift_at_peak": float(peaks[1]), **found, "to": to,
+            **dict(zip(("mean_force_n", "left_n"), there)),
+            "farthest_drift": farthest, "ended": found["ultimate_drift"] <= FAR_ENOUGH * farthest,
+            "failure": mode_shares(history, until=found["ultimate_drift"])}
+
+
+def draws_needed(values):
+    """Number of draws whose median's standard error, 1.25 s / sqrt(n), is a fortieth of it: 5 % at 95 % confidence."""
+    return int(np.ceil((1.2533 * np.std(values, ddof=1) / (0.025 * np.median(values))) ** 2))
 
 
 def _from_zero(curve):

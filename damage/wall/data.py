@@ -5,7 +5,8 @@
     length = 3.08                       # keys and units of damage.Wall
     height = 2.7
     precompression = 0
-    masonry = { material = "clay-standard", format = "waalformaat" }    # or tables [brick] and [joint]
+    masonry = { material = "clay-standard", format = "waalformaat" }    # or tables [brick] and [joint], beside them
+                                        # masonry = { young_modulus = 4.9e9 } in place of the bricks' moduli
     lintel = "timber"                   # or a table, here and in [[openings]]
 
     [[openings]]
@@ -18,19 +19,24 @@
     mass = 800
 """
 
+import math
 from dataclasses import MISSING, fields
 
+from damage.checks import check_range
 from damage.errors import InputError, did_you_mean
 from damage.toml_file import read_toml
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
-from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.parameters import ENERGIES, RULE, Brick, Joint, Opening, Wall, brick_of_masonry
 
 MOST_MB = 1
 MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick format", "mortar": "of joints [m]",
-                "wythes": "bricks through the thickness", "density": "[kg/m3]"}
+                "wythes": "bricks through the thickness", "density": "[kg/m3]",
+                "young_modulus": "of masonry across its bed joints [Pa]; by itself, beside [brick] and [joint]"}
 """Keys of the table `masonry`, arguments of `damage.masonry`, which others of its fields come from [joint]."""
+FRICTION = "friction"
+"""Key of [joint]: the friction coefficient, in place of the angle."""
 _TABLES = {"brick": Brick, "joint": Joint}
 _LISTS = {"openings": Opening, "floors": Floor}
 DRAFT = "http://json-schema.org/draft-07/schema#"
@@ -44,6 +50,8 @@ def read_wall(path):
 def wall_from(table):
     """The damage.Wall of a table {key: value} as a TOML file has it."""
     given = dict(table)
+    if "joint" in given:
+        given["joint"] = _joint(given["joint"])
     made = _masonry(given) if "masonry" in given else {}
     for name, kind in _TABLES.items():
         if name in given:
@@ -56,19 +64,41 @@ def wall_from(table):
     return _record("the wall", Wall, given | made)
 
 
-def _masonry(given):
-    """{"brick", "joint"} of the table `masonry`, which is taken out of the given ones with [joint]."""
-    chosen, joint = given.pop("masonry"), given.pop("joint", {})
-    if "brick" in given:
-        raise InputError("[brick] beside masonry: expected one of them; leave one out")
-    if not isinstance(chosen, dict) or not {"material", "format"} <= set(chosen):
-        raise InputError('masonry: expected { material = "...", format = "..." }; give both')
-    _refuse_unknown("masonry", chosen, MASONRY_KEYS)
-    if not isinstance(joint, dict):
+def _joint(table):
+    """The table [joint] with the friction angle of a friction coefficient."""
+    if not isinstance(table, dict):
         raise InputError("joint: expected a table [joint]; correct it")
-    _refuse_unknown("[joint]", joint, [one.name for one in fields(Joint)])
+    _refuse_unknown("[joint]", table, [*(one.name for one in fields(Joint)), FRICTION])
+    if FRICTION not in table:
+        return table
+    if "friction_angle" in table:
+        raise InputError("[joint] has friction and friction_angle: expected one of them; leave one out")
+    check_range("[joint] friction", table[FRICTION], 0, 100)
+    return {key: one for key, one in table.items() if key != FRICTION} | {"friction_angle": math.atan(table[FRICTION])}
+
+
+def _masonry(given):
+    """{"brick", "joint"} of the table `masonry`, which is taken out of the given ones with [joint] and [brick]."""
+    chosen, joint = given.pop("masonry"), given.pop("joint", {})
+    if isinstance(chosen, dict):
+        _refuse_unknown("masonry", chosen, MASONRY_KEYS)
+    if isinstance(chosen, dict) and set(chosen) == {"young_modulus"}:
+        return _of_modulus(chosen["young_modulus"], given.pop("brick", {}), joint)
+    if not isinstance(chosen, dict) or not {"material", "format"} <= set(chosen):
+        raise InputError('masonry: expected { material = "...", format = "..." }, or { young_modulus = ... } beside '
+                         "[brick] and [joint]; give one of these")
+    if "brick" in given:
+        raise InputError("[brick] beside masonry by name: expected one of them; leave one out")
     return masonry(chosen["material"], chosen["format"],
                    **{key: value for key, value in chosen.items() if key not in ("material", "format")}, **joint)
+
+
+def _of_modulus(modulus, brick, joint):
+    """{"brick", "joint"} of the tables [brick] and [joint] whose masonry has a modulus across its bed joints [Pa]."""
+    made = {"brick": _record("[brick]", Brick, brick), "joint": _record("[joint]", Joint, joint)}
+    if given := {"young_modulus", "shear_modulus"} & set(brick):
+        raise InputError(f"[brick] {min(given)} beside masonry of young_modulus: expected one of them; leave one out")
+    return made | {"brick": brick_of_masonry(modulus, made["joint"], **brick)}
 
 
 def _record(what, kind, table):
@@ -97,17 +127,20 @@ def wall_schema():
     """The JSON Schema of a wall as TOML, a dictionary fit for JSON: keys, types and choices; `read_wall` says what
     cannot be built."""
     chosen = {"material": {"enum": list(MATERIALS)}, "format": {"enum": list(FORMATS)}, "mortar": {"type": "number"},
-              "wythes": {"type": "integer"}, "density": {"type": "number"}}
+              "wythes": {"type": "integer"}, "density": {"type": "number"}, "young_modulus": {"type": "number"}}
     special = {
         "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,100}$"}, "base_course": {"enum": ["whole", "half"]},
         "outline": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2,
                                                "maxItems": 2}},
-        "masonry": {"type": "object", "additionalProperties": False, "required": ["material", "format"],
+        "masonry": {"type": "object", "additionalProperties": False,
+                    "anyOf": [{"required": ["material", "format"]},
+                              {"required": ["young_modulus"], "maxProperties": 1}],
                     "properties": {key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()}},
         "kind": {"enum": list(KINDS_OF_FLOORS)},
         "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)},
                              _object(Lintel, {"kind": {"enum": list(KINDS_OF_LINTELS)}})]},
-        **{name: _object(kind, {}) for name, kind in _TABLES.items()}}
+        **{name: {"anyOf": [{"type": "number"}, {"const": RULE}]} for name in ENERGIES}}
+    special |= {"brick": _object(Brick, {}), "joint": _object(Joint, special, FRICTION)}
     special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
     return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")
 

@@ -78,12 +78,13 @@ FORMATS = {
 """{name: Format}."""
 
 
-def masonry(material, brick_format, *, mortar=_MORTAR, wythes=1, density=1900.0, **joint):
+def masonry(material, brick_format, *, mortar=_MORTAR, wythes=1, density=1900.0, young_modulus=None, **joint):
     """{"brick": Brick, "joint": Joint} of a material and a brick format by their names, as a Wall takes them.
 
     mortar: thickness of joints [m], part of the bricks' sizes; wythes: bricks side by side through the thickness, with
-    mortar between them; density [kg/m3]; joint: other values for fields of the Joint, as tensile_strength, which a
-    material without it needs.  The bricks are so stiff that masonry has the material's modulus across bed joints.
+    mortar between them; density [kg/m3]; young_modulus: of masonry across its bed joints, in place of the material's
+    [Pa], which the bricks are so stiff as to give; joint: other values for fields of the Joint, as tensile_strength,
+    which a material without it needs.
     Raises InputError for unknown names and missing values.
 
     >>> sorted(masonry("clay-standard", "waalformaat"))
@@ -103,7 +104,8 @@ def masonry(material, brick_format, *, mortar=_MORTAR, wythes=1, density=1900.0,
         raise InputError(f"material {material}: its source has no tensile strength of the joints: expected yours; "
                          "give tensile_strength=... [Pa], as 0.21 / 0.24 of the cohesion like the paper's Table 1")
     made = Joint(**given)
-    brick = brick_of_masonry(found.young_modulus, made, length=size.length + mortar, height=size.height + mortar,
+    modulus = found.young_modulus if young_modulus is None else young_modulus
+    brick = brick_of_masonry(modulus, made, length=size.length + mortar, height=size.height + mortar,
                              thickness=wythes * size.thickness + (wythes - 1) * mortar, density=density)
     return {"brick": brick, "joint": made}
 

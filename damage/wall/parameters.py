@@ -79,10 +79,10 @@ class Joint:
     friction_angle [rad], the same before and after the bond breaks; dilation is zero.
     mode_i_fracture_energy, mode_ii_fracture_energy [J/m2]: what opening and sliding take until the bond fails;
         None or 0, both of them, for a brittle bond as in the paper.  Clay brickwork: 5.6 to 19 and 102 to 353
-        (Korswagen, dissertation, TU Delft, 2022); `softening_energies` gives a rule.
+        (Korswagen, dissertation, TU Delft, 2022); "rule": by `softening_energies`.
     compressive_strength [Pa]: at which the joint and its bricks crush; None for joints that do not, as in the paper.
     compressive_fracture_energy [J/m2]: what crushing takes until no strength is left; None or 0 where the strength
-        stays; `crushing_energy` gives a rule.
+        stays; "rule": by `crushing_energy`.
     """
 
     normal_stiffness: float = 12e11
@@ -90,10 +90,10 @@ class Joint:
     friction_angle: float = math.radians(32.0)
     tensile_strength: float = 0.21e6
     cohesion: float = 0.24e6
-    mode_i_fracture_energy: float | None = None
-    mode_ii_fracture_energy: float | None = None
+    mode_i_fracture_energy: float | str | None = None
+    mode_ii_fracture_energy: float | str | None = None
     compressive_strength: float | None = None
-    compressive_fracture_energy: float | None = None
+    compressive_fracture_energy: float | str | None = None
 
     def __post_init__(self):
         check_record(self, **dict.fromkeys(("normal_stiffness", "shear_stiffness"), (1.0, 1e20)),
@@ -102,6 +102,8 @@ class Joint:
         if self.compressive_strength == 0:
             raise InputError("Joint.compressive_strength = 0 Pa: expected above zero, or None for joints that do not "
                              "crush; correct it")
+        for name, energy in _energies_by_rule(self).items():
+            object.__setattr__(self, name, energy)
         if self.compressive_fracture_energy is not None:
             check_range("Joint.compressive_fracture_energy [J/m2]", self.compressive_fracture_energy, 0, 1e9)
         if self.compressive_fracture_energy and self.compressive_strength is None:
@@ -120,11 +122,29 @@ class Joint:
         return bool(self.mode_i_fracture_energy)
 
 
+ENERGIES = "mode_i_fracture_energy", "mode_ii_fracture_energy", "compressive_fracture_energy"
+RULE = "rule"
+"""In place of a fracture energy: what its rule makes of the strength."""
+
+
+def _energies_by_rule(joint):
+    """{name: J/m2} of the fracture energies that a Joint is given as RULE; InputError where it lacks the strength."""
+    asked = [name for name in ENERGIES if getattr(joint, name) == RULE]
+    for name in asked:
+        strength = "tensile_strength" if name in ENERGIES[:2] else "compressive_strength"
+        if not getattr(joint, strength):
+            raise InputError(f"Joint.{name} = {RULE!r} with {strength} = {getattr(joint, strength)}: expected a "
+                             f"strength above zero, of which the rule makes the energy; give Joint({strength}=...) "
+                             "[Pa]")
+    made = softening_energies(joint.tensile_strength)
+    made[ENERGIES[2]] = crushing_energy(joint.compressive_strength or 0.0)
+    return {name: made[name] for name in asked}
+
+
 def _check_fracture_energies(joint):
     """Refuse one fracture energy without the other, and strengths that a softening bond cannot have."""
-    names = ("mode_i_fracture_energy", "mode_ii_fracture_energy")
-    given = [getattr(joint, name) or 0.0 for name in names]
-    for name, value in zip(names, given):
+    given = [getattr(joint, name) or 0.0 for name in ENERGIES[:2]]
+    for name, value in zip(ENERGIES, given):
         check_range(f"Joint.{name} [J/m2]", value, 0, 1e9)
     if (given[0] > 0) != (given[1] > 0):
         raise InputError(f"Joint with fracture energies {given[0]:g} and {given[1]:g} J/m2 in modes I and II: expected "
@@ -171,10 +191,13 @@ def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
     the brick's other parameters.
     """
     brick = Brick(**sizes)
+    check_range("young_modulus of masonry [Pa]", young_modulus, 1.0, 1e20)
     moduli = [1 / (1 / modulus - 1 / (stiffness * brick.height)) for modulus, stiffness in
               ((young_modulus, joint.normal_stiffness), (shear_ratio * young_modulus, joint.shear_stiffness))]
     if min(moduli) <= 0:
-        raise InputError(f"masonry of {young_modulus:g} Pa: its bed joints alone are softer; give stiffer joints")
+        most = brick.height * min(joint.normal_stiffness, joint.shear_stiffness / shear_ratio)
+        raise InputError(f"masonry of {young_modulus:g} Pa: its bed joints alone are softer; expected less than "
+                         f"{most:.3g} Pa; give stiffer joints")
     return replace(brick, young_modulus=moduli[0], shear_modulus=moduli[1])
 
 
