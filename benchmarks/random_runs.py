@@ -189,9 +189,9 @@ def main():
     if asked.csv:
         table.to_csv(asked.csv, index=False)
     done, error = table[table["status"] == 0], table["energy_error"].dropna()
-    print(f"{len(table)} runs: {len(done)} complete, {len(table) - len(done)} refused or failed in both; energy balance "
-          f"error: median {100 * error.median():.2g} %, above {100 * ENERGY_ERROR:g} % in {(error > ENERGY_ERROR).sum()}"
-          f" runs, up to {100 * error.max():.3g} %")
+    print(f"{len(table)} runs: {len(done)} complete, {len(table) - len(done)} refused or failed; energy balance "
+          f"error: median {100 * error.median():.2g} %, above {100 * ENERGY_ERROR:g} % in "
+          f"{(error > ENERGY_ERROR).sum()} runs, up to {100 * error.max():.3g} %")
     faulty = table[table["fault"] != ""]
     print(f"{len(faulty)} faulty", *(f"seed {one.seed}: {one.fault}" for one in faulty.itertuples()), sep="\n  ")
     return int(len(faulty) > 0)

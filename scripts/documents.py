@@ -73,7 +73,7 @@ def _renewed(text, root):
 
 
 def with_tables_of_code(text):
-    """A document's text with its tables of columns, datasets, studies, plausible values and validity as the code defines
+    """A document's text with its tables of columns, datasets, studies, plausible values and validity as the code has
     them.
 
     Raises InputError where a block names what is none of them.
@@ -93,7 +93,8 @@ def tables_of_code():
     summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
     return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
             **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
-            "plausible values": plausible.markdown(), "the range of validity": evidence.markdown(), "studies that ship": table_of_studies(ROOT / "studies"),
+            "plausible values": plausible.markdown(), "the range of validity": evidence.markdown(),
+            "studies that ship": table_of_studies(ROOT / "studies"),
             "gallery": gallery.markdown(), "replaced terms": terms.glossary_table().rstrip()}
 
 

@@ -103,11 +103,11 @@ def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypa
             "(1 to 2.78 m), tan(phi) 0.82 (0.42 to 0.63), rest after the motion 0.2 s (1 to 2 s)")
     assert line in capsys.readouterr().out.splitlines()
     assert main(["index", str(out), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["evidence"]["length"] == {"value": 0.45, "least": 1.0, "most": 4.05, "unit": "m", "inside": False}
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["evidence"]["length"] == {"value": 0.45, "least": 1.0, "most": 4.05, "unit": "m", "inside": False}
     history = read_history(out)
     words = line.partition("quantities: ")[2].replace("), ", "); ")
-    assert summary_row(history)["outside_validity"] == told["outside_validity"] == words
+    assert summary_row(history)["outside_validity"] == shown["outside_validity"] == words
     assert info(history)["results"]["outside_validity"] == words
     table = history.evidence
     assert table.index[[one is False for one in table["inside"]]].tolist() == [

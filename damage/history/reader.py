@@ -274,7 +274,7 @@ class History:
 
     @property
     def evidence(self):
-        """The range of validity (`docs/model/validity.md`), a DataFrame, a row a quantity: value, least, most, unit, and
+        """The range of validity (`docs/model/validity.md`), a DataFrame, a row a quantity: value, least, most, unit and
         whether this run is inside, None where the quantity does not apply."""
         return pd.DataFrame(_measure("summary").summarise(self)["evidence"]).T.rename_axis("quantity")
 

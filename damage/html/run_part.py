@@ -36,7 +36,8 @@ def run_part(history, letter):
     summary, index = summarise(history), history.index()
     part = {"letter": letter, "title": run_title(history), "solver": history.solver,
             "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
-            "evidence": _evidence(summary["evidence"]), "row": summary_row(history), "info": info(history), "history": history,
+            "evidence": _evidence(summary["evidence"]),
+            "row": summary_row(history), "info": info(history), "history": history,
             "key": _key_numbers(history, summary, index), "still": still(history),
             "preview": preview(history),
             "sequence": as_png(sequence_picture(history)) if has_sequence(history) else None,
@@ -47,8 +48,8 @@ def run_part(history, letter):
 
 
 def _evidence(evidence):
-    """{"line", "rows"} of the evidence for a run: in one line, and for each quantity name, value, range and whether it is
-    inside."""
+    """{"line", "rows"} of the evidence for a run: in one line, and for each quantity name, value, range and whether
+    it is inside."""
     ranges = {one.name: one.range for one in QUANTITIES}
     return {"line": describe(evidence), "rows": [
         {"name": name, "range": ranges[name], "where": {True: "inside", False: "outside"}.get(one["inside"], ""),

@@ -35,7 +35,7 @@ def run(wall, motion=None, **options):
     with heard() as found:
         try:
             history = _run(wall, motion, options)
-            found += history.warnings
+            found.extend(history.warnings)
             vars(history)["warnings"] = list(found)
         finally:
             for text in found:
