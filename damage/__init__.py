@@ -2,18 +2,19 @@
 
 `dir(damage)` lists what scripts use: a wall is a `Wall` of `Brick`, `Joint` and `Opening`, or a file that `load_wall`
 reads; `run` shakes or pushes it and returns a `History`; `read_history` reads one from a file, `read_record` a ground
-motion; what cannot be is an `InputError`.
+motion; what cannot be is an `InputError`, what is doubtful a `RunWarning`.
 """
 
 from damage.version import VERSION as __version__
 
-_HOMES = {"InputError": "damage.errors", **dict.fromkeys(("History", "read_history"), "damage.history.reader"),
+_HOMES = {**dict.fromkeys(("InputError", "RunWarning"), "damage.errors"),
+          **dict.fromkeys(("History", "read_history"), "damage.history.reader"),
           **dict.fromkeys(("Brick", "Joint", "Opening", "Wall", "brick_of_masonry"), "damage.wall.parameters"),
           "ModelOptions": "damage.wall.model_options", "check_plausible": "damage.wall.plausible",
           "Floor": "damage.wall.floors", "Lintel": "damage.wall.lintels", "masonry": "damage.wall.materials",
           "load_wall": "damage.wall.file", "read_record": "damage.motion.formats"}
-__all__ = ["Brick", "Floor", "History", "InputError", "Joint", "Lintel", "ModelOptions", "Opening", "Wall",
-           "brick_of_masonry", "check_plausible", "load_wall", "masonry", "read_history", "read_record", "run",
+__all__ = ["Brick", "Floor", "History", "InputError", "Joint", "Lintel", "ModelOptions", "Opening", "RunWarning",
+           "Wall", "brick_of_masonry", "check_plausible", "load_wall", "masonry", "read_history", "read_record", "run",
            "__version__"]
 
 

@@ -1,7 +1,8 @@
 """Exceptions that are printed in one line, and warnings."""
 
 import sys
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 
 _LONGEST = 1200, 300  # characters that are shown of a message's beginning and, where it is longer, of its end
 
@@ -32,8 +33,25 @@ def did_you_mean(word, known):
     return f"; did you mean {near[0]}?" if near else ""
 
 
+_HEARD = ContextVar("heard", default=None)
+
+
+@contextmanager
+def heard():
+    """While this lasts warnings go into the list that it gives and are not printed."""
+    texts = []
+    before = _HEARD.set(texts)
+    try:
+        yield texts
+    finally:
+        _HEARD.reset(before)
+
+
 def warn(*texts):
     """Print warnings, a line each; where standard error takes nothing, as on a full disk, nothing ends for it."""
+    if _HEARD.get() is not None:
+        _HEARD.get().extend(texts)
+        return
     with suppress(OSError):
         for text in texts:
             print(f"warning: {text}", file=sys.stderr, flush=True)
@@ -51,6 +69,10 @@ class RunError(RuntimeError):
 
     def __init__(self, message=""):
         super().__init__(one_line(message))
+
+
+class RunWarning(UserWarning):
+    """A condition under which results of `damage.run` are doubtful."""
 
 
 class WriteError(OSError):

@@ -32,7 +32,7 @@ FIGURES = {  # of damage.measure.compare.TOLERANCES: label, factor, decimals, wh
     "cycle_length_s": ("length of the free cycles [s]", 1, 4, "2 %"),
     "peak_base_shear_n": ("peak base shear [kN]", 1e-3, 1, "6 %"),
     "DI": ("max DI", 1, 4, "10 % or 0.003"), "DI_open": ("max DI_open", 1, 4, "30 % or 0.001"),
-    "DI_slip_shear_limit": ("shear-limit DI_slip", 1, 4, "20 % or 0.003"),
+    "DI_slip_shear_limit": ("shear-limit DI_slip", 1, 4, "20 % or 0.003"), "Psi": ("max Psi", 1, 2, "15 % or 0.1"),
 }
 
 

@@ -20,6 +20,7 @@ sys.path.insert(0, str(ROOT))
 from damage.errors import InputError
 from damage.files import write_text
 from damage.history.schema import TABLES, markdown
+from damage.measure import evidence
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, read_table
 from damage.run import plausible as motions
 from damage.studies.definition import load_study
@@ -73,7 +74,8 @@ def _renewed(text, root):
 
 
 def with_tables_of_code(text):
-    """A document's text with its tables of columns, datasets, studies and plausible values as the code defines them.
+    """A document's text with its tables of columns, datasets, studies, plausible values and validity as the code has
+    them.
 
     Raises InputError where a block names what is none of them.
     """
@@ -93,6 +95,7 @@ def tables_of_code():
     return {**{f"summary.csv: {name}": markdown(columns) for name, columns in summary.items()},
             **{f"RUN.h5: {name}": markdown(columns) for name, columns in TABLES.items()},
             "plausible values": plausible.markdown(), "plausible motions": motions.markdown(),
+            "the range of validity": evidence.markdown(),
             "studies that ship": table_of_studies(ROOT / "studies"),
             "gallery": gallery.markdown(), "replaced terms": terms.glossary_table().rstrip()}
 

@@ -89,6 +89,16 @@ def test_of_an_absolute_and_a_relative_tolerance_the_larger_holds():
     assert tolerance.allowed(0.001) == 0.001 and tolerance.allowed(0.1) == approx(0.03)
 
 
+@pytest.mark.parametrize(("width", "agrees"), [(1.58, True), (1.62, False)])
+def test_psi_is_compared(tmp_path, width, agrees):
+    """Psi grows as the width to the power 0.3: 1.15 times at 1.593 times the width."""
+    first, second = (history(tmp_path / f"{name}.h5", wave(), opening={0: opening}, broken={0: 1})
+                     for name, opening in (("a", width * 1e-3), ("b", 1e-3)))
+    row = compare(first, [second])["figures"]["Psi"]
+    assert row["median"] == approx(2.0) and row["agrees"] is agrees
+    assert "Psi " in describe(compare(first, [second]))
+
+
 class TestKappa:
     def test_full_agreement_and_none(self):
         assert cohens_kappa([0, 1, 2, 3], [0, 1, 2, 3]) == 1.0

@@ -1,6 +1,7 @@
 """Floors: masses on courses and slabs that tie piers; reactions, periods, and what is refused."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,6 +49,13 @@ def test_reactions_carry_every_floor_where_it_rests(floors, openings):
     weight = GRAVITY * (own.sum() + sum(mass for mass, _, _ in spans))
     moment = GRAVITY * (own @ layout.bodies.x[bricks] + sum(mass * (left + right) / 2 for mass, left, right in spans))
     assert_allclose(base_reaction(layout), (weight, moment), rtol=1e-9)
+
+
+@pytest.mark.parametrize("top", ["piers", "uniform", "beam"])
+def test_the_precompression_rests_on_a_slab_along_the_whole_top(top):
+    laden = replace(wall(Floor(2.4, 1500.0, kind="concrete")), precompression=0.1e6)
+    bare, layout = lay_out(replace(laden, precompression=0.0)), lay_out(laden, ModelOptions(top=top))
+    assert layout.total_mass - bare.total_mass == pytest.approx(0.1e6 * 2.0 * 0.1 / GRAVITY)
 
 
 def test_a_timber_floor_is_mass_on_the_course_below_it():

@@ -126,3 +126,9 @@ def test_the_report_tells_and_draws_them(run):
     assert np.array_equal(arrays["elastic_second"], run.joints["second_body"].iloc[elastic])
     assert "is elastic and cannot fail" in text and "elastic_joint_share" in text.replace("<wbr>", "")
     assert "thin dashed lines" in text and f"{len(elastic)} are elastic and cannot fail" in text
+
+
+@pytest.mark.parametrize("kind", ["concrete", "timber", "steel", "arch"])
+def test_a_lintel_that_takes_all_above_the_opening_leaves_no_joints_there(kind):
+    wall = Wall("low", 0.9, 0.525, (Opening(0.1125, 0.675, 0.45),), lintel=kind)
+    assert (share_of(wall).above_openings is None) == (kind != "arch")

@@ -202,7 +202,7 @@ def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
         "checks": "refuses", "errors": "words", "files": "reads, writes", "version": "words", "provenance": "digests",
         "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/schema": "names",
         "history/shown": "words", "history/structure": "refuses", "history/values": "refuses",
-        "measure/columns": "words", "measure/warnings": "words", **dict.fromkeys(
+        "measure/columns": "words", "measure/evidence": "words", "measure/warnings": "words", **dict.fromkeys(
             ("motion/drive", "motion/loading", "motion/record", *(f"wall/{name}" for name in (
                 "caps", "compliance", "contact_points", "courses", "fibres", "floors", "kinds", "kinematics", "layout",
                 "lintel", "lintels", "model_options", "parameters", "soil", "split", "strain", "supports"))),

@@ -13,7 +13,7 @@ from damage.run.plausible import implausible_motion
          "unless --band is given", file_arg("record", "FILE|NAME", "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, "
          "acc_gal or acc_g; or --unit; semicolons and decimal commas are read), PEER AT2, miniSEED, or a record that "
          "ships, as BGAR_HGE"), group("preparation of the record", add_preparation, arg(
-             "--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall, as modes gives it: "
+             "--period", type=number_from(*PERIODS_S), metavar="T1_S", help="first period of a wall (of `modes`): "
              "also Sa there, of the motion as that wall gets it, interpolated where its steps are coarse")),
          JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
 def _record(asked):

@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
@@ -267,9 +268,25 @@ class History:
         return not bool(self.states.broken.any() or self.states.at_limit.any())
 
     @cached_property
+    def warnings(self):
+        """Conditions under which the results are doubtful, a list of str (`damage.measure.warnings`)."""
+        return _measure("warnings").warnings_of(self)
+
+    @property
+    def evidence(self):
+        """The range of validity (`docs/model/validity.md`), a DataFrame, a row a quantity: value, least, most, unit and
+        whether this run is inside, None where the quantity does not apply."""
+        return pd.DataFrame(_measure("summary").summarise(self)["evidence"]).T.rename_axis("quantity")
+
+    @cached_property
     def _indices(self):
         """Damage indices computed so far, which several tables need: {(threshold, drift limit, slip): DataFrame}."""
         return {}
+
+
+def _measure(name):
+    """A module of `damage.measure`, which comes after this package in the order of imports."""
+    return import_module(f"damage.measure.{name}")
 
 
 def read_history(path):

@@ -15,6 +15,7 @@ from damage.html.packing import as_png, pack_arrays, quantised
 from damage.index import COMPONENTS
 from damage.measure.brick_stress import has_stresses
 from damage.measure.energy import energy_groups
+from damage.measure.evidence import QUANTITIES, describe
 from damage.measure.members import in_words as members_in_words
 from damage.measure.members import members_of, spread
 from damage.measure.summary import summarise
@@ -35,6 +36,7 @@ def run_part(history, letter):
     summary, index = summarise(history), history.index()
     part = {"letter": letter, "title": run_title(history), "solver": history.solver,
             "file": history.path.name, "first": said_first(history, summary["warnings"]), "summary": summary,
+            "evidence": _evidence(summary["evidence"]),
             "row": summary_row(history), "info": info(history), "history": history,
             "key": _key_numbers(history, summary, index), "still": still(history),
             "preview": preview(history),
@@ -43,6 +45,16 @@ def run_part(history, letter):
             "stress": as_png(stress_picture(history)) if has_stresses(history) else None,
             "drawn": drawn(history, index)}
     return part | {"words": in_words(part)}
+
+
+def _evidence(evidence):
+    """{"line", "rows"} of the evidence for a run: in one line, and for each quantity name, value, range and whether
+    it is inside."""
+    ranges = {one.name: one.range for one in QUANTITIES}
+    return {"line": describe(evidence), "rows": [
+        {"name": name, "range": ranges[name], "where": {True: "inside", False: "outside"}.get(one["inside"], ""),
+         "value": "does not apply" if one["inside"] is None else f"{one['value']:.3g} {one['unit']}"}
+        for name, one in evidence.items()]}
 
 
 def still(history):

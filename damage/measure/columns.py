@@ -96,6 +96,8 @@ PARAMETERS = {
 RUN = {
     "run": Column("", "name of the run"),
     "status": Column("", "complete, interrupted, failed, unfinished"),
+    "outside_validity": Column("", "quantities of the run outside the range of validity, each with value and range; "
+                               "empty where all are inside"),
     "collapsed_at_s": Column("s", "when a brick had dropped by half its height"),
     **_model(seeds=True),
     "seed": Column("1", "of the bricks' random offsets and of `scatter`"),

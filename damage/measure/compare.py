@@ -42,8 +42,14 @@ TOLERANCES = {
     "DI": Tolerance(absolute=0.003, relative=0.1),
     "DI_open": Tolerance(absolute=0.001, relative=0.3),
     "DI_slip_shear_limit": Tolerance(absolute=0.003, relative=0.2),
+    "Psi": Tolerance(absolute=0.1, relative=0.15),
 }
-"""{measure: Tolerance} for two solvers with equal contact points: the scatter of one solver under rounding."""
+"""{measure: Tolerance} for two solvers with equal contact points: the scatter of one solver under rounding.
+
+Psi: of the 49 points of `harmonic` and `ida` in `docs/tables` with Psi above 0.5 and more than two runs, the farthest
+run lies within 15 % of the median in 46, within 10 % in 44; YADE within 14 % in the 42 of `crosscheck`.  15 % are 1.6
+times the mean width, or 2.5 times the number of cracks.
+"""
 DRIFT_TOLERANCE = 0.005  # RMS difference of the drift before the first failure over its RMS [-]
 
 
@@ -79,12 +85,16 @@ def compare(first, others):
 # --- measures of the entire run -----------------------------------------------------------------
 
 def numbers_of(history, slip="displacement"):
-    """{measure of TOLERANCES: value} of a History, None where a measure does not apply; slip: criterion of DI."""
+    """{measure of TOLERANCES: value} of a History, None where a measure does not apply; slip: criterion of DI.
+
+    Psi has offsets where the history has them: it applies where the criterion is that, too.
+    """
     summary = summarise(history, slip=slip)
     return {"max_drift_ratio": summary["max_drift_ratio"], "cycle_length_s": cycle_length(history.series),
             "period_s": summary["period_s"], "peak_base_shear_n": summary["peak_base_shear_n"],
             "DI": summary["max"]["DI"], "DI_open": summary["max"]["DI_open"],
-            "DI_slip_shear_limit": summary["max_shear_limit"]["DI_slip"]}
+            "DI_slip_shear_limit": summary["max_shear_limit"]["DI_slip"],
+            "Psi": summary["max_psi"] if history.judged_by("displacement") == slip else None}
 
 
 def cycle_length(series):

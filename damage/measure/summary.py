@@ -7,14 +7,15 @@ from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure.brick_stress import stress_measures
 from damage.measure.cracks import PSI_FROM, psi_summary
 from damage.measure.cycles import cycle_measures
-from damage.measure.energy import energy_error_of, energy_measures
+from damage.measure.energy import energy_measures
+from damage.measure.evidence import evidence_for, facts, outside
 from damage.measure.ground import ground_measures
 from damage.measure.limits import classes
 from damage.measure.motion import motion_measures, record_unit
 from damage.measure.pushed import first_loading
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.measure.vibration import period_of
-from damage.measure.warnings import warnings_of, with_bond
+from damage.measure.warnings import balance_error, warnings_of, with_bond
 from damage.wall.lintel import elastic_share
 
 
@@ -27,7 +28,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     max: maximum of each component over the run, not at one time; residual: the index in the last state of the settling
     stage, or at collapse, None where the run is not complete; max_accumulated, residual_shear_limit and so on: by the
     other criteria; slip: the criterion in fact used (`History.judged_by`); warnings: conditions under which results are
-    doubtful (`damage.measure.warnings`).
+    doubtful (`damage.measure.warnings`); evidence: which quantities are inside the range of validity
+    (`damage.measure.evidence`).
 
     Raises InputError where the history has no sample.
     """
@@ -45,10 +47,8 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     failures = history.events["kind"]
     if history.parameters.get("cracked"):  # what a survey took is no failure of the run
         failures = failures[with_bond(history)[history.events["joint"]]]
-    # In quasi-static runs of YADE the damping energy is computed from the balance, which therefore shows no error.
-    balance_is_closed = history.solver == "yade" and history.loading.drive.quasi_static
-    energy_error = None if balance_is_closed else energy_error_of(history)
-    return {
+    energy_error = balance_error(history)
+    return with_evidence(history, {
         "wall": history.wall, "solver": history.solver, "motion": history.loading.name,
         "record_unit": record_unit(history),
         "status": history.status, "complete": history.complete, "collapsed_at_s": history.collapsed_at_s,
@@ -69,7 +69,14 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         **first_loading(history), **cracks, **cycle_measures(history), **energy_measures(history),
         **ground_measures(history, psi_from), **stress_measures(history),
         **classes(max_drift_ratio, cracks["max_psi"], cracks["max_crack_width_mm"]),
-    }
+    })
+
+
+def with_evidence(history, numbers):
+    """The numbers of a History with its `evidence` (`damage.measure.evidence.evidence_for`) and, in words, the
+    quantities that are `outside_validity`."""
+    found = evidence_for(facts(history.masonry_wall, history.parameters, numbers))
+    return numbers | {"evidence": found, "outside_validity": "; ".join(outside(found)) or None}
 
 
 def _over_overlap(history):

@@ -39,7 +39,7 @@ def summary_row(history, run="", point=""):
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
     numbers = summarise(history)
-    for key in ("complete", "warnings", "lost_by_lines", *APPLIED):
+    for key in ("complete", "warnings", "evidence", "lost_by_lines", *APPLIED):
         del numbers[key]  # status and the columns say it
     for key in ("wall", "solver", "motion", "record_unit", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)

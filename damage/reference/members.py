@@ -6,8 +6,10 @@ from contextlib import nullcontext, redirect_stderr, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 
+from damage.errors import warn
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.measure.members import members_path, write_members
+from damage.measure.warnings import balance_error, energy_warnings
 from damage.reference.ensembles import Ensemble
 from damage.reference.lanes import MOST_LANES
 from damage.run.options import free_name
@@ -48,6 +50,8 @@ def run_members(backend, wall_file, make_wall, settings):
     print(f"members: {write_members(list(ended.values()), out)}")
     for path in ended.keys() - {out}:
         path.unlink(missing_ok=True)  # written where a history outgrew the memory
+    warn(*(f"member of seed {history.parameters['seed']}: {text}" for path, history in ended.items() if path != out
+           for text in energy_warnings(balance_error(history))))
     report(ended[out], pictures=settings.pictures)
     if len(ended) < len(members):
         print(f"{len(ended)} of {len(members)} members ended: median and range are of these")

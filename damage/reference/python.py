@@ -2,6 +2,7 @@
 
 import io
 import sys
+import warnings
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from damage.errors import InputError, did_you_mean
+from damage.errors import InputError, RunWarning, did_you_mean, heard
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
@@ -30,7 +31,19 @@ DEFAULTS = {"pictures": False, "quiet": True}
 
 
 def run(wall, motion=None, **options):
-    """History of one run; arguments and errors: `damage.run`."""
+    """History of one run; arguments, errors and warnings: `damage.run`."""
+    with heard() as found:
+        try:
+            history = _run(wall, motion, options)
+            found.extend(history.warnings)
+            vars(history)["warnings"] = list(found)
+        finally:
+            for text in found:
+                warnings.warn(text, RunWarning, stacklevel=3)  # where the user called damage.run
+    return history
+
+
+def _run(wall, motion, options):
     settings, wall_file, built = _asked(wall, motion, options)
     if settings.quiet and not is_cached():
         print(COMPILING, file=sys.stderr)  # a minute without any output looks like an error

@@ -1,6 +1,7 @@
 """Output of a finished run beside its history: a printed summary, tables and pictures."""
 
 from damage.errors import InputError, one_line, warn
+from damage.measure.evidence import describe as describe_evidence
 from damage.measure.members import describe_spread, members_of, spread
 from damage.measure.summary import summarise
 from damage.measure.tables import shocks_table
@@ -91,6 +92,7 @@ def describe(summary):
                      f"{rounded(summary['secant_stiffness_n_per_m'] / 1e6, 3)} kN/mm to 0.7 of the peak")
     if summary["period_s"] is not None:
         lines.append(f"period of the free vibration {summary['period_s']:.4f} s")
+    lines.append(describe_evidence(summary["evidence"]))
     return "\n".join([*lines, *(describe_spread(summary["members"]) if summary.get("members") else [])])
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from damage.errors import InputError, RunError, WriteError, warn
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
+from damage.measure.evidence import evidence_for, facts, outside
 from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
@@ -206,6 +207,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
+    parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     writer = write(out, layout, solver=backend.name, parameters=parameters,
                    versions=made_by, overwrite=settings.overwrite)
     print(f"history: {writer.where}", flush=True)

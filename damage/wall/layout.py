@@ -245,8 +245,11 @@ def _make_bodies(wall, options, courses, piers):
 
 
 def _with_spread_mass(bodies, wall, n_bricks, top_mass):
-    """The top mass added to bricks and lintels of the top course in proportion to length, inertia growing with mass."""
-    top = (courses_of(wall, bodies, n_bricks)[1] == wall.courses - 1) & (bodies.course != SLAB_COURSE)
+    """The top mass added to bricks and lintels of the top course in proportion to length, inertia growing with mass;
+    to its slabs where they are all of it."""
+    in_course = courses_of(wall, bodies, n_bricks)[1] == wall.courses - 1
+    top = in_course & (bodies.course != SLAB_COURSE)
+    top = top if top.any() else in_course
     carrying = _length(built_runs(wall, wall.courses - 1)) + bodies.length[n_bricks:][top[n_bricks:]].sum()
     factor = np.where(top, 1 + top_mass * bodies.length / carrying / bodies.mass, 1.0)
     return replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)

@@ -69,7 +69,7 @@ def elastic_share(wall, joints, bodies):
     for opening in wall.openings:
         above |= _within(wall, lintel_courses(wall, "elastic", opening), z)
     return ElasticShare(float(elastic.sum() / length.sum()),
-                        float(elastic[above].sum() / length[above].sum()) if above.any() else None)
+                        float(elastic[above].sum() / length[above].sum()) if length[above].any() else None)
 
 
 def describe_share(share):

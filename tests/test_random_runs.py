@@ -1,0 +1,20 @@
+"""Random legal walls and motions: the plain step against the default one, energies that balance or a warning."""
+
+import pytest
+
+from benchmarks.random_runs import runs
+
+
+def check(seeds):
+    table = runs(seeds)
+    assert table.loc[table["fault"] != "", ["seed", "fault"]].to_dict("records") == []
+    assert (table["status"] == 0).mean() > 0.9
+
+
+def test_a_few_random_runs():
+    check(range(12))
+
+
+@pytest.mark.long
+def test_five_hundred_random_runs():
+    check(range(12, 512))
