@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import damage
-from benchmarks import after_peak
+from paper import after_peak
 
 ROOT = Path(__file__).resolve().parents[1]
 GUIDES = ROOT / "docs" / "guides"
