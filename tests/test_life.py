@@ -1,6 +1,7 @@
 """Lives of a wall: what is drawn, that a life is a sequence in lanes and shards, that it continues, probabilities."""
 
 import json
+import re
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -28,6 +29,7 @@ from damage.life.results import (
     life_of,
     lives_of,
     over_time,
+    write_lives,
 )
 from damage.life.study import write_study
 from damage.measure.tables import shocks_table
@@ -234,9 +236,45 @@ class TestRuns:
             assert list(life["psi"]) == list(events["residual_psi"])
             assert list(life["pgv_mm_s"]) == list(draws.life(number)["pgv_mm_s"])
         assert one.table["max_psi"].max() > 0
-        tables = [_written(one.table, folder / "lives.csv"), _written(one.table.assign(seed=1), folder / "other.csv")]
-        (again,) = lives_of(folder, tables)
-        assert len(again.last) == 12 and again.table.head(len(one.table)).equals(one.table)
+        (again,) = lives_of(folder, [_written(one.table, folder / "lives.csv")])
+        assert again.table.equals(one.table)
+
+    def test_only_whole_lives_of_the_same_wall_and_address_count(self, lived, tmp_path):
+        """Runs after the shard above.  A table as the command writes it is taken, and so is another seed's; whatever
+        else was altered is refused in one line, or named."""
+        folder, *_ = lived
+        (one,) = lives_of(folder)
+        path, *_ = write_lives([one], tmp_path)
+        (again,) = lives_of(folder, [path])
+        assert again.last.equals(one.last)
+        text, changed = path.read_text(), tmp_path / "changed.csv"
+        assert re.match(r"# n: wall and options \w{12}, model \w{12}, measures \w{12}\n", text)
+        written = pd.read_csv(path, comment="#", dtype={"time_utc": str})
+        first = written["life"] == 1
+        several = written.groupby("life")["event"].transform("max") > 1
+        faults = {
+            "another wall or other options": re.sub(r"wall and options \w+", "wall and options 0123456789ab", text),
+            "seed 1, life 1: ": written.assign(seed=1),
+            "another PGV": written.assign(pgv_mm_s=written["pgv_mm_s"] * 1.01),
+            "events of a wall that stands": written.drop(written.index[several][-1:]),
+            "an event is missing": written.drop(written.index[several][:1]),
+            "psi = nan": written.assign(psi=written["psi"].where(~first)), "psi = -1": written.assign(psi=-1.0),
+            "DI = 1.5": written.assign(DI=1.5), "no column psi": written.drop(columns="psi"),
+            "life = 0": written.assign(life=written["life"] - 1)}
+        for said, table in faults.items():
+            if isinstance(table, str):
+                changed.write_text(table)
+            else:
+                table.to_csv(changed, index=False)
+            assert said in one_line_error(lives_of, folder, [changed])
+        other = Draws(one.draws.exposure, replace(one.draws.choices, seed=1))
+        unharmed = dict.fromkeys(("max_psi", "psi", "max_DI", "DI", "crack_width_mm", "offset_after_mm", "newly_failed"),
+                                 0.0)
+        more = [other.life(number).assign(
+            point="n", seed=1, life=number, event=lambda rows: np.arange(1, len(rows) + 1), fell=False,
+            largest_mm_s=other.largest([number])[0], **unharmed) for number in (1, 2)]
+        (both,) = lives_of(folder, [_written(pd.concat(more), changed)])
+        assert len(both.last) == len(one.last) + 2
 
     def test_lives_of_another_session_suffice(self, lived, tmp_path):
         """Runs after the shard above."""

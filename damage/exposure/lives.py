@@ -109,6 +109,17 @@ class Draws:
         share, sign = rng.random(n_events), rng.choice([-1.0, 1.0], n_events)
         return self.exposure.median_mm_s * np.exp(sum(terms)[0, :, 0]), share, sign
 
+    def events_of(self, number):
+        """(identifiers, PGV [mm/s]) of the events of a life, by its number from 1, as `life` chooses them."""
+        pgv, _, _ = self.pgv(number)
+        chosen = self._chosen(pgv)
+        return np.asarray(self.exposure.catalogue.id)[chosen], pgv[chosen]
+
+    def _chosen(self, pgv):
+        """Which events of a life are part of it (n_events,), by their PGV."""
+        largest = pgv == pgv.max()
+        return largest if self.choices.largest_alone else (pgv >= self.choices.above_mm_s) | largest
+
     def largest(self, numbers):
         """Largest PGV of each of these lives, (n,) [mm/s]."""
         return np.array([self.pgv(number)[0].max() for number in numbers])
@@ -120,10 +131,8 @@ class Draws:
         InputError where no component may be scaled to a PGV.
         """
         pgv, share, sign = self.pgv(number)
-        chosen = pgv == pgv.max() if self.choices.largest_alone else \
-            (pgv >= self.choices.above_mm_s) | (pgv == pgv.max())
         events, rows = self.exposure.catalogue, []
-        for k in np.flatnonzero(chosen):
+        for k in np.flatnonzero(self._chosen(pgv)):
             row, factor = self._component(pgv[k], share[k])
             rows.append([f"{events.time[k]:%Y-%m-%dT%H:%M:%S}", events.magnitude[k], events.place[k], events.id[k],
                          pgv[k], row.record, sign[k] * factor, row.start_s, row.end_s])

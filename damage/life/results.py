@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from damage.csv_table import from_words
 from damage.errors import InputError
 from damage.exposure.lives import Draws, read_address
+from damage.files import write_text
 from damage.history.schema import Column
 from damage.life.comparison import OUTCOMES, POPULATION, VISIBLE, choices, in_words, largest_alone, readings
 from damage.life.estimate import probability
+from damage.life.others import head, note_of, of_point, read_lives
 from damage.measure.tables import write_table
 from damage.studies.definition import FROM, load_study
 from damage.studies.records import all_records
@@ -69,12 +70,14 @@ CONTRIBUTIONS = {
 class Lives:
     """The lives of a point.
 
-    draws: Draws of its address; table: a row an event, of COLUMNS.
+    draws: Draws of its address; table: a row an event, of COLUMNS; note: what they are made of
+    (`damage.life.others.note_of`).
     """
 
     point: str
     draws: Draws
     table: pd.DataFrame
+    note: tuple[str, str, str] | None = None
 
     @property
     def years(self):
@@ -108,14 +111,19 @@ def lives_of(folder, tables=()):
     of the same points.  InputError where there is none; points without lives are left out."""
     folder = Path(folder)
     study = load_study(folder / "study.toml", "reference")
-    records, found, more = all_records(folder), [], list(map(_read, tables))
+    records, found = all_records(folder), []
+    more = [(path, *read_lives(path, COLUMNS)) for path in tables]
     for run in study.runs:
         if run.varied == ("--life",):
             draws = read_address(run.words[run.words.index("--address") + 1])
             point = run.point.rpartition(FROM)[0]
-            mine = [life_of(records[run.name(number)], draws, run.offset + number).assign(point=point)
-                    for number in range(1, run.members + 1) if run.name(number) in records]
-            found += [Lives(point, draws, table) for table in (*mine, *(one[one["point"] == point] for one in more))]
+            there = {number: records[run.name(number)] for number in range(1, run.members + 1)
+                     if run.name(number) in records}
+            note = note_of(run, there.values()) if run.offset == 0 else None
+            found += [Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point), note)
+                      for number, record in there.items()]
+            if note:
+                found += [Lives(point, draws, of_point(*one, point, draws, note), note) for one in more]
     if not any(len(one.table) for one in found):
         raise InputError(f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m damage "
                          "life makes it")
@@ -156,20 +164,10 @@ def together(parts):
     found = {}
     for one in parts:
         found.setdefault(one.point, []).append(one)
-    tables = [(several[0], [one.table for one in several if len(one.table)]) for several in found.values()]
+    tables = [(replace(several[0], note=next((one.note for one in several if one.note), None)),
+               [one.table for one in several if len(one.table)]) for several in found.values()]
     return [replace(first, table=pd.concat(of_point, ignore_index=True).drop_duplicates(
         ["seed", "life", "event"], keep="first")[list(COLUMNS)]) for first, of_point in tables if of_point]
-
-
-def _read(path):
-    """Table of lives.csv with every digit; InputError where it is none."""
-    try:
-        table = from_words(pd.read_csv(path, comment="#", dtype={"time_utc": str}, float_precision="round_trip"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: {error}; expected lives.csv, as python3 -m damage lives writes it") from error
-    if missing := [name for name in COLUMNS if name not in table]:
-        raise InputError(f"{path}: no column {missing[0]}; expected lives.csv, as python3 -m damage lives writes it")
-    return table[list(COLUMNS)]
 
 
 def over_time(lives):
@@ -252,4 +250,7 @@ def write_lives(parts, folder):
               "life.csv": pd.concat(list(map(over_time, parts)), ignore_index=True),
               "contributions.csv": pd.concat(list(map(contributions, parts)), ignore_index=True),
               "choices.csv": pd.DataFrame(choices(parts)), "readings.csv": pd.DataFrame(readings(parts))}
-    return [write_table(table, folder / name) for name, table in tables.items() if len(table)]
+    paths = [write_table(table, folder / name) for name, table in tables.items() if len(table)]
+    notes = {one.point: one.note for one in parts if one.note}
+    write_text(paths[0], head(notes) + paths[0].read_text(encoding="utf-8"))
+    return paths
