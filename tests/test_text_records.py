@@ -152,7 +152,8 @@ class TestStatedUnit:
         assert "--sequence" in one_line_error(parse_run, ["--sequence", str(path), "--unit", "g"], "test", "yade")
 
     def test_rows_of_a_study_have_a_column(self, tmp_path):
-        paths = [written(tmp_path, rows(TIME_S, PULSE_G)), written(tmp_path, "# acc_g\n" + rows(TIME_S, PULSE_G), "g.txt")]
+        text = rows(TIME_S, PULSE_G)
+        paths = [written(tmp_path, text), written(tmp_path, f"# acc_g\n{text}", "g.txt")]
         written(tmp_path, f"record,unit\n{paths[0]},cm_s2\n{paths[1]},file\n", "rows.csv")
         study = ('name = "s"\n[[grid]]\nwall = "walls/solid.py"\nrows = "rows.csv"\n'
                  'options = { record = "{record}", unit = "{unit}" }\n')
@@ -308,7 +309,8 @@ class TestOtherFormats:
         (b"\0\0\xa0\x40" * 76 + b"\0\0\0\6" + b"\0" * 400, "SAC"),
         (b"   0.01000000      -12345.00\n", "SAC"), (b"WID2 2018/01/08", "GSE2 or IMS1"),
         (b"PK\x03\x04..", "spreadsheet or ZIP"),
-        (b"<!DOCTYPE html><html>", "web page"), (b"\xef\xbb\xbf<?xml version='1.0'?>", "XML, as StationXML or QuakeML")])
+        (b"<!DOCTYPE html><html>", "web page"),
+        (b"\xef\xbb\xbf<?xml version='1.0'?>", "XML, as StationXML or QuakeML")])
     def test_a_format_that_is_not_read_is_named(self, tmp_path, begins, name):
         path = tmp_path / "record.txt"
         path.write_bytes(begins)
