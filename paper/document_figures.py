@@ -108,57 +108,59 @@ CLASSES = {"undisturbed": (BLACK, "D", "at rest"), "invisible": (BLUE, "o", "hog
            "about 0.5": (GREEN, "^", "hogged by about 1/4000"),
            "about 1": (ORANGE, "s", "hogged by 1/3700 to 1/2400")}
 """{class of docs/tables/cracks_before.csv: colour, marker, words}"""
-NOTHING_AT = {"undisturbed": 0.455, "invisible": 0.535}
-"""Places on the axis of walls without a crack before, whose Psi is zero."""
+NOTHING_AT = {"undisturbed": -0.05, "invisible": 0.05}
+"""Places, beside each other, of walls without a crack before: their Psi is zero."""
+PUBLISHED_PSI = {"undisturbed": 0.0, "about 0.5": 0.5}
+"""Psi of the walls whose share has been published."""
 
 
 @styled
 def settled_walls():
     """Psi after an earthquake of 10 mm/s over Psi before, of every run, and the share with visible cracks."""
     runs = pd.read_csv(TABLES / "cracks_before.csv")
-    figure, axes = grid(2, 1, 1.9, WIDTH * 0.72, sharex=True, height_ratios=(2, 1))
-    top, bottom = axes.flat
-    top.axhline(LEAST_PSI, color=VERMILLION, lw=0.8, ls="--")
-    top.text(0.6, LEAST_PSI + 0.03, "visible cracks: Ψ ≥ 1", color=VERMILLION, fontsize=6.5)
-    top.text(np.mean(list(NOTHING_AT.values())), 1.22, "no crack before", color=DARK, fontsize=6.5, ha="center")
-    top.plot([0.6, 1.25], [0.6, 1.25], color=DARK, lw=0.8)
-    top.text(0.8, 0.77, "the earthquake adds nothing", color=DARK, fontsize=6.5, rotation=45, rotation_mode="anchor",
-             transform_rotates_text=True, va="top")
+    figure, axes = grid(1, 2, 2.2, WIDTH, sharex=True, width_ratios=(1.35, 1))
+    left, right = axes.flat
+    left.axhline(LEAST_PSI, color=VERMILLION, lw=0.8, ls="--")
+    left.text(0.2, LEAST_PSI + 0.03, "visible cracks: Ψ ≥ 1", color=VERMILLION, fontsize=6.5)
+    left.plot([0, 1.25], [0, 1.25], color=DARK, lw=0.8)
+    left.text(0.45, 0.42, "the earthquake adds nothing", color=DARK, fontsize=6.5, rotation=45, va="top",
+              rotation_mode="anchor", transform_rotates_text=True)
     spread = np.random.default_rng(1)
     for name, (colour, marker, _) in CLASSES.items():
         rows = runs[runs["class"] == name]
-        before = rows["psi_0"] if name not in NOTHING_AT else NOTHING_AT[name] + spread.uniform(-0.03, 0.03, len(rows))
-        top.plot(before, rows["psi_end"], ls="", marker=marker, ms=1.8, color=colour, mew=0, alpha=0.6, clip_on=False)
-    _shares(bottom, runs)
-    for ax in (top, bottom):
-        ax.axvline(0.583, color=MEDIUM, lw=0.6, ls=":")
-    top.set_ylabel("Ψ after the earthquake [-]")
-    top.set_ylim(0, 1.35)
-    bottom.set_xlim(0.41, 1.25)
-    ticks = np.arange(0.6, 1.21, 0.1)
-    bottom.set_xticks([*NOTHING_AT.values(), *ticks], labels=["0", "0", *(f"{tick:.1f}" for tick in ticks)])
-    bottom.set_xlabel("Ψ before the earthquake, left by settlement of the ground [-]")
+        before = rows["psi_0"] if name not in NOTHING_AT else NOTHING_AT[name] + spread.uniform(-0.04, 0.04, len(rows))
+        left.plot(before, rows["psi_end"], ls="", marker=marker, ms=1.8, color=colour, mew=0, alpha=0.6, clip_on=False)
+    _shares(right, runs)
+    titles = "Ψ of every run, from 0 spread sideways", "share of runs with visible cracks after it"
+    for number, (ax, text) in enumerate(zip(axes.flat, titles)):
+        letter(ax, number, text)
+        ax.set_xlim(-0.12, 1.25)
+        ax.set_xlabel("Ψ before the earthquake [-]")
+    left.set_ylabel("Ψ after the earthquake [-]")
+    left.set_ylim(0, 1.35)
     add_heading(figure, "What an earthquake of 10 mm/s adds to the cracks of a settled wall",
-                f"{len(runs)} runs of the symmetric wall with softening joints")
+                f"{len(runs)} runs of the symmetric wall with softening joints; Ψ before: left by settlement of the "
+                "ground")
     handles = [Line2D([], [], color=colour, marker=marker, ls="", ms=3.5, label=f"ground {words}")
                for colour, marker, words in CLASSES.values()]
     handles += [Line2D([], [], color=DARK, marker="_", mew=1.5, ms=8, ls="", label="share of these runs"),
                 Line2D([], [], color=VERMILLION, marker="x", ls="", ms=4, label="published share, other walls")]
-    return finish(figure, handles, 2)
+    return finish(figure, handles, 3)
 
 
 def _shares(ax, runs):
     """Share of runs with visible cracks after the earthquake: by class where none was before, else by bins of Psi."""
     visible = 100.0 * (runs["psi_end"] >= LEAST_PSI)
-    spans = [(runs["class"] == name, place - 0.03, place + 0.03) for name, place in NOTHING_AT.items()]
+    spans = [(runs["class"] == name, place - 0.04, place + 0.04) for name, place in NOTHING_AT.items()]
     spans += [((runs["psi_0"] >= low) & (runs["psi_0"] < high), low, high) for low, high in zip(BINS, BINS[1:])]
     for which, low, high in spans:
-        ax.plot([low, high], [visible[which].mean()] * 2, color=DARK, lw=2.2, solid_capstyle="butt", clip_on=False)
+        ax.plot([low, high], [visible[which].mean()] * 2, color=DARK, lw=2.2, zorder=3, solid_capstyle="butt",
+                clip_on=False)
     published = pd.read_csv(TABLES / "benchmarks" / "settled_psi.csv").set_index("class of Ψ₀")["published [%]"]
-    places = {**NOTHING_AT, "about 0.5": runs.loc[runs["class"] == "about 0.5", "psi_0"].median()}
-    ax.plot(list(places.values()), published[list(places)], ls="", marker="x", color=VERMILLION, ms=4.5, mew=1.2)
+    ax.plot(list(PUBLISHED_PSI.values()), published[list(PUBLISHED_PSI)], ls="", marker="x", color=VERMILLION, ms=4.5,
+            mew=1.2)
     ax.set_ylim(0, 100)
-    ax.set_ylabel("runs with Ψ ≥ 1\nafter it [%]")
+    ax.set_ylabel("runs with Ψ ≥ 1 [%]")
 
 
 # --- contact points -----------------------------------------------------------------------------------
