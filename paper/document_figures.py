@@ -172,13 +172,9 @@ MOTION = {"a": (0.0, 0.0, 0.0), "b": (0.03, 0.05, np.radians(12.0))}
 @styled
 def model_contact_points():
     """Contact points of three bricks of two courses; opening and shear displacement of one of them."""
-    layout = lay_out(Wall("two_courses", length=0.45, height=0.15, precompression=0.0))
-    bodies, contacts = layout.bodies, layout.contacts
-    whole = np.isclose(bodies.length, bodies.length.max()) & (bodies.course >= 0)
-    bricks = dict(zip("acb", np.flatnonzero(whole)))  # course by course, from left to right
-    point = np.flatnonzero((contacts.first == bricks["a"]) & (contacts.second == bricks["b"]))[0]
+    layout, bricks, point = two_courses()
     figure, axes = grid(1, 2, 1.6, WIDTH, width_ratios=(0.47, 0.395))
-    _bricks_at_rest(axes[0, 0], bodies, contacts, bricks, point)
+    _bricks_at_rest(axes[0, 0], layout.bodies, layout.contacts, bricks, point)
     _bricks_moved(axes[0, 1], layout, {name: bricks[name] for name in MOTION}, point)
     for number, (ax, text) in enumerate(zip(axes.flat, ("at rest: contact points of bricks a, b, c",
                                                         "b moved: displacements of one point"))):
@@ -186,6 +182,15 @@ def model_contact_points():
         ax.set_axis_off()
         letter(ax, number, text)
     return figure
+
+
+def two_courses():
+    """Layout of a wall of two courses, {name: whole brick}, and the first contact point of a and b, which lies on a."""
+    layout = lay_out(Wall("two_courses", length=0.45, height=0.15, precompression=0.0))
+    bodies, contacts = layout.bodies, layout.contacts
+    whole = np.isclose(bodies.length, bodies.length.max()) & (bodies.course >= 0)
+    bricks = dict(zip("acb", np.flatnonzero(whole)))  # course by course, from left to right
+    return layout, bricks, np.flatnonzero((contacts.first == bricks["a"]) & (contacts.second == bricks["b"]))[0]
 
 
 def _corners(bodies, body, motion=(0.0, 0.0, 0.0)):
@@ -235,27 +240,33 @@ def _bricks_at_rest(ax, bodies, contacts, bricks, point):
 
 def _bricks_moved(ax, layout, bricks, point):
     """Second panel: the contact point of each of two bricks, and its opening and shear displacement between them."""
-    bodies, contacts = layout.bodies, layout.contacts
-    _bricks(ax, bodies, bricks, MOTION)
-    motion = np.zeros((len(bodies), 3))
-    for name, body in bricks.items():
-        motion[body] = MOTION[name]
-    opening, shear = (values[0] for values in ContactKinematics(layout).displacements(motion, [point]))
-    ends = {}
-    for name, body in bricks.items():
-        arm = np.array([contacts.x[point] - bodies.x[body], contacts.z[point] - bodies.z[body]])
-        centre = np.array([bodies.x[body], bodies.z[body]]) + MOTION[name][:2]
-        ends[name] = centre + arm + np.array(rigid_displacement(0.0, 0.0, MOTION[name][2], *arm))
-        _arrow(ax, centre, ends[name], BLUE, f"$r_{name}$", (0, 7) if name == "b" else (-6, 4))
-    mean = np.mean([of[2] for of in MOTION.values()])
-    tangent, normal = np.array([np.cos(mean), np.sin(mean)]), np.array([-np.sin(mean), np.cos(mean)])
-    corner = ends["a"] + shear * tangent
-    for along in (tangent, normal):  # the joint's axes, rotated by the mean of both bricks
-        ax.plot(*np.transpose([ends["a"] - 0.02 * along, ends["a"] + 0.085 * along]), color=MEDIUM, lw=0.7, ls="--")
-    _arrow(ax, ends["a"], corner, VERMILLION, "$u_s$", (2, -6))
-    _arrow(ax, corner, corner + opening * normal, VERMILLION, "$u_n$", (8, 0))
+    _bricks(ax, layout.bodies, bricks, MOTION)
+    centres, ends, shear, opening = places_of(layout, bricks, point)
+    for along in (shear, opening):  # the joint's axes
+        axis = along / np.linalg.norm(along)
+        ax.plot(*np.transpose([ends["a"] - 0.02 * axis, ends["a"] + 0.085 * axis]), color=MEDIUM, lw=0.7, ls="--")
+    for name, shift in (("a", (-6, 4)), ("b", (0, 7))):
+        _arrow(ax, centres[name], ends[name], BLUE, f"$r_{name}$", shift)
+    _arrow(ax, ends["a"], ends["a"] + shear, VERMILLION, "$u_s$", (2, -6))
+    _arrow(ax, ends["a"] + shear, ends["a"] + shear + opening, VERMILLION, "$u_n$", (8, 0))
     for of in ends.values():
         ax.plot(*of, ls="", marker="o", ms=4, mfc="white", color=BLACK, zorder=5)
+
+
+def places_of(layout, bricks, point):
+    """Of a contact point of a bed joint after MOTION: {brick: its centre}, {brick: the point's place in it}, and the
+    vectors of shear displacement and opening of `ContactKinematics`, each (2,) [m]."""
+    bodies, contacts = layout.bodies, layout.contacts
+    motion, centres, ends = np.zeros((len(bodies), 3)), {}, {}
+    for name, body in bricks.items():
+        motion[body] = MOTION[name]
+        arm = np.array([contacts.x[point] - bodies.x[body], contacts.z[point] - bodies.z[body]])
+        centres[name] = np.array([bodies.x[body], bodies.z[body]]) + MOTION[name][:2]
+        ends[name] = centres[name] + arm + rigid_displacement(0.0, 0.0, MOTION[name][2], *arm)
+    (opening,), (shear,) = ContactKinematics(layout).displacements(motion, [point])
+    mean = np.mean([of[2] for of in MOTION.values()])
+    return (centres, ends, shear * np.array([np.cos(mean), np.sin(mean)]),
+            opening * np.array([-np.sin(mean), np.cos(mean)]))
 
 
 # --- all ----------------------------------------------------------------------------------------------
