@@ -4,10 +4,12 @@ import re
 import subprocess
 from fnmatch import fnmatch
 
+import pandas as pd
 import pytest
 from conftest import REPOSITORY
 
 from damage.__main__ import main
+from paper.document_figures import FIGURES, places_of, settled_walls, thirty_years, two_courses
 
 ROOT_DOCUMENTS = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
 DOCUMENTS = [*(REPOSITORY / name for name in ROOT_DOCUMENTS), *sorted((REPOSITORY / "docs").rglob("*.md"))]
@@ -118,3 +120,30 @@ def test_the_pictures_of_the_gallery_are_small():
 
     for name in GALLERY:
         assert (REPOSITORY / "docs" / "pictures" / "gallery" / f"{name}.png").stat().st_size < 80_000
+
+
+class TestPicturesOfTables:
+    def test_they_are_there_and_small(self):
+        sizes = [(REPOSITORY / "docs" / "pictures" / f"{draw.__name__}.png").stat().st_size for draw in FIGURES]
+        assert max(sizes) < 150_000
+
+    def test_lives_are_those_of_the_page(self):
+        page = (REPOSITORY / "docs" / "paper" / "thirty-years.md").read_text()
+        drawn = [line.get_xdata() for line in thirty_years().axes[0].get_lines() if line.get_marker() in "os"]
+        rows = re.findall(r"^\| \w+, \w+ \| (at rest|settled) \|.*?\|.*?\| (\d+) \(", page, re.MULTILINE)
+        assert len(rows) == 10
+        for values, ground in zip(drawn, ("at rest", "settled"), strict=True):
+            assert list(values[:5]) == [float(share) for of, share in rows if of == ground]
+
+    def test_every_settled_wall_is_drawn_and_shares_are_those_of_the_table(self):
+        left, right = settled_walls().axes
+        assert sum(len(line.get_xdata()) for line in left.get_lines() if line.get_marker() in "Do^s") == 1000
+        shares = [line.get_ydata()[0] for line in right.get_lines() if line.get_linewidth() > 2]
+        table = pd.read_csv(REPOSITORY / "docs" / "tables" / "benchmarks" / "settled_start.csv")
+        assert [round(share) for share in shares] == [0, 0, *table["P(Ψ ≥ 1) [%]"]]
+
+    def test_opening_and_shear_lead_from_one_place_of_a_contact_point_to_the_other(self):
+        layout, bricks, point = two_courses()
+        _, ends, shear, opening = places_of(layout, {name: bricks[name] for name in "ab"}, point)
+        assert ends["a"] + shear + opening == pytest.approx(ends["b"], abs=1e-12)
+        assert shear @ opening == pytest.approx(0.0, abs=1e-15) and shear[0] > 0.01 and opening[1] > 0.01

@@ -268,10 +268,11 @@ class TestRuns:
                 table.to_csv(changed, index=False)
             assert said in one_line_error(lives_of, folder, [changed])
         other = Draws(one.draws.exposure, replace(one.draws.choices, seed=1))
-        unharmed = dict.fromkeys(("max_psi", "psi", "max_DI", "DI", "crack_width_mm", "offset_after_mm", "newly_failed"),
-                                 0.0)
+        unharmed = dict.fromkeys(
+            ("max_psi", "psi", "max_DI", "DI", "crack_width_mm", "offset_after_mm", "newly_failed"), 0.0)
         more = [other.life(number).assign(
-            point="n", seed=1, life=number, event=lambda rows: np.arange(1, len(rows) + 1), fell=False,
+            point="n", seed=1, life=number, event=lambda rows: np.arange(1, len(rows) + 1),
+            fell=False,
             largest_mm_s=other.largest([number])[0], **unharmed) for number in (1, 2)]
         (both,) = lives_of(folder, [_written(pd.concat(more), changed)])
         assert len(both.last) == len(one.last) + 2
