@@ -58,7 +58,7 @@ OPTIONS = {
     "half-a-cycle": (["--harmonic", "0.2", "0.05", "--cycles", "0"], "cycle"),
     "cyclic-text": (["--cyclic", "0.1;0.2"], "commas"),
     "boundary-without-push": (["--boundary", "fixed"], "--boundary"),
-    "unknown-lintel": (["--lintel", "steel"], "steel"),
+    "unknown-lintel": (["--lintel", "granite"], "granite"),
     "loose-deformable-bricks": (["--bricks", "deformable", "--new-contacts"], "loose bricks collide as rigid ones"),
     "fibres-of-brittle-joints": (["--fibres", "8"], "are brittle"),
 }

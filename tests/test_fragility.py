@@ -466,7 +466,7 @@ class TestOwnStates:
     def test_a_study_file_with_others_is_refused(self, tmp_path):
         for text, complaint in (('states = "max_DI > 1"', "a list of texts"), ("states = [1]", "a list of texts"),
                                 ("intensity = 2", "name of a column"), ('states = ["max_DI"]', "COLUMN > LEVEL"),
-                                ("states = [", "cannot be read")):
+                                ("states = [", "is no TOML")):
             (tmp_path / "study.toml").write_text(text)
             with pytest.raises(InputError, match=complaint):
                 study_choices(tmp_path)

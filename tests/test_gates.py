@@ -82,12 +82,12 @@ def test_documents(tmp_path, capsys):
     verdict = "docs/paper/verdict.md"
     shutil.copytree(REPOSITORY / "docs" / "tables", tmp_path / "docs" / "tables")
     seeded(verdict, tmp_path, "| 0.0637 s", "| 0.0737 s")
-    seeded("README.md", tmp_path, "| YADE, elastic lintel | 1", "| YADE, elastic lintel | 2")
+    seeded("README.md", tmp_path, "| reference solver, elastic lintel | 1", "| reference solver, elastic lintel | 2")
     assert documents.main([str(tmp_path)]) == 1
     printed = capsys.readouterr().out
     for fault in (f"{verdict}: it says '| YADE | all variants | 0.0737 s",
                   f"{verdict}: docs/tables say '| YADE | all variants | 0.0637 s",
-                  "README.md: '| YADE, elastic lintel | 2"):
+                  "README.md: '| reference solver, elastic lintel | 2"):
         assert fault in printed
     assert documents.main(["--renew", str(tmp_path)]) == 0
     for name in (verdict, "README.md"):

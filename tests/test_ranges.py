@@ -26,6 +26,7 @@ ADDRESS = str(REPOSITORY / "studies/addresses/garsthuizen.toml")
 RUN = {
     "--harmonic ? 0.05": "0.5", "--harmonic 0.2 ?": "0 1e-300 0.5", "--cycles ?": "", "--cyclic 0.1 --cycles ?": "",
     "--record R --scale ?": "0 -1 1e-300 0.5",
+    "--record R --sample-step ?": "", "--cracked C --tolerance-mm ?": "0.5",
     "--record R --window ? 5": "0 1e-300 0.5", "--record R --window 1 ?": "",
     "--record R --baseline ?": "0", "--record R --band ? 10": "0.5", "--record R --band 0.1 ?": "0.5",
     "--sequence ?": "0 -1 1e-300 0.5", "--sequence 1,?": "0 -1 1e-300 0.5",
@@ -98,8 +99,8 @@ def complaint_of(function, *arguments):
 
 
 @pytest.mark.parametrize("template", RUN)
-def test_options_of_a_run(template):
-    assert that_go(prepare, template, {"R": RECORD, "A": ADDRESS}) == RUN[template]
+def test_options_of_a_run(template, files):
+    assert that_go(prepare, template, files | {"R": RECORD, "A": ADDRESS}) == RUN[template]
 
 
 @pytest.mark.parametrize("template", YADE_ALONE)

@@ -18,7 +18,7 @@ MISTAKES = {
                      r"mortar \[m\] = 10: expected a number from 0 to 0.05"),
     "half a wythe": ({"masonry": '{ material = "clay-weak", format = "waalformaat", wythes = 1.5 }'},
                      "whole number from 1"),
-    "no format": ({"masonry": '{ material = "clay-weak" }'}, "give both"),
+    "no format": ({"masonry": '{ material = "clay-weak" }'}, "give one of these"),
     "brick and masonry": ({"+": "[brick]\nlength = 0.2"}, "leave one out"),
     "outline starts late": ({"outline": "[[0.5, 2.7], [2.2, 4.2], [4.4, 2.7]]"}, "the first at x = 0"),
     "outline ends early": ({"outline": "[[0, 2.7], [2.2, 4.2]]"}, "the last at x = 4.4 m"),

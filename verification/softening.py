@@ -43,9 +43,17 @@ def pair(fibres=0, **changes):
 
 
 def between(layout):
-    """Row of the joint between the two bricks."""
-    contacts = layout.contacts
-    return int(np.flatnonzero((contacts.kind == BED) & (contacts.first != GROUND))[0])
+    """Row of the first contact point of the joint between the two bricks, which are all alike."""
+    return int(np.flatnonzero(_in_joint(layout.contacts))[0])
+
+
+def joint_area(layout):
+    """Area of that joint [m2]."""
+    return float(layout.contacts.area[_in_joint(layout.contacts)].sum())
+
+
+def _in_joint(contacts):
+    return (contacts.kind == BED) & (contacts.first != GROUND)
 
 
 def paths(fine=FINE, coarse=COARSE):
@@ -103,7 +111,7 @@ class Driven:
 def drive(path, fibres=0, **changes):
     """The joint Driven along a path in the reference solver; changes: of JOINT."""
     layout = pair(fibres, **changes)
-    area = layout.contacts.area[between(layout)]
+    area = joint_area(layout)
     wall = ReferenceWall(layout, 1e-5)
     forces = []
     for opening, shear in path:

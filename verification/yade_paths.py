@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 import numpy as np
 from yade import O, Vector3
 
-from verification.softening import between, pair
+from verification.softening import joint_area, pair
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.solver import YadeSolver
 
@@ -26,7 +26,7 @@ STEP = 1e-6  # [s]; nothing is free to move, so any step will do
 def drive(path, fibres, changes):
     """Stresses (n, 2) along a path, and the energies at its end."""
     layout = pair(fibres, **changes)
-    solver, area = YadeSolver(layout, STEP), layout.contacts.area[between(layout)]
+    solver, area = YadeSolver(layout, STEP), joint_area(layout)
     states, scene = solver.scene.states, solver.scene
     for state in states:
         state.blockedDOFs = "xyzXYZ"

@@ -124,7 +124,7 @@ def parse_run(arguments, prog, solver):
 @lru_cache(maxsize=4)  # a study asks for one for each of its runs
 def make_parser(prog, solver):
     """The parser of a run's command line."""
-    parser = OneLineParser(prog=prog, allow_abbrev=False, examples=_EXAMPLES[solver], description=(
+    parser = OneLineParser(prog=prog, allow_abbrev=False, examples=_EXAMPLES.get(solver, ()), description=(
         f"Shake one wall ({solver} solver) and write its history, summary and pictures. {WALLS_ARE_CODE}"))
     _add_motion(parser.add_argument_group("motion (one of; default --harmonic 0.2 0.05)"))
     _add_push(parser.add_argument_group("quasi-static loading, instead of a motion"))
