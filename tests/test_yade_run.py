@@ -83,10 +83,10 @@ class TestDamagedWall:
         assert len(tension) > 0
         assert np.all(tension.normal_stress_pa > joint.tensile_strength)
         # The stress overshoots by up to what one step adds: little at the first break, when joints open at a small part
-        # of the base's 0.07 m/s, more in the waves that the breaks release.  No joint opens faster than the base moves.
+        # of the base's velocity, more in the waves that the breaks release.  No joint opens faster than the base moves.
         stiffness = history.joints.normal_stiffness_pa_m[tension.joint].to_numpy()
-        one_step = 0.07 * stiffness * history.parameters["time_step_s"]
-        assert tension.normal_stress_pa.iloc[0] < joint.tensile_strength + 0.2 * one_step[0]
+        one_step = history.parameters["pgv_m_s"] * stiffness * history.parameters["time_step_s"]
+        assert tension.normal_stress_pa.iloc[0] < joint.tensile_strength + 0.1 * one_step[0]
         assert np.all(tension.normal_stress_pa < joint.tensile_strength + one_step)
         shear = events[events.kind == "shear"]
         assert len(shear) > 0
