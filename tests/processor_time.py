@@ -22,7 +22,9 @@ SUBJECTS = {
                         "plain plausible random_runs ranges record_sequence records reference run run_constants run_warnings "
                         "sampling sequence text_records "
                         "settlement softening soil supports synthetic together uncompiled verification wall_data "
-                        "yade_ends yade_falls yade_free yade_ground yade_house yade_joint yade_push yade_run",
+                        "yade_ends yade_falls yade_free yade_ground yade_house yade_joint yade_push yade_run "
+                        "any_wall as_built convergence evidence inputs mirror_and_momentum random_runs run_warnings "
+                        "sampling text_records",
     "tools": "architecture command compare dic environment formats from_pip gates in_memory old_files other_versions "
              "processor_time",
     "faults": "bad_input damaged_history full_disk fuzz odd_files wall_mistakes written",

@@ -2,14 +2,15 @@
 
 import json
 import os
-import random
 import re
+import shutil
 import subprocess
 import zlib
 
 import h5py
 import numpy as np
 import pytest
+from conftest import REPOSITORY
 from small_history import make_history
 from test_history import open_writer, write_samples
 
@@ -20,13 +21,40 @@ from damage.history import apart as in_a_child
 from damage.history.head import HEAD_BYTES, read_head, seal
 from damage.history.info import DAMAGED, ENDED_EARLY, OPEN, UNSEALED, WHOLE, check
 from damage.history.schema import SCHEMA_VERSION
-from tests.fuzz import histories
-from tests.fuzz.histories import FINISHED, KILLED, OLD, change, mark_growing, originals
+from damage.wall.file import load_wall
+
+FINISHED, OLD, KILLED = "finished", "finished, schema version 1", "killed"
 
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    return originals(tmp_path_factory.mktemp("originals"))
+    """One run as {kind: path}: finished, as the first schema version had it, and as SIGKILL leaves it at its end."""
+    folder = tmp_path_factory.mktemp("originals")
+    paths = {FINISHED: folder / "finished.h5", OLD: folder / "old.h5", KILLED: folder / "killed.h5"}
+    with pytest.MonkeyPatch.context() as patch:
+        copy_before_it_closes(patch, paths[KILLED])
+        damage.run(load_wall(REPOSITORY / "benchmarks" / "small_wall.py"), harmonic=(0.06, 0.6), cycles=2, rest=0.05,
+                   out=paths[FINISHED])
+    paths[OLD].write_bytes(paths[FINISHED].read_bytes()[HEAD_BYTES:])  # addresses count from the superblock on
+    with h5py.File(paths[OLD], "r+", libver="latest") as file:
+        file.attrs["schema_version"] = 1
+        file["joints/kind"].attrs["codes"] = "bed, head"
+        file["series/stage"].attrs["codes"] = "motion, rest, settling"
+        del file["frames/offset_m"]
+    return paths
+
+
+def copy_before_it_closes(patch, path):
+    """Have the first file that HDF5 closes copied before, as a writer leaves it that is killed there."""
+    close = h5py.File.close
+
+    def copy_and_close(self):
+        if self and self.mode == "r+" and not path.exists():
+            self.flush()
+            shutil.copy(self.filename, path)
+        close(self)
+
+    patch.setattr(h5py.File, "close", copy_and_close)
 
 
 @pytest.fixture
@@ -61,7 +89,7 @@ def repacked(name, **how):
         dataset = file.create_dataset(name, values.shape, values.dtype, **how)
         dataset.attrs.update(attributes)
         if unpacked:
-            dataset.id.write_direct_chunk((0,), zlib.compress(unpacked))
+            dataset.id.write_direct_chunk((0,), zlib.compress(unpacked, 1))
     return change_it
 
 
@@ -130,30 +158,19 @@ def test_a_damaged_head_is_refused(old, new, finished):
         damage.read_history(finished)
 
 
-def test_what_no_run_closed_has_no_end_whatever_it_says(tmp_path):
+def test_what_no_run_closed_has_no_end_whatever_it_says(tmp_path, monkeypatch):
     """As where the machine stops between the last byte and the seal."""
+    copy_before_it_closes(monkeypatch, tmp_path / "stopped.h5")
     writer = open_writer(tmp_path / "a.h5")
     write_samples(writer, 5)
     writer.finish("complete")
-    mark_growing(tmp_path / "a.h5")
-    history = damage.read_history(tmp_path / "a.h5")
+    history = damage.read_history(tmp_path / "stopped.h5")
     assert history.status == "unfinished" and len(history.series) == 5
 
 
 # --- many faults ----------------------------------------------------------------------------------
 
-def test_every_flip_behind_the_head_of_a_sealed_file_is_refused(finished):
-    whole = finished.read_bytes()
-    drawn = np.random.default_rng(3)
-    for place in drawn.integers(8 * HEAD_BYTES, 8 * len(whole), 300):
-        data = bytearray(whole)
-        data[place // 8] ^= 1 << place % 8
-        finished.write_bytes(data)
-        with pytest.raises(InputError, match="SHA-256 differs"):
-            damage.read_history(finished)
-
-
-@pytest.mark.parametrize("header", [0, 4, 11])
+@pytest.mark.parametrize("header", [0, 11])
 def test_a_file_that_grew_and_is_damaged_is_an_error_after_a_while(header, files, tmp_path, monkeypatch):
     """In the checksummed headers of groups and datasets HDF5 waits for the writer to correct them."""
     monkeypatch.setattr(in_a_child, "SECONDS", 1)
@@ -211,16 +228,12 @@ def put_parameter(file, name, value):
 
 @pytest.mark.parametrize(("what", "complaint"), [
     (lambda file: file.pop("series/time_s"), "no dataset series/time_s"),
-    (replaced("frames", 1.0), "no dataset frames/opening_m"),
     (replaced("joints/x_m", h5py.SoftLink("/joints/z_m")), "no dataset joints/x_m"),
     (replaced("joints/x_m", h5py.ExternalLink("/dev/zero", "x")), "no dataset joints/x_m"),
-    (replaced("joints", h5py.ExternalLink("/dev/zero", "x")), "no dataset joints/kind"),
-    (replaced("series", h5py.SoftLink("/series")), "no dataset series/stage"),
     (replaced("run", h5py.SoftLink("/joints")), "it has no group run"),
     (stored_elsewhere("bodies/x_m", virtual=True), "bodies/x_m is no dataset of this file"),
     (stored_elsewhere("bodies/x_m", virtual=False), "bodies/x_m is no dataset of this file"),
     (repacked("series/time_s", chunks=(8,), compression="lzf"), "series/time_s is packed by HDF5 filter 32000"),
-    (repacked("series/time_s", chunks=(8,), scaleoffset=2), "series/time_s is packed by HDF5 filter 6"),
     (repacked("series/time_s", chunks=(65536,), maxshape=(None,), compression="gzip", unpacked=bytes(2**30)),
      "memory allocation failed"),
     (lambda file: file["run"].attrs.__setitem__("wall", "../w"), "attribute wall of run is '../w', expected a name"),
@@ -230,23 +243,14 @@ def put_parameter(file, name, value):
     (lambda file: [rows.resize(10**12, axis=0) for rows in file["events"].values()], "8000000000000 bytes where"),
     (lambda file: file["joints/x_m"].attrs.modify("unit", "ft"), "joints/x_m has the unit 'ft', expected m"),
     (lambda file: file["events/kind"].attrs.modify("codes", "a, b"), "events/kind has the codes 'a, b', expected ten"),
-    (lambda file: file["events/kind"].attrs.create("codes", [1, 2, 3]), "events/kind has the codes array"),
-    (lambda file: file.attrs.create("schema", [1, 2, 3]), "its schema is array"),
-    (lambda file: file["run"].attrs.__setitem__("wall", 7), "attribute wall of run is 7, expected words"),
     (lambda file: file["run"].attrs.modify("height_m", -1.0), "attribute height_m of run is -1.0, expected a length"),
-    (lambda file: file["run"].attrs.modify("parameters_json", "[1]"), "parameters are no table"),
     (lambda file: file["run"].attrs.modify("parameters_json", "{"), "Expecting property name"),
-    (lambda file: put_parameter(file, "avg_sa_g", "word"), "parameter avg_sa_g is 'word'"),
     (lambda file: put_parameter(file, "sequence", [1e300]), "a factor of parameter sequence = 1e[+]300: expected a"),
     (replaced("run/status", np.zeros(7, "u1")), "run/status has the codes None, expected unfinished, complete"),
-    (replaced("run/collapsed_at_s", np.zeros(7)), r"run/collapsed_at_s has shape \(7,\), expected \(\)"),
     (put("series/drift_ratio", np.nan), "series/drift_ratio is nan in row 0"),
-    (put("series/kinetic_energy_j", np.inf), "series/kinetic_energy_j is inf in row 0"),
-    (put("frames/slip_m", np.nan), "slip_m is no number that can be in row 0"),
     (put("series/time_s", 1e9), "time_s is .* in row 1, expected a later time"),
     (put("series/stage", 9), "codes need to be between"),
     (put("events/joint", 10**6), "joint is 1e\\+06 in row 0, expected 0 to 145"),
-    (put("joints/first_body", -2), "first_body is -2 in row 0, expected -1 to 39"),
     (put("joints/length_m", 0), "length_m is 0 in row 0, expected a number above zero"),
     (lambda file: file["run/status"].write_direct(np.array(4, "u1")), "index out of range"),
 ])
@@ -260,13 +264,6 @@ def test_a_dataset_that_no_schema_names_yet_is_left_alone(finished):
     whole = damage.read_history(finished)
     history = damage.read_history(altered(finished, lambda file: file.create_dataset("series/later_m", data=[1.0])))
     assert history.series.equals(whole.series)
-
-
-def test_changes_that_crash_hdf5_itself_are_reported(finished, monkeypatch):
-    """The mutator works in a child, too: of some of its changes HDF5 dies, and the next file is made."""
-    for name in ("dataset", "values", "link", "attribute", "parameter"):
-        monkeypatch.setattr(histories, f"_change_{name}", lambda file, random: os.kill(os.getpid(), 9))
-    assert "HDF5 crashed (signal 9)" in change(finished, random.Random(1))
 
 
 # --- check ----------------------------------------------------------------------------------------

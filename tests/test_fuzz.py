@@ -39,9 +39,8 @@ def worker():
         yield one
 
 
-@pytest.mark.parametrize("name", [name for name in READERS if name != "growing history"])
+@pytest.mark.parametrize("name", READERS)
 def test_damaged_files_are_read_or_refused_in_one_line(name, worker):
-    """Of histories that grow some take eight seconds each: they are left to the command."""
     if READERS[name].lacking:
         pytest.skip(f"{READERS[name].lacking} is an optional extra")
     outcomes = [worker(name, number) for number in range(FILES)]

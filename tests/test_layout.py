@@ -222,13 +222,6 @@ def test_effective_stiffness_of_bed_head_and_base(symmetric_wall):
     assert_allclose(contacts.normal_stiffness[base], 1 / (1 / 12e11 + 0.0375 / 5.2e9), rtol=1e-12)
 
 
-def test_mirrored_wall_is_the_mirror_image(symmetric_wall):
-    contacts = lay_out(symmetric_wall).contacts
-    here = sorted(zip(np.round(contacts.z, 6), np.round(contacts.x, 6), contacts.elastic))
-    there = sorted(zip(np.round(contacts.z, 6), np.round(4.05 - contacts.x, 6), contacts.elastic))
-    assert here == there
-
-
 @pytest.mark.parametrize(("change", "complaint"), [
     (lambda: Opening(-0.1, 1.0, 1.0), "from 0 to 1000"),
     (lambda: Wall("w", 2.0, 1.0, (Opening(1.5, 1.0, 0.5),)), "outside"),

@@ -169,12 +169,6 @@ class TestPlaces:
         assert_allclose([force.sum(), force @ contacts.x],
                         GRAVITY * np.array([own.sum() + 500.0, own @ bodies.x + 500.0 * 1.7]), rtol=1e-9)
 
-    def test_a_mirrored_wall_has_mirrored_lintels(self):
-        openings = Opening(0.4, 0.6, 0.7), Opening(1.4, 0.4, 0.6, 0.1)
-        mirrored = tuple(replace(one, left=2.4 - one.right) for one in openings)
-        one, other = (natural_modes(lay_out(wall(these))).period_s for these in (openings, mirrored))
-        assert_allclose(one, other, rtol=1e-9)
-
 
 class TestOptions:
     def test_courses_take_the_place_of_lintels_where_the_option_asks_for_them(self):

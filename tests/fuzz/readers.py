@@ -1,18 +1,19 @@
 """The readers that damaged files are given to: for each the undamaged files, how they are damaged, how they are read.
 
-Wall files in Python are no data and may do anything: they are not among them.
+Wall files in Python are no data and may do anything, and histories are written by this program alone and sealed
+(`tests/test_damaged_history.py`): they are not among them.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
+import damage
 from damage.files import DATA
-from damage.history.reader import read_history
 from damage.laboratory import dic
 from damage.measure import crack_file
 from damage.measure.columns import read_table
@@ -22,7 +23,6 @@ from damage.studies.definition import load_study
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from tests.fuzz import histories
 from tests.fuzz.mutators import MINISEED, TEXT, XML, mutate
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -81,7 +81,7 @@ def _shipped(pattern):
 
 @cache
 def _run(folder):
-    return read_history(histories.originals(folder)[histories.FINISHED])
+    return damage.run(load_wall(REPOSITORY / "benchmarks" / "small_wall.py"), harmonic=(0.06, 0.6), cycles=2, rest=0.05)
 
 
 @cache
@@ -123,10 +123,6 @@ def _measure(path):
     dic.report(dic.measure(fields, _layout()), _layout())
 
 
-def _history(*kinds):
-    return partial(histories.damaged, kinds=kinds)
-
-
 STATION = DATA / "zeerijp_20180108" / "NL.BGAR.xml"
 READERS = {
     "csv": Reader(_of(_files("damage/data/*/*_acc_m_s2.csv", first=2000), TEXT, 5e7), read_record, ".csv"),
@@ -141,6 +137,4 @@ READERS = {
     "cracks": Reader(_of(_cracks, TEXT, 5e7), _map, ".csv"),
     "dic": Reader(_of(_field, TEXT, 5e7), _measure, ".csv"),
     "table": Reader(_of(_files("docs/tables/*.csv"), TEXT, 5e7), read_table, ".csv"),
-    "history": Reader(_history(histories.FINISHED, histories.OLD), histories.use, ".h5"),
-    "growing history": Reader(_history(histories.KILLED), histories.use, ".h5"),
 }
