@@ -157,7 +157,7 @@ PARTS = {
     "history: write": (HistoryWriter, ["append", "extend", "event", "snapshot", "static_stage", "flush"]),
     "history: seal": (HistoryWriter, ["finish"]),
     "history in memory": (HistoryInMemory, ["__init__", "static_stage", "store", "finish", "history"]),
-    "steps": (lanes.together, ["run"]),
+    "steps": (lanes.kernel, ["run"]),
     "between stretches": (lanes.Lanes, ["run", "__init__"]),
     "instants, events": (ReferenceSolver, ["instants", "drain_events", "forces", "base_reaction"]),
     "samples": (Run, ["take_samples"]),

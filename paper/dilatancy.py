@@ -60,7 +60,6 @@ def push(layout, farthest, speed, *, dilatancy, rotates=False, lifts=True):
     """Push the top of a settled wall; a Pushed.  farthest [m]; speed [m/s]; dilatancy: tan(psi_0); rotates, lifts:
     whether the top may."""
     wall = settled_wall(layout)
-    wall.fast = False
     wall.start(np.zeros((0, 2)))
     caps, states = layout.pushed_bodies, wall.system.states
     wall.hold(caps, not rotates)

@@ -5,7 +5,7 @@
 #     bash scripts/coverage.sh tests/test_index.py   # or by what pytest's arguments choose
 #
 # Every Python process of the tests is measured, those in YADE too (scripts/coverage_start); a line in .venv reaches
-# those that set PYTHONPATH themselves, as batches do.  Compiled functions count by tests/test_uncompiled.py, which
+# those that set PYTHONPATH themselves, as batches do.  Compiled functions count by tests/test_widths.py, which
 # runs them as plain Python.  .coverage/data.json has the lines.
 set -euo pipefail
 

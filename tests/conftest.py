@@ -22,7 +22,7 @@ BATCH = (sys.executable, str(REPOSITORY / "workflow" / "batch.py"))
 BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
 SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")  # of small walls, which vibrate at 0.05 s or faster
 
-FIRST = ("test_plain.py", "test_deformable_lanes.py", "test_yade_run.py", "test_together.py", "test_study.py",
+FIRST = ("test_widths.py", "test_deformable.py", "test_yade_run.py", "test_together.py", "test_study.py",
          "test_guides.py", "test_written.py", "test_ensembles.py", "test_pictures.py")
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from damage.mechanics import step, tables
-from damage.mechanics.build import no_strain
+from damage.mechanics.eight import ONE
 from damage.mechanics.loose import (
     CENTRE_X,
     CENTRE_Z,
@@ -20,7 +20,7 @@ from damage.mechanics.loose import (
     stiffness_for,
 )
 from damage.mechanics.samples import Samples, Stiffness
-from damage.mechanics.tables import DAMPING, FRICTION, ROTATION, Controls, Law, Scratch, System, X, Z, table
+from damage.mechanics.tables import DAMPING, FRICTION, ROTATION, Law, X, Z, table
 from damage.units import GRAVITY
 from damage.wall.joint_law import material_of
 from damage.wall.parameters import Joint
@@ -54,18 +54,12 @@ class Boxes:
                       friction if support_friction is None else support_friction, damping)
         self.loose = make_loose(touch, cores, np.zeros(0), np.zeros(0))
         self.loose.counts[WANTED] = 1
-        place = np.zeros((n + len(supports), 3))
-        place[:, ROTATION] = rows[:, 2]
-        self.system = System(
-            place=place, velocity=np.zeros_like(place), force=np.zeros_like(place), mass=mass, inverse_mass=inverse,
-            trig=np.column_stack([np.cos(rows[:, 2]) - 1, np.sin(rows[:, 2])]),
-            interfaces=table(tables.INTERFACE, 0), contacts=table(tables.CONTACT, 0), states=table(tables.STATE, 0),
-            readings=np.zeros((4, 0)), energy=np.zeros(4), events=np.zeros((1, 3), np.int64), values=np.zeros((1, 4)),
-            n_events=np.zeros(1, np.int64), relaxation=np.zeros(2), turning=np.zeros((0, 2)),
-            last=np.zeros((0, 6)), radiation=np.zeros((0, 5)))
-        self._law = Law(material_of(Joint()), 1e-4, no_strain(len(place), 0))
-        self._controls = Controls(float(self.time_step), 0.0, 0.0, 0.0, 0.0)
-        self._scratch = Scratch(np.zeros(0, np.int64), np.zeros((5, step.PARTS)))
+        self._tables = tables.make_tables(len(rows), 3, table(tables.INTERFACE, 0), table(tables.CONTACT, 0), 0, 0, 1)
+        self.system = tables.system_of(self._tables, 0)
+        self.system.place[:, ROTATION] = rows[:, 2]
+        self.system.trig[:] = np.column_stack([np.cos(rows[:, 2]) - 1, np.sin(rows[:, 2])])
+        self.system.mass[:], self.system.inverse_mass[:] = mass, inverse
+        self._law = Law(material_of(Joint()), 1e-4)
         self._stiffness = Stiffness(np.zeros(0), np.zeros(0), np.zeros(0))
         self._samples = Samples.none(1, 1, self.system, len(supports))
         self.gravity, self.time = gravity, 0.0
@@ -73,10 +67,11 @@ class Boxes:
     def run(self, duration):
         """Advance by so many seconds, at least a step; returns self."""
         n = max(1, round(duration / self.time_step))
-        field = np.zeros((n + 1, 3))
-        field[:, 2] = self.gravity
-        step.run(self.system, self._law, self._controls, field, 0, np.array([n]), self._scratch, self._stiffness,
-                 self._samples, 0, self.loose)
+        field = np.zeros((1, n + 1, 3))
+        field[..., 2] = self.gravity
+        step.run(step.ADVANCE, ONE, self._tables, self._law, None, self.loose, np.array([[self.time_step, 0, 0, 0, 0]]),
+                 field, np.zeros(1, int), np.array([n]), np.ones(1, int), self._stiffness, self._samples,
+                 np.zeros(1, int))
         self.time += n * self.time_step
         return self
 

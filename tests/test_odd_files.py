@@ -338,9 +338,9 @@ def test_compiled_code_finds_a_place_where_none_can_be_written(tmp_path):
     """The folder beside the sources, the home folder's and numba's own are files."""
     package, file = tmp_path / "damage", tmp_path / "file"
     shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
-    for path in (file, *(package / folder / "__pycache__" for folder in ("mechanics", "reference/fast"))):
+    for path in (file, package / "mechanics" / "__pycache__"):
         path.touch()
-    code = ("import numba, os, damage.reference.fast.alone as k; print(k.__file__, numba.config.CACHE_DIR,"
+    code = ("import numba, os, damage.mechanics.step as k; print(k.__file__, numba.config.CACHE_DIR,"
             " os.path.isdir(numba.config.CACHE_DIR))")
     odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"), str(file))
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path,

@@ -32,11 +32,11 @@ STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
 SETTLEMENT = 1e-3
 
 
-@pytest.fixture(params=[True, False], ids=["fast", "plain"])
-def wall(request):
+@pytest.fixture
+def wall():
     """A small wall with an opening, at rest under its weight."""
     layout = lay_out(Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=STRONG))
-    found = ReferenceWall(layout, 0.6 * natural_modes(layout).critical_time_step_s, fast=request.param)
+    found = ReferenceWall(layout, 0.6 * natural_modes(layout).critical_time_step_s)
     come_to_rest(found)
     return found
 

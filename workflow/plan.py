@@ -30,8 +30,8 @@ from shared import RESULTS, ROOT
 from speed import Speed, python_seconds, speed
 
 from damage.errors import InputError
+from damage.mechanics.compiled import is_cached
 from damage.reference.ensembles import LEAST_LANES
-from damage.reference.fast.compiled import is_cached
 from damage.run.schedule import choose_time_step, sample_steps
 from damage.run.settings import HOLD_S, RAMP_S, Softening
 from damage.studies.definition import load_study

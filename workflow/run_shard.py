@@ -35,10 +35,9 @@ from damage.files import plain_file, write_text
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
-from damage.mechanics.compiled import COMPILING
+from damage.mechanics.compiled import COMPILING, is_cached
 from damage.memory import return_freed
 from damage.provenance import measures_digest, versions
-from damage.reference.fast.compiled import is_cached
 from damage.reference.lanes import MOST_LANES
 from damage.reference.session import BACKEND
 from damage.reference.settled import SettledWalls

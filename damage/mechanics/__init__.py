@@ -1,7 +1,6 @@
-"""Mechanics of a wall: bodies, interfaces between them, contact points and the joint law, and the plain time step.
+"""Mechanics of a wall: bodies, interfaces between them, contact points and the joint law, and the time step.
 
-All functions are written for one wall.  Those of `bodies` and `interfaces` also accept vectors of eight values
-(`eight`), so that the fast step of the reference solver uses the same functions.
+Its functions take numbers of one wall, or vectors of those of eight (`eight`).
 """
 
 from damage.mechanics.cache import find_a_place

@@ -3,7 +3,7 @@
 The generalized coordinates of a rigid body are its displacements along x and z and its rotation from x towards z.  All
 coordinates obey the same equation.  Where the inverse mass is zero, the velocity is prescribed.
 
-All functions accept the values of one body, or vectors of the values of eight bodies (`damage.mechanics.eight`).
+All functions accept the values of one body, or vectors of those of a body in eight walls (`damage.mechanics.eight`).
 """
 
 from damage.mechanics.compiled import inlined

@@ -3,7 +3,7 @@
 import numpy as np
 
 from damage.mechanics.loose import Touch, make_loose, stiffness_for
-from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, STATE, Strain, System, table
+from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, Strain, make_tables, system_of, table
 from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
@@ -20,37 +20,34 @@ GROUND_M = 20.0
 
 
 def build(layout, material):
-    """The System of a damage.wall.layout.Layout with a damage.wall.joint_law.Material.
+    """The Tables of a damage.wall.layout.Layout with a damage.wall.joint_law.Material.
 
     Its contacts are the contact points of the layout or, if it has them, their parallel elements.  Its bodies are those
     of the layout, then the supports.
     """
     row, share = contact_rows(layout)
     interfaces, middle = _interfaces(layout, row)
-    contacts = _contacts(layout, row, share, middle)
-    bodies = slice(len(layout.bodies))
-    n_bodies = len(layout.bodies) + len(layout.supports)
-    intact = range_left(ContactState(), LawParameters(*(contacts[name] for name in (
-        "kn", "ks", "tensile_strength", "cohesion")), material,
-        compressive_strength=contacts["compressive_strength"]))
-    states = table(STATE, len(contacts), idle=-1.0, **{f"elastic_{name}": of for name, of in intact._asdict().items()})
-    sum_springs(interfaces, contacts, material, layout.strain)
+    contacts, n_bodies = _contacts(layout, row, share, middle), len(layout.bodies)
     n_modes = layout.strain.n_modes if layout.strain else 0
-    n_last = len(contacts if n_modes else interfaces)
-    mass = np.zeros((n_bodies, RIGID + n_modes))
-    mass[bodies, :RIGID] = layout.bodies.mass[:, None]
-    mass[bodies, ROTATION] = layout.bodies.inertia
+    radiation = _radiation(layout, row if n_modes else row[interfaces["start"]])
+    tables = make_tables(n_bodies + len(layout.supports), RIGID + n_modes, interfaces, contacts,
+                         len(contacts if n_modes else interfaces), len(radiation), CAPACITY)
+    system = system_of(tables, 0)
+    _set_strengths(system.strengths, layout, row, share)
+    intact = range_left(ContactState(), LawParameters(
+        contacts["kn"], contacts["ks"], system.strengths["tensile_strength"], system.strengths["cohesion"], material,
+        compressive_strength=system.strengths["compressive_strength"]))
+    for name, of in intact._asdict().items():
+        system.states[f"elastic_{name}"] = of
+    system.states["idle"] = -1.0
+    sum_springs(system, material, layout.strain)
+    system.radiation[:len(radiation)] = radiation
+    system.mass[:n_bodies, :RIGID] = layout.bodies.mass[:, None]
+    system.mass[:n_bodies, ROTATION] = layout.bodies.inertia
     if layout.strain:
-        mass[bodies, RIGID:] = layout.strain.mass
-    inverse_mass = np.zeros_like(mass)
-    inverse_mass[mass > 0] = 1 / mass[mass > 0]
-    return System(
-        place=np.zeros_like(mass), velocity=np.zeros_like(mass), force=np.zeros_like(mass), mass=mass,
-        inverse_mass=inverse_mass, trig=np.zeros((n_bodies, 2)), interfaces=interfaces, contacts=contacts,
-        states=states, readings=np.zeros((4, len(contacts))), energy=np.zeros(4),
-        events=np.zeros((CAPACITY, 3), np.int64), values=np.zeros((CAPACITY, 4)), n_events=np.zeros(1, np.int64),
-        relaxation=np.zeros(2), turning=np.zeros((n_bodies, 2)),
-        last=np.zeros((n_last, 6)), radiation=_radiation(layout, row if n_modes else row[interfaces["start"]]))
+        system.mass[:n_bodies, RIGID:] = layout.strain.mass
+    system.inverse_mass[system.mass > 0] = 1 / system.mass[system.mass > 0]
+    return tables
 
 
 def _radiation(layout, row):
@@ -63,25 +60,18 @@ def _radiation(layout, row):
     return found
 
 
-def no_strain(n_bodies, n_contacts):
-    """The Strain of rigid bricks."""
-    none = np.zeros((n_bodies, 0))
-    return Strain(none, none, np.zeros((1, 2, 0)), np.zeros((n_contacts, 2), INDEX))
-
-
 def strain_tables(layout):
-    """The Strain of a damage.wall.layout.Layout, without modes of rigid bricks."""
+    """The Strain of a damage.wall.layout.Layout, None of rigid bricks."""
     row, of = contact_rows(layout)[0], layout.strain
-    n_bodies = len(layout.bodies) + len(layout.supports)
     if of is None:
-        return no_strain(n_bodies, len(row))
+        return None
     resting = np.zeros((len(layout.supports), of.n_modes))
     return Strain(np.vstack([of.stiffness, resting]), np.vstack([of.damping, resting]), of.shapes,
                   np.column_stack([of.first, of.second])[row].astype(INDEX))
 
 
 def build_loose(layout, system, time_step, material):
-    """The Loose contacts of a layout and of the System built from it.
+    """The Loose contacts of a layout and of the System of its Tables.
 
     The joints of this System on supports end, too, from now on: where a brick has slid by its length.  The ground
     reaches GROUND_M beyond the wall and below it, without gaps between supports.
@@ -113,20 +103,27 @@ def contact_rows(layout):
 
 def _contacts(layout, row, share, middle):
     """Table CONTACT; row, share: of `contact_rows`; middle: (x, z) of the interface of each contact [m]."""
-    contacts, joint, strengths = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
+    contacts = layout.contacts
     area = contacts.area[row] * share
-    mode_i, mode_ii = (0.0, 0.0) if layout.fibres or not joint.softens else (
-        np.where((contacts.kind == CUT) | (contacts.tensile_strength == 0), 0.0, energy)
-        for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy))
     return table(
         CONTACT, len(row), area=area,
         # Offsets follow the joint's axes: along +x in bed joints, along -z in head joints.
         offset=np.where(contacts.upright[row], middle[1] - contacts.z[row], contacts.x[row] - middle[0]),
-        kn=contacts.normal_stiffness[row] * area, ks=contacts.shear_stiffness[row] * area,
-        tensile_strength=strengths.tensile_strength * area, cohesion=strengths.cohesion * area,
-        mode_i_energy=mode_i * area, mode_ii_energy=mode_ii * area,
-        compressive_strength=contacts.compressive_strength[row] * area,
-        crushing_energy=(joint.compressive_fracture_energy or 0.0) * area)
+        kn=contacts.normal_stiffness[row] * area, ks=contacts.shear_stiffness[row] * area)
+
+
+def _set_strengths(strengths, layout, row, share):
+    """Fill the table STRENGTHS; row, share: of `contact_rows`."""
+    contacts, joint, bonds = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
+    area = contacts.area[row] * share
+    mode_i, mode_ii = (0.0, 0.0) if layout.fibres or not joint.softens else (
+        np.where((contacts.kind == CUT) | (contacts.tensile_strength == 0), 0.0, energy)
+        for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy))
+    for name, values in (("tensile_strength", bonds.tensile_strength), ("cohesion", bonds.cohesion),
+                         ("mode_i_energy", mode_i), ("mode_ii_energy", mode_ii),
+                         ("compressive_strength", contacts.compressive_strength[row]),
+                         ("crushing_energy", joint.compressive_fracture_energy or 0.0)):
+        strengths[name] = values * area
 
 
 def _interfaces(layout, row):
@@ -152,12 +149,13 @@ def _interfaces(layout, row):
     return interfaces, [np.repeat(values, stop - start) for values in middle]
 
 
-def sum_springs(interfaces, contacts, material, strain=None):
-    """Write the resultant springs of intact interfaces into their table, and the limits up to which these hold.
+def sum_springs(system, material, strain=None):
+    """Write the resultant springs of intact interfaces into the tables, and the limits up to which these hold.
 
     strain: of the layout, None where bricks are rigid; between deformable bricks contact points are evaluated one by
     one.
     """
+    interfaces, contacts, strengths, limits = system.interfaces, system.contacts, system.strengths, system.limits
     start = interfaces["start"]
     kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
     for name, values in (("kn", kn), ("ks", ks), ("kn_offset", kn * offset), ("kn_offset2", kn * offset**2)):
@@ -165,13 +163,13 @@ def sum_springs(interfaces, contacts, material, strain=None):
     interfaces["reach"] = np.maximum.reduceat(np.abs(offset), start)
     with np.errstate(divide="ignore", invalid="ignore"):
         opening, slide, ratio = elastic_range(
-            LawParameters(kn, ks, contacts["tensile_strength"], contacts["cohesion"], material))
-        interfaces["largest_opening"] = np.minimum.reduceat(opening, start)
-        interfaces["largest_slide"] = np.minimum.reduceat(slide, start)
+            LawParameters(kn, ks, strengths["tensile_strength"], strengths["cohesion"], material))
+        limits["largest_opening"] = np.minimum.reduceat(opening, start)
+        limits["largest_slide"] = np.minimum.reduceat(slide, start)
     interfaces["slide_loss"] = ratio[start]
     # The limit at the outermost contact point bounds all others only where they have the same ratio of stiffness and
     # friction; elsewhere a limit of -inf has every contact point evaluated by itself.
     alike = np.isclose(np.repeat(ratio[start], np.diff(start, append=len(kn))), ratio, rtol=1e-12, atol=0)
-    # Contacts that can crush, and those of deformable bricks, are evaluated by themselves, too.
-    alike &= (contacts["compressive_strength"] == np.inf) & (strain is None)
-    interfaces["largest_opening"][~np.logical_and.reduceat(alike, start)] = -np.inf
+    # Contacts that can crush, those of deformable bricks, and failed ones are evaluated by themselves, too.
+    alike &= (strengths["compressive_strength"] == np.inf) & (strain is None)
+    limits["largest_opening"][~np.logical_and.reduceat(alike, start) | (limits["failed"] > 0)] = -np.inf

@@ -29,16 +29,16 @@ class Package:
     """Compiled functions of a folder.
 
     sources: paths of all files whose code or constants are compiled into them; digest: of these files; compiled:
-    decorator of a function with machine code of its own; inlined: of one that is compiled into its callers; entry,
-    inlined_entry: the same of one that Python calls, too.
+    decorator of a function with machine code of its own; inlined: of one that is compiled into its callers; entry: of
+    one that Python calls, too.
     """
 
     def __init__(self, folder, names, others):
         """folder: path; names: of its modules; others: paths of sources in other folders."""
         self.folder, self.sources = folder, [*(folder / f"{name}.py" for name in names), *others]
         self.digest = hashlib.sha256(b"\0".join(path.read_bytes() for path in self.sources)).hexdigest()[:12]
-        self.compiled, self.inlined, self.entry, self.inlined_entry = (
-            self._compiler(entry, inlined) for entry in (False, True) for inlined in (False, True))
+        self.compiled, self.inlined = self._compiler(), self._compiler(inlined=True)
+        self.entry = self._compiler(entry=True)
         PACKAGES.append(self)
 
     def is_cached(self, function):
@@ -55,7 +55,7 @@ class Package:
                 with suppress(OSError):  # another process deletes it, too, or the folder is read-only
                     kept.unlink()
 
-    def _compiler(self, entry, inlined):
+    def _compiler(self, entry=False, inlined=False):
         """A decorator that compiles a function, its machine code cached under the digest of all sources.
 
         entry: whether Python may call it.  The code by which it would do so takes a third of the time of compilation.
@@ -101,8 +101,13 @@ class _Announcement(event.Listener):
 
 
 event.register("numba:compile", _Announcement())
-PLAIN = Package(Path(__file__).parent, (
+KERNEL = Package(Path(__file__).parent, (
     "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "strain",
     "step"),
     [Path(module.__file__) for module in (joint_law, kinds, kinematics, supports, schema)])
-compiled, inlined, entry, inlined_entry = PLAIN.compiled, PLAIN.inlined, PLAIN.entry, PLAIN.inlined_entry
+compiled, inlined, entry = KERNEL.compiled, KERNEL.inlined, KERNEL.entry
+
+
+def is_cached():
+    """Whether numba has cached the step, which every run needs, of these sources."""
+    return KERNEL.is_cached("step.run")

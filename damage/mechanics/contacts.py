@@ -1,7 +1,8 @@
 """Forces of single contact points: linear springs within their elastic range, the joint law beyond it.
 
-`STATE` is the state of a contact point after the last evaluation of the law.  From that state on it is a linear spring,
-until a trial state leaves the elastic range of the state.
+`STATES` is the state of a contact point after the last evaluation of the law.  From that state on it is a linear
+spring, until a trial state leaves the elastic range of the state.  `n`: width of the step (`damage.mechanics.eight`),
+in functions that evaluate the law of a single wall.
 """
 
 from typing import NamedTuple
@@ -10,10 +11,9 @@ import numpy as np
 
 from damage.mechanics.by_name import reader, writer
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.interfaces import Resultant, no_overlap
+from damage.mechanics.eight import add, bits, either, load, store, store_where, zero
+from damage.mechanics.interfaces import Resultant
 from damage.mechanics.tables import (
-    ENDING,
-    FAILED,
     FRACTURE,
     FRICTION,
     OPENED,
@@ -22,12 +22,16 @@ from damage.mechanics.tables import (
     READ_SIGMA,
     READ_TAU,
     SLIPPED,
+    STATES,
 )
 from damage.wall import joint_law
 from damage.wall.joint_law import INTACT, ContactState, ElasticRange, LawParameters
 
-law_state, keep_law_state = reader(ContactState), writer(ContactState)
-keep_range = writer(ElasticRange, prefix="elastic_")
+NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(STATES.index, (
+    "normal_stress", "shear_stress", "broken", "at_limit", "slip", "kappa", "closure", "shear0", "idle", "passed"))
+TENSION_STIFFNESS, LEFT = STATES.index("elastic_tension_stiffness"), STATES.index("elastic_tensile_strength")
+law_state, keep_law_state = reader(ContactState, STATES), writer(ContactState, STATES)
+range_now, keep_range = (make(ElasticRange, STATES, prefix="elastic_") for make in (reader, writer))
 
 
 class Trial(NamedTuple):
@@ -39,73 +43,97 @@ class Trial(NamedTuple):
 
 
 @inlined
-def elastic_trial(contact, state, motion):
-    """Trial of a contact point at a RelativeMotion of its interface; contact, state: rows of the tables."""
-    opening = motion.opening + contact.offset * motion.rotation + state.closure
-    stiffness = state.elastic_tension_stiffness if opening > 0.0 else contact.kn
-    return Trial(opening, stiffness * opening, state.shear_stress + contact.ks * (motion.shear - state.shear0))
+def elastic_trial(n, contacts, states, i, motion):
+    """Trial of contact point i at a RelativeMotion of its interface."""
+    contact = contacts[i]
+    opening = motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)
+    stiffness = either(opening > 0.0, load(n, states, i, TENSION_STIFFNESS), contact.kn)
+    return Trial(opening, stiffness * opening, load(n, states, i, SHEAR_STRESS)
+                 + contact.ks * (motion.shear - load(n, states, i, SHEAR0)))
 
 
 @inlined
-def stays_open(state, opening):
-    """Whether a failed contact point with this opening [m] is open and free of forces, so that no law is evaluated."""
-    return 0.0 < opening <= state.idle and state.shear_stress == 0.0
+def stays_open(n, states, i, opening):
+    """Whether failed contact point i with this opening [m] is open and free of forces, so that no law is evaluated."""
+    return (0.0 < opening) & (opening <= load(n, states, i, IDLE)) & (load(n, states, i, SHEAR_STRESS) == 0.0)
 
 
 @inlined
-def present_forces(contact, state, motion):
-    """Trial of a contact point after the law was evaluated: its forces are zero where it stays open."""
-    trial = elastic_trial(contact, state, motion)
-    if stays_open(state, trial.opening):
-        return Trial(trial.opening, 0.0, 0.0)
-    return trial
+def present_forces(n, contacts, states, i, motion):
+    """Trial of contact point i after the law was evaluated: its forces are zero where it stays open."""
+    trial = elastic_trial(n, contacts, states, i, motion)
+    is_open = stays_open(n, states, i, trial.opening)
+    return Trial(trial.opening, either(is_open, 0.0, trial.sigma), either(is_open, 0.0, trial.tau))
 
 
-@compiled
-def present_resultant(contacts, states, start, stop, motion):
+@inlined
+def present_resultant(n, contacts, states, start, stop, motion):
     """Resultant [N, N m] of an interface's contact points (rows start to stop) after the law was evaluated."""
-    normal = shear = couple = 0.0
+    normal, shear, couple = zero(n), zero(n), zero(n)
     for i in range(start, stop):
-        trial = present_forces(contacts[i], states[i], motion)
-        normal += trial.sigma
-        shear += trial.tau
-        couple += trial.sigma * contacts[i].offset
+        trial = present_forces(n, contacts, states, i, motion)
+        normal = normal + trial.sigma
+        shear = shear + trial.tau
+        couple = couple + trial.sigma * contacts[i].offset
     return Resultant(normal, shear, couple)
 
 
 @inlined
-def elastic_resultant(contacts, states, start, stop, motion):
-    """Resultant of an interface's contact points as springs [N, N m], and whether all stay in their elastic range."""
-    normal, shear, couple, elastic = 0.0, 0.0, 0.0, True
+def elastic_resultant(n, contacts, states, start, stop, motion, which):
+    """Resultant of contact points as springs [N, N m], and those of the walls `which` (flags) in which all stay in
+    their elastic range."""
+    normal, shear, couple, elastic = zero(n), zero(n), zero(n), which
     for i in range(start, stop):
-        contact, state = contacts[i], states[i]
-        trial = elastic_trial(contact, state, motion)
-        if stays_open(state, trial.opening):
-            state.shear0 = motion.shear
-            continue
-        elastic &= joint_law.stays_elastic(trial.sigma, trial.tau, state.elastic_tensile_strength,
-                                           state.elastic_cohesion, state.elastic_friction)
-        elastic &= joint_law.withstands(trial.sigma, state.elastic_compressive_strength)
-        normal += trial.sigma
-        shear += trial.tau
-        couple += trial.sigma * contact.offset
+        trial, left = elastic_trial(n, contacts, states, i, motion), range_now(n, states, i)
+        is_open = stays_open(n, states, i, trial.opening) & which
+        if bits(is_open):
+            store_where(n, states, i, SHEAR0, is_open, motion.shear)
+        within = joint_law.stays_elastic(trial.sigma, trial.tau, left.tensile_strength, left.cohesion, left.friction)
+        within = within & joint_law.withstands(trial.sigma, left.compressive_strength)
+        elastic = elastic & (within | is_open)
+        normal = normal + either(is_open, 0.0, trial.sigma)
+        shear = shear + either(is_open, 0.0, trial.tau)
+        couple = couple + either(is_open, 0.0, trial.sigma * contacts[i].offset)
     return Resultant(normal, shear, couple), elastic
 
 
 @inlined
-def remember(contacts, states, start, stop, motion):
-    """Store the forces of contact points that stayed elastic, for the work of slip and crushing in a later step."""
-    for i in range(start, stop):
-        contact, state = contacts[i], states[i]
-        if contact.compressive_strength < np.inf:
-            state.normal_stress = elastic_trial(contact, state, motion).sigma
-        if state.idle >= 0.0 or state.kappa > 0.0:
-            state.shear_stress += contact.ks * (motion.shear - state.shear0)
-            state.shear0 = motion.shear
+def intact_resultant(n, contacts, states, i, motion, which):
+    """`elastic_resultant` of contact point i that is an intact spring in all walls."""
+    contact = contacts[i]
+    # Adding zero, as the law adds closure and earlier force, turns -0 into +0: the bits stay equal.
+    sigma = contact.kn * (motion.opening + contact.offset * motion.rotation + 0.0)
+    tau, left = contact.ks * motion.shear + 0.0, range_now(n, states, i)
+    elastic = joint_law.stays_elastic(sigma, tau, left.tensile_strength, left.cohesion, left.friction)
+    return Resultant(sigma, tau, sigma * contact.offset), elastic & which
 
 
 @inlined
-def law_resultant(system, law, start, stop, step, motion, before, damped):
+def is_intact_spring(n, states, i):
+    """Whether the forces of contact point i follow from its displacements and stiffnesses alone."""
+    left = range_now(n, states, i)
+    unloaded = (load(n, states, i, SHEAR_STRESS) == 0.0) & (load(n, states, i, SHEAR0) == 0.0)
+    return unloaded & (load(n, states, i, IDLE) < 0.0) & (load(n, states, i, KAPPA) == 0.0) & (
+        left.compressive_strength == np.inf)
+
+
+@inlined
+def remember(n, contacts, states, start, stop, motion, which):
+    """Store the forces of contact points that stayed elastic in the walls `which` (flags), for the work of slip and
+    crushing in a later step."""
+    for i in range(start, stop):
+        crushes = which & (range_now(n, states, i).compressive_strength < np.inf)
+        if bits(crushes):
+            store_where(n, states, i, NORMAL_STRESS, crushes, elastic_trial(n, contacts, states, i, motion).sigma)
+        moves = which & ((load(n, states, i, IDLE) >= 0.0) | (load(n, states, i, KAPPA) > 0.0))
+        if bits(moves):
+            more = contacts[i].ks * (motion.shear - load(n, states, i, SHEAR0))
+            store_where(n, states, i, SHEAR_STRESS, moves, load(n, states, i, SHEAR_STRESS) + more)
+            store_where(n, states, i, SHEAR0, moves, motion.shear)
+
+
+@inlined
+def law_resultant(n, tables, law, start, stop, step, motion, before, damped):
     """Resultant of contact points of an interface by the joint law [N, N m].
 
     Returns the resultant; if damped, its change since the last step by the contact points that stayed elastic; and
@@ -115,22 +143,24 @@ def law_resultant(system, law, start, stop, step, motion, before, damped):
     By central differences the force of a bond that fails in a step does half of the step's work on the bodies, while
     the joint law counts its energy at the end of the step: what is too much is taken back here.
     """
-    contacts, states = system.contacts, system.states
     normal = shear = couple = d_normal = d_shear = d_couple = 0.0
-    failed = False
+    failed, states = False, tables.states
     for i in range(start, stop):
-        contact, state = contacts[i], states[i]
-        trial, kappa = elastic_trial(contact, state, motion), state.kappa
-        intact = state.broken == 0.0 and kappa == 0.0
-        old = present_forces(contact, state, before) if damped or intact else trial
-        new, event = ask_law(system.energy, contact, state, trial.opening - state.closure, motion.shear, law.material)
+        contact, trial = tables.contacts[i], elastic_trial(n, tables.contacts, states, i, motion)
+        kappa = load(n, states, i, KAPPA)
+        intact = load(n, states, i, BROKEN) == 0.0 and kappa == 0.0
+        old = trial
+        if damped or intact:
+            old = present_forces(n, tables.contacts, states, i, before)
+        new, event = ask_law(n, contact, states, tables.strengths, tables.energy, i,
+                             trial.opening - load(n, states, i, CLOSURE), motion.shear, law.material)
         if new.broken or new.kappa > 0.0 or new.closure > 0.0:
-            log(system, law.threshold, i, step, trial, new, event)
+            log(n, tables, law.threshold, i, step, trial, new, event)
             failed = True
         sigma, tau = new.normal_stress, new.shear_stress
         if intact and event != INTACT:
-            system.energy[FRACTURE] -= 0.5 * ((trial.sigma - sigma) * (trial.sigma - old.sigma) / contact.kn
-                                              + (trial.tau - tau) * (trial.tau - old.tau) / contact.ks)
+            add(n, tables.energy, 0, FRACTURE, -0.5 * ((trial.sigma - sigma) * (trial.sigma - old.sigma) / contact.kn
+                                                       + (trial.tau - tau) * (trial.tau - old.tau) / contact.ks))
         if damped and event == INTACT and new.kappa == kappa:
             d_normal += sigma - old.sigma
             d_shear += tau - old.tau
@@ -142,93 +172,96 @@ def law_resultant(system, law, start, stop, step, motion, before, damped):
 
 
 @inlined
-def ask_law(energy, contact, state, opening, shear, material):
-    """Evaluate the joint law of a contact point, and write its new state and works into the tables.
+def ask_law(n, contact, states, strengths, energy, i, opening, shear, material):
+    """Evaluate the joint law of contact point i, and write its new state and works into the tables.
 
     opening, shear: displacements now [m].  Returns as `joint_law.advance`, with forces [N] and works [J].
     """
-    parameters = LawParameters(contact.kn, contact.ks, contact.tensile_strength, contact.cohesion, material,
-                               contact.mode_i_energy, contact.mode_ii_energy, contact.compressive_strength,
-                               contact.crushing_energy)
-    old = law_state(state)
-    new, event = joint_law.advance(opening, shear - state.shear0, old, parameters)
-    energy[FRICTION] += new.friction_work - old.friction_work
-    energy[FRACTURE] += new.fracture_work - old.fracture_work
-    keep_law_state(state, new)
-    keep_range(state, joint_law.range_left(new, parameters))
+    tensile, cohesion, mode_i, mode_ii, compressive, crushing = strengths_of(n, strengths, i)
+    parameters = LawParameters(contact.kn, contact.ks, tensile, cohesion, material, mode_i, mode_ii, compressive,
+                               crushing)
+    old = law_state(n, states, i)
+    new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
+    add(n, energy, 0, FRICTION, new.friction_work - old.friction_work)
+    add(n, energy, 0, FRACTURE, new.fracture_work - old.fracture_work)
+    keep_law_state(n, states, i, new)
+    keep_range(n, states, i, joint_law.range_left(new, parameters))
     if new.broken or new.kappa > 0.0:
-        state.shear0 = shear
+        store(n, states, i, SHEAR0, shear)
     else:  # the shear force of an intact bond is measured from the undeformed wall
-        state.shear_stress = old.shear_stress
+        store(n, states, i, SHEAR_STRESS, old.shear_stress)
     return new, event
 
 
 @inlined
-def log(system, threshold, i, step, trial, new, event):
+def strengths_of(n, strengths, i):
+    """The numbers of STRENGTHS of contact point i."""
+    return (load(n, strengths, i, 0), load(n, strengths, i, 1), load(n, strengths, i, 2), load(n, strengths, i, 3),
+            load(n, strengths, i, 4), load(n, strengths, i, 5))
+
+
+@inlined
+def log(n, tables, threshold, i, step, trial, new, event):
     """Log the failure of contact point i, and the first times that its opening and slip exceed the threshold [m]."""
-    contact, state = system.contacts[i], system.states[i]
-    passed = int(state.passed)
+    contact, passed = tables.contacts[i], int(load(n, tables.states, i, PASSED))
     opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, contact.kn)
     opens = opening > threshold and not passed & 1
     slips = abs(new.slip) > threshold and not passed & 2
     if event != INTACT or opens or slips:
         passed = passed + opens + 2 * slips
-        state.passed = passed
+        store(n, tables.states, i, PASSED, float(passed))
         values = trial.sigma / contact.area, trial.tau / contact.area, opening, new.slip
         for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):
             if happens:
-                log_event(system, step, i, kind, values)
+                log_event(tables, n.lane, step, i, kind, values)
     if new.broken:
-        state.idle = np.inf if passed & 1 else threshold
+        store(n, tables.states, i, IDLE, np.inf if passed & 1 else threshold)
 
 
 @compiled
-def log_event(system, step, i, kind, values):
-    """Append an event with its stresses [Pa], opening and slip [m].  Events beyond the capacity are counted but not
-    stored, so that the caller detects the overflow."""
-    n = system.n_events[0]
-    system.n_events[0] += 1
-    if n < system.events.shape[0]:
-        system.events[n, 0], system.events[n, 1], system.events[n, 2] = step, i, kind
+def log_event(tables, w, step, i, kind, values):
+    """Append an event of wall w with its stresses [Pa], opening and slip [m].  Events beyond the capacity are counted
+    but not stored, so that the caller detects the overflow."""
+    row = tables.n_events[w, 0]
+    tables.n_events[w, 0] += 1
+    if row < tables.events.shape[1]:
+        tables.events[w, row, 0], tables.events[w, row, 1], tables.events[w, row, 2] = step, i, kind
         for k, value in enumerate(values):
-            system.values[n, k] = value
+            tables.values[w, row, k] = value
 
 
 @inlined
-def ends_now(system, p, motion):
-    """Whether the faces of a failed interface cease to overlap at this RelativeMotion; it is then marked ENDING."""
-    interface = system.interfaces[p]
-    ends = interface.failed == FAILED and no_overlap(motion, interface.slide_least, interface.slide_most)
-    if ends:
-        interface.failed = ENDING
-    return ends
-
-
-@compiled
-def let_go(system, start, stop, motion):
+def let_go(n, tables, start, stop, motion):
     """Set the forces of an interface's contact points to zero, one step after its faces ceased to overlap.
 
     The readings of that earlier step stay, except for the stresses.  By the trapezoidal rule of central differences, a
     force that vanishes in a step still does half of its work; the remaining elastic energy counts as friction.
     """
-    readings = system.readings
+    readings, states, energy = tables.readings, tables.states, tables.energy
     for i in range(start, stop):
-        contact, state = system.contacts[i], system.states[i]
-        sigma, tau = readings[READ_SIGMA, i] * contact.area, readings[READ_TAU, i] * contact.area
-        slid = motion.shear - readings[READ_SHEAR, i]
-        system.energy[FRICTION] += 0.5 * sigma * (motion.opening + contact.offset * motion.rotation + state.closure)
-        system.energy[FRICTION] += 0.5 * tau * (tau / contact.ks + slid)
-        state.normal_stress = state.shear_stress = 0.0
-        readings[READ_SIGMA, i] = readings[READ_TAU, i] = 0.0
+        contact = tables.contacts[i]
+        sigma, tau = load(n, readings, i, READ_SIGMA) * contact.area, load(n, readings, i, READ_TAU) * contact.area
+        slid = motion.shear - load(n, readings, i, READ_SHEAR)
+        add(n, energy, 0, FRICTION, 0.5 * sigma * (
+            motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)))
+        add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))
+        store(n, states, i, NORMAL_STRESS, 0.0)
+        store(n, states, i, SHEAR_STRESS, 0.0)
+        store(n, readings, i, READ_SIGMA, 0.0)
+        store(n, readings, i, READ_TAU, 0.0)
 
 
 @inlined
-def read(contacts, states, readings, start, stop, motion):
-    """Write opening, shear displacement [m] and stresses [Pa] of an interface's contact points into the readings.
+def read(n, tables, start, stop, motion, which):
+    """Write opening, shear displacement [m] and stresses [Pa] of an interface's contact points into the readings of the
+    walls `which` (flags).
 
     Called after its forces are known: each contact point is then a spring about its new state.
     """
+    contacts, readings = tables.contacts, tables.readings
     for i in range(start, stop):
-        trial, area = present_forces(contacts[i], states[i], motion), contacts[i].area
-        readings[READ_OPENING, i], readings[READ_SHEAR, i] = trial.opening, motion.shear
-        readings[READ_SIGMA, i], readings[READ_TAU, i] = trial.sigma / area, trial.tau / area
+        trial, area = present_forces(n, contacts, tables.states, i, motion), contacts[i].area
+        store_where(n, readings, i, READ_OPENING, which, trial.opening)
+        store_where(n, readings, i, READ_SHEAR, which, motion.shear)
+        store_where(n, readings, i, READ_SIGMA, which, trial.sigma / area)
+        store_where(n, readings, i, READ_TAU, which, trial.tau / area)

@@ -1,40 +1,178 @@
-"""Vectors of eight float64 numbers with element-wise arithmetic, compiled to SIMD instructions.
+"""Widths of a step: one wall, or eight walls at once in the SIMD lanes of vectors with element-wise arithmetic.
 
-A *SIMD lane* is the place of one number in such a vector.
+Tables are arrays (rows, fields, W) of float64, contiguous, the wall last.  The functions of a step take a width `n` as
+first argument, and numba compiles them for its type: ONE and a `Lane`, a wall of a table of eight, give single numbers,
+EIGHT gives vectors, and so does ROWS: of eight rows of a table of one wall.
 
-    x = load(array, i)                                   # array[i] to array[i + 7]
-    store(array, i, either(x > 0.0, 2.0 * x, 0.0))
+    x = load(n, table, row, field)                              # a number, or those of eight walls
+    store(n, table, row, field, either(x > 0.0, 2.0 * x, 0.0))
 
-numba has no such type, and vectorizes loops only where it can prove that no arrays overlap.  Compiled, the type is a
-vector of LLVM, on any machine; where numba is switched off, it is a numpy array.  Each operation is rounded by itself,
-so that every SIMD lane has the same bits as a single number.
-
-Where a register holds four numbers (AVX2), LLVM uses two registers for a vector.
+numba has no type of vectors, and vectorizes loops only where it can prove that no arrays overlap.  Compiled, the type
+is a vector of LLVM, on any machine; where numba is switched off, it is a numpy array.  Each operation is rounded by
+itself, so that every lane has the same bits as a single number.  Where a register holds four numbers (AVX2), LLVM uses
+two registers for a vector.
 """
 
 import operator
+from typing import NamedTuple
 
 import numpy as np
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils, typing
 from numba.extending import lower_builtin, models, register_model, type_callable
 
 WIDTH = 8
 
 
-def load(array, i):
-    """Vector of the WIDTH elements of an array from index i on."""
-    return array[i:i + WIDTH].copy()
+class One(NamedTuple):
+    """Width of a table of one wall."""
+
+    lane: int
 
 
-def store(array, i, eight):
-    """Write a vector, or one number WIDTH times, into an array from index i on."""
-    array[i:i + WIDTH] = eight
+class Lane(NamedTuple):
+    """A single wall, by its place, in a table of eight."""
+
+    lane: int
 
 
-def add(array, i, eight):
-    """Add a vector to the WIDTH elements of an array from index i on."""
-    array[i:i + WIDTH] += eight
+class Eight(NamedTuple):
+    """Width of a table of eight walls."""
+
+    lane: int
+
+
+class Rows(NamedTuple):
+    """Eight rows of a table of one wall at once, from a row on."""
+
+    lane: int
+
+
+ONE, EIGHT, ROWS = One(0), Eight(0), Rows(0)
+
+
+def is_wide(n):
+    """Whether a width gives vectors."""
+    return isinstance(n, (Eight, Rows))
+
+
+def _part(n, table, row, field):
+    return table[row, field] if isinstance(n, Eight) else table[row:row + WIDTH, field, 0]
+
+
+def load(n, table, row, field):
+    """A number, or a vector of those of all walls, or of all rows."""
+    return np.copy(_part(n, table, row, field)) if is_wide(n) else table[row, field, n.lane]
+
+
+def store(n, table, row, field, value):
+    """Write a number, or a vector."""
+    if is_wide(n):
+        _part(n, table, row, field)[:] = value
+    else:
+        table[row, field, n.lane] = value
+
+
+def add(n, table, row, field, value):
+    """Add a number, or a vector, to what the table has."""
+    store(n, table, row, field, load(n, table, row, field) + value)
+
+
+def store_where(n, table, row, field, which, value):
+    """Write a number where the flag `which` is set, or those of a vector where its flags are."""
+    store(n, table, row, field, either(which, value, load(n, table, row, field)))
+
+
+def zero(n):
+    """The number zero, or a vector of zeros."""
+    return np.zeros(WIDTH) if is_wide(n) else 0.0
+
+
+def flags_of(n, whole):
+    """Flags from the lowest bits of an integer: of one wall a bool, of eight a vector."""
+    return np.array([whole >> w & 1 > 0 for w in range(WIDTH)]) if is_wide(n) else whole & 1 > 0
+
+
+def bits(flags):
+    """Flags, a vector or a bool, as bits of an integer, the first flag as the lowest bit."""
+    return sum(1 << w for w, flag in enumerate(flags) if flag) if isinstance(flags, np.ndarray) else int(flags)
+
+
+def lanes(n):
+    """How many numbers the width gives."""
+    return WIDTH if is_wide(n) else 1
+
+
+def widest(n):
+    """The width that gives vectors of the same table."""
+    return n if is_wide(n) else ROWS
+
+
+def table_width(n):
+    """The width of the whole table, of a row at a time."""
+    return ONE if isinstance(n, Rows) else n
+
+
+def rows_of(n):
+    """How many rows the width takes."""
+    return WIDTH if isinstance(n, Rows) else 1
+
+
+def in_blocks(n, row):
+    """The width by which `row`, as of `rows_of` a width, is read from a table whose last axis is eight rows."""
+    return EIGHT if isinstance(n, Rows) else Lane(row % WIDTH)
+
+
+def four(n, table, rows, k, field):
+    """Four fields from `field` on of row rows[k], or as vectors those of rows[k] to rows[k + WIDTH - 1]."""
+    if isinstance(n, Rows):
+        return tuple(table[rows[k:k + WIDTH], field + i, 0] for i in range(4))
+    return tuple(load(n, table, rows[k], field + i) for i in range(4))
+
+
+def put_four(n, table, rows, k, field, values):
+    """Write four values into the fields that `four` gives."""
+    for i, value in enumerate(values):
+        if isinstance(n, Rows):
+            table[rows[k:k + WIDTH], field + i, 0] = value
+        else:
+            store(n, table, rows[k], field + i, value)
+
+
+def add_three(n, table, first, second, k, field, to_first, to_second):
+    """Add three values to fields from `field` on of row first[k], and three to those of second[k]; of ROWS also of the
+    rows that follow, one pair after the other, since pairs may share rows, and zero to the field before."""
+    for j in range(rows_of(n)):
+        for rows, values in ((first, to_first), (second, to_second)):
+            for i, value in enumerate(values):
+                table[rows[k + j], field + i] += value if isinstance(n, Eight) else value[j]
+
+
+def add_part(n, sums, kind, row, value):
+    """Add a value of `row`, or of eight rows from it on, to its partial sum: rows 0, 8, 16 and so on have the first,
+    rows 1, 9, 17 and so on the second; sums: (kinds, WIDTH, W)."""
+    if isinstance(n, Rows):
+        sums[kind, :, 0] += value
+    else:
+        add(n, sums, kind, row % WIDTH, value)
+
+
+def wall_of(n, w):
+    """The width of wall w by itself; of the one wall of ROWS."""
+    return Lane(w) if isinstance(n, Eight) else ONE if isinstance(n, Rows) else n
+
+
+def lane(value, w):
+    """The number of wall w; a single number itself."""
+    return value[w] if isinstance(value, np.ndarray) else value
+
+
+def with_lane(value, w, number):
+    """The vector with another number for wall w; in place of a single number the other one."""
+    if not isinstance(value, np.ndarray):
+        return number
+    return np.where(np.arange(WIDTH) == w, number, value)
 
 
 def either(condition, x, y):
@@ -42,38 +180,23 @@ def either(condition, x, y):
     return np.where(condition, x, y) if isinstance(condition, np.ndarray) else (x if condition else y)
 
 
-def bits(flags):
-    """The WIDTH flags of a vector as bits of an integer, the first flag as the lowest bit."""
-    return int(np.packbits(flags, bitorder="little")[0])
-
-
-def flags_of(whole):
-    """Vector of WIDTH flags from the lowest bits of an integer."""
-    return np.unpackbits(np.uint8([whole & 255]), bitorder="little")[:WIDTH].astype(bool)
-
-
-def spread(number):
-    """Vector of one number WIDTH times."""
-    return np.full(WIDTH, number)
-
-
-class Eight(types.Type):
+class Vector(types.Type):
     """numba's type of a vector of WIDTH numbers, or of WIDTH flags."""
 
 
-NUMBERS, FLAGS = Eight(f"{WIDTH} numbers"), Eight(f"{WIDTH} flags")
+NUMBERS, FLAGS = Vector(f"{WIDTH} numbers"), Vector(f"{WIDTH} flags")
 _INT, _LONG, _REAL, _FLAG = ir.IntType(32), ir.IntType(64), ir.DoubleType(), ir.IntType(1)
 _VECTORS = {NUMBERS: ir.VectorType(_REAL, WIDTH), FLAGS: ir.VectorType(_FLAG, WIDTH)}
 
 
-@register_model(Eight)
+@register_model(Vector)
 class _Model(models.PrimitiveModel):
     def __init__(self, manager, kind):
         super().__init__(manager, kind, _VECTORS[kind])
 
 
 def _spread(builder, kind, value):
-    """A vector from a value of this type: the vector itself, or one number in all SIMD lanes."""
+    """A vector from a value of this type: the vector itself, or one number in all lanes."""
     if kind == NUMBERS:
         return value
     none = ir.Constant(_VECTORS[NUMBERS], ir.Undefined)
@@ -81,7 +204,7 @@ def _spread(builder, kind, value):
                                   ir.Constant(ir.VectorType(_INT, WIDTH), [0] * WIDTH))
 
 
-def teach_type(function, typer):
+def _teach(function, typer):
     """Register a function with numba; typer: the type of its result from those of its arguments, or None."""
     type_callable(function)(lambda _context: typer)
 
@@ -90,9 +213,17 @@ def _is_number(kind):
     return kind == NUMBERS or isinstance(kind, types.Float)
 
 
+def _is_wide(n):
+    return n.instance_class in (Eight, Rows)
+
+
+def _width(kind):
+    return types.NamedUniTuple(types.intp, 1, kind)
+
+
 def _teach_binary(function, result, make):
     """Register an operation on two vectors, or on a vector and a number; make: its LLVM instruction."""
-    teach_type(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None)
+    _teach(function, lambda x, y: result if NUMBERS in (x, y) and _is_number(x) and _is_number(y) else None)
 
     def lower(_context, builder, signature, values):
         return make(builder, *(_spread(builder, kind, value) for kind, value in zip(signature.args, values)))
@@ -112,16 +243,29 @@ for _function, _sign in ((operator.gt, ">"), (operator.ge, ">="), (operator.lt, 
                          (operator.eq, "==")):
     _teach_binary(_function, FLAGS, _comparison(_sign))
 for _function in (operator.and_, operator.or_):
-    teach_type(_function, lambda x, y: FLAGS if x == y == FLAGS else None)
+    _teach(_function, lambda x, y: FLAGS if x == y == FLAGS else None)
 for _function in (operator.neg, abs):
-    teach_type(_function, lambda x: NUMBERS if x == NUMBERS else None)
-teach_type(bits, lambda flags: types.uint8)
-teach_type(flags_of, lambda whole: FLAGS)
-teach_type(spread, lambda number: NUMBERS)
-teach_type(load, lambda array, i: NUMBERS)
-teach_type(store, lambda array, i, eight: types.none)
-teach_type(add, lambda array, i, eight: types.none)
-teach_type(either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x)
+    _teach(_function, lambda x: NUMBERS if x == NUMBERS else None)
+_teach(load, lambda n, table, row, field: NUMBERS if _is_wide(n) else types.float64)
+_teach(store, lambda n, table, row, field, value: types.none)
+_teach(store_where, lambda n, table, row, field, which, value: types.none)
+_teach(add, lambda n, table, row, field, value: types.none)
+_teach(zero, lambda n: NUMBERS if _is_wide(n) else types.float64)
+_teach(flags_of, lambda n, whole: FLAGS if _is_wide(n) else types.boolean)
+_teach(bits, lambda flags: types.intp)
+_teach(lanes, lambda n: types.intp)
+_teach(wall_of, lambda n, w: {Eight: _width(Lane), Rows: _width(One)}.get(n.instance_class, n))
+_teach(widest, lambda n: n if _is_wide(n) else _width(Rows))
+_teach(table_width, lambda n: _width(One) if n.instance_class is Rows else n)
+_teach(rows_of, lambda n: types.intp)
+_teach(in_blocks, lambda n, row: _width(Eight if n.instance_class is Rows else Lane))
+_teach(four, lambda n, table, rows, k, field: types.UniTuple(NUMBERS if _is_wide(n) else types.float64, 4))
+_teach(put_four, lambda n, table, rows, k, field, values: types.none)
+_teach(add_three, lambda n, table, first, second, k, field, to_first, to_second: types.none)
+_teach(add_part, lambda n, sums, kind, row, value: types.none)
+_teach(lane, lambda value, w: types.float64)
+_teach(with_lane, lambda value, w, number: value)
+_teach(either, lambda condition, x, y: NUMBERS if NUMBERS in (x, y) or condition == FLAGS else x)
 
 
 @lower_builtin(operator.and_, FLAGS, FLAGS)
@@ -148,17 +292,48 @@ def _abs(_context, builder, _signature, values):
 
 @lower_builtin(bits, FLAGS)
 def _bits(_context, builder, _signature, values):
-    return builder.bitcast(values[0], ir.IntType(WIDTH))
+    return builder.zext(builder.bitcast(values[0], ir.IntType(WIDTH)), _LONG)
 
 
-@lower_builtin(flags_of, types.Integer)
-def _flags_of(_context, builder, _signature, values):
-    return builder.bitcast(builder.trunc(values[0], ir.IntType(WIDTH)), _VECTORS[FLAGS])
+@lower_builtin(bits, types.Boolean)
+def _bit(_context, builder, _signature, values):
+    return builder.zext(values[0], _LONG)
 
 
-@lower_builtin(spread, types.Float)
-def _spread_one(_context, builder, signature, values):
-    return _spread(builder, signature.args[0], values[0])
+@lower_builtin(flags_of, types.NamedUniTuple, types.Integer)
+def _flags_of(_context, builder, signature, values):
+    if _is_wide(signature.args[0]):
+        return builder.bitcast(builder.trunc(values[1], ir.IntType(WIDTH)), _VECTORS[FLAGS])
+    return builder.trunc(values[1], _FLAG)
+
+
+@lower_builtin(zero, types.NamedUniTuple)
+def _zero(_context, builder, signature, values):
+    return _spread(builder, types.float64, _REAL(0.0)) if _is_wide(signature.args[0]) else _REAL(0.0)
+
+
+@lower_builtin(lanes, types.NamedUniTuple)
+def _lanes(_context, builder, signature, values):
+    return _LONG(WIDTH if _is_wide(signature.args[0]) else 1)
+
+
+@lower_builtin(wall_of, types.NamedUniTuple, types.Integer)
+def _wall_of(context, builder, signature, values):
+    if signature.args[0].instance_class is not Eight:
+        return values[0]
+    return context.make_tuple(builder, signature.return_type, [context.cast(builder, values[1], signature.args[1],
+                                                                            types.intp)])
+
+
+@lower_builtin(lane, types.Any, types.Integer)
+def _lane(_context, builder, signature, values):
+    return builder.extract_element(*values) if signature.args[0] == NUMBERS else values[0]
+
+
+@lower_builtin(with_lane, types.Any, types.Integer, types.Float)
+def _with_lane(_context, builder, signature, values):
+    value, w, number = values
+    return builder.insert_element(value, number, w) if signature.args[0] == NUMBERS else number
 
 
 @lower_builtin(either, FLAGS, types.Any, types.Any)
@@ -170,29 +345,197 @@ def _choose(_context, builder, signature, values):
     return builder.select(condition, x, y)
 
 
-def _pointer(context, builder, kind, array, i):
-    """LLVM pointer to the vector of an array from index i on."""
-    data = context.make_array(kind)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [i]), _VECTORS[NUMBERS].as_pointer())
+def _pointer(context, builder, signature, values):
+    """LLVM pointer to a number or a vector of a table; fields of the table follow one another by its width."""
+    n, kind, *kinds = signature.args[:4]
+    array = context.make_array(kind)(context, builder, values[1])
+    row, field = (context.cast(builder, value, one, types.intp) for value, one in zip(values[2:4], kinds))
+    place = builder.mul(row, _LONG(8) if kind.layout == "F" else cgutils.unpack_tuple(builder, array.strides)[0])
+    width = 1 if n.instance_class in (One, Rows) else WIDTH
+    apart = cgutils.unpack_tuple(builder, array.strides)[1] if kind.layout == "F" else _LONG(8 * width)
+    place = builder.add(place, builder.mul(field, apart))
+    if n.instance_class is Lane:
+        place = builder.add(place, builder.mul(builder.extract_value(values[0], 0), _LONG(8)))
+    pointer = builder.gep(builder.bitcast(array.data, ir.IntType(8).as_pointer()), [place])
+    return builder.bitcast(pointer, (_VECTORS[NUMBERS] if _is_wide(n) else _REAL).as_pointer())
 
 
-@lower_builtin(load, types.Array, types.Integer)
-def _load(context, builder, signature, values):
-    return builder.load(_pointer(context, builder, signature.args[0], *values), align=8)
+def _each_row(context, builder, signature, values, access):
+    """Call access(pointer, number of the row) for each of the rows of Rows."""
+    one = _width(One)
+    signature = typing.signature(types.none, one, *signature.args[1:])
+    for k in range(WIDTH):
+        row = builder.add(context.cast(builder, values[2], signature.args[2], types.intp), _LONG(k))
+        kinds = typing.signature(types.none, one, signature.args[1], types.intp, signature.args[3])
+        access(_pointer(context, builder, kinds, [values[0], values[1], row, values[3]]), k)
 
 
-@lower_builtin(store, types.Array, types.Integer, NUMBERS)
-@lower_builtin(store, types.Array, types.Integer, types.Float)
-def _store(context, builder, signature, values):
-    array, i, value = values
-    builder.store(_spread(builder, signature.args[2], value),
-                  _pointer(context, builder, signature.args[0], array, i), align=8)
+def _is_scattered(signature):
+    """Whether the numbers of a vector are apart in the table."""
+    return signature.args[0].instance_class is Rows and signature.args[1].layout != "F"
+
+
+def _read(context, builder, signature, values):
+    """The number or vector of a table."""
+    if not _is_scattered(signature):
+        return builder.load(_pointer(context, builder, signature, values), align=8)
+    vector = [ir.Constant(_VECTORS[NUMBERS], ir.Undefined)]
+    _each_row(context, builder, signature, values, lambda pointer, k: vector.append(
+        builder.insert_element(vector[-1], builder.load(pointer), _INT(k))))
+    return vector[-1]
+
+
+def _write(context, builder, signature, values, value):
+    """Write a number or vector into a table."""
+    if not _is_scattered(signature):
+        builder.store(value, _pointer(context, builder, signature, values), align=8)
+    else:
+        _each_row(context, builder, signature, values, lambda pointer, k: builder.store(
+            builder.extract_element(value, _INT(k)), pointer))
     return context.get_dummy_value()
 
 
-@lower_builtin(add, types.Array, types.Integer, NUMBERS)
+def _value(context, builder, signature, values):
+    """The value to write, the last argument, in the width of the table."""
+    if _is_wide(signature.args[0]):
+        return _spread(builder, signature.args[-1], values[-1])
+    return context.cast(builder, values[-1], signature.args[-1], types.float64)
+
+
+lower_builtin(load, types.NamedUniTuple, types.Array, types.Integer, types.Integer)(_read)
+
+
+@lower_builtin(store, types.NamedUniTuple, types.Array, types.Integer, types.Integer, types.Any)
+def _store(context, builder, signature, values):
+    return _write(context, builder, signature, values, _value(context, builder, signature, values))
+
+
+@lower_builtin(add, types.NamedUniTuple, types.Array, types.Integer, types.Integer, types.Any)
 def _add(context, builder, signature, values):
-    array, i, value = values
-    pointer = _pointer(context, builder, signature.args[0], array, i)
+    old = _read(context, builder, signature, values)
+    return _write(context, builder, signature, values,
+                  builder.fadd(old, _value(context, builder, signature, values)))
+
+
+@lower_builtin(store_where, types.NamedUniTuple, types.Array, types.Integer, types.Integer, types.Any, types.Any)
+def _store_where(context, builder, signature, values):
+    old = _read(context, builder, signature, values)
+    return _write(context, builder, signature, values,
+                  builder.select(values[4], _value(context, builder, signature, values), old))
+
+
+@lower_builtin(table_width, types.NamedUniTuple)
+@lower_builtin(widest, types.NamedUniTuple)
+def _widest(_context, _builder, _signature, values):
+    return values[0]
+
+
+@lower_builtin(rows_of, types.NamedUniTuple)
+def _rows_of(_context, _builder, signature, values):
+    return _LONG(WIDTH if signature.args[0].instance_class is Rows else 1)
+
+
+@lower_builtin(in_blocks, types.NamedUniTuple, types.Integer)
+def _in_blocks(context, builder, signature, values):
+    row = context.cast(builder, values[1], signature.args[1], types.intp)
+    return context.make_tuple(builder, signature.return_type, [builder.and_(row, _LONG(WIDTH - 1))])
+
+
+# Shuffles of two vectors: their even elements alternately, and their odd elements.
+_EVEN, _ODD = ([k + of for pair in range(0, WIDTH, 2) for of in (pair, WIDTH + pair)] for k in (0, 1))
+# Shuffles of two vectors of pairs: the first pairs of each four alternately, and the second pairs.
+_FRONT, _BACK = ([four + k + i for four in range(0, WIDTH, 4) for k in (pair, WIDTH + pair) for i in (0, 1)]
+                 for pair in (0, 2))
+_FOURS = [list(range(four, four + 4)) for four in range(0, WIDTH, 4)]
+_FOUR = ir.VectorType(_REAL, 4)
+
+
+def _mixed(builder, x, y, order):
+    return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_INT, len(order)), order))
+
+
+def _as_rows(builder, a, b, c, d):
+    """WIDTH rows of four numbers from four vectors: in registers, which is faster than number by number."""
+    low = [_mixed(builder, a, b, order) for order in (_EVEN, _ODD)]
+    high = [_mixed(builder, c, d, order) for order in (_EVEN, _ODD)]
+    both = [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]
+    return [_mixed(builder, pair, pair, four) for four in _FOURS for pair in both]
+
+
+def _as_columns(builder, rows):
+    """Four vectors from WIDTH rows of four numbers."""
+    both = [_mixed(builder, rows[k], rows[k + 4], list(range(8))) for k in range(4)]
+    low = [_mixed(builder, both[0], both[1], order) for order in (_EVEN, _ODD)]
+    high = [_mixed(builder, both[2], both[3], order) for order in (_EVEN, _ODD)]
+    return [_mixed(builder, low[k % 2], high[k % 2], _BACK if k > 1 else _FRONT) for k in range(4)]
+
+
+def _named(context, builder, signature, values, rows):
+    """Pointers to the first of four fields of each row that argument number `rows` names, an array of uint32."""
+    n, kind, names = signature.args[0], signature.args[1], signature.args[rows]
+    places = context.make_array(names)(context, builder, values[rows]).data
+    k, field = (4, 5) if len(values) == 8 else (3, 4)
+    first = context.cast(builder, values[k], signature.args[k], types.intp)
+    kinds = typing.signature(types.none, _width(One) if n.instance_class is Rows else n, kind, names.dtype,
+                             signature.args[field])
+    for k in range(WIDTH if n.instance_class is Rows else 1):
+        row = builder.load(builder.gep(places, [builder.add(first, _LONG(k))]))
+        yield _pointer(context, builder, kinds, [values[0], values[1], row, values[field]])
+
+
+@lower_builtin(four, types.NamedUniTuple, types.Array, types.Array, types.Integer, types.Integer)
+def _four(context, builder, signature, values):
+    pointers = [*_named(context, builder, signature, values, 2)]
+    if signature.args[0].instance_class is not Rows:
+        found = [builder.load(builder.gep(pointers[0], [_INT(i)]), align=8) for i in range(4)]
+    else:
+        found = _as_columns(builder, [builder.load(builder.bitcast(pointer, _FOUR.as_pointer()), align=8)
+                                      for pointer in pointers])
+    return context.make_tuple(builder, signature.return_type, found)
+
+
+@lower_builtin(put_four, types.NamedUniTuple, types.Array, types.Array, types.Integer, types.Integer, types.UniTuple)
+def _put_four(context, builder, signature, values):
+    pointers, four_of = [*_named(context, builder, signature, values, 2)], [
+        builder.extract_value(values[5], i) for i in range(4)]
+    if signature.args[0].instance_class is not Rows:
+        pairs = [(value, builder.gep(pointers[0], [_INT(i)])) for i, value in enumerate(four_of)]
+    else:
+        pairs = zip(_as_rows(builder, *four_of), [builder.bitcast(one, _FOUR.as_pointer()) for one in pointers])
+    for value, place in pairs:
+        builder.store(value, place, align=8)
+    return context.get_dummy_value()
+
+
+def _added(context, builder, signature, values, rows, three):
+    """Pointers and what to add there, for one of both sets of rows of `add_three`."""
+    pointers, three = [*_named(context, builder, signature, values, rows)], [
+        builder.extract_value(three, i) for i in range(3)]
+    if signature.args[0].instance_class is not Rows:
+        return [(builder.gep(pointers[0], [_INT(i)]), one) for i, one in enumerate(three)]
+    before = [builder.bitcast(builder.gep(pointer, [_INT(-1)]), _FOUR.as_pointer()) for pointer in pointers]
+    return zip(before, _as_rows(builder, ir.Constant(_VECTORS[NUMBERS], [0.0] * WIDTH), *three))
+
+
+@lower_builtin(add_three, types.NamedUniTuple, types.Array, types.Array, types.Array, types.Integer, types.Integer,
+               types.UniTuple, types.UniTuple)
+def _add_three(context, builder, signature, values):
+    both = [_added(context, builder, signature, values, rows, three)
+            for rows, three in ((2, values[6]), (3, values[7]))]
+    pairs = [one for pair in zip(*both) for one in pair]
+    for place, one in pairs:
+        builder.store(builder.fadd(builder.load(place, align=8), one), place, align=8)
+    return context.get_dummy_value()
+
+
+@lower_builtin(add_part, types.NamedUniTuple, types.Array, types.Integer, types.Integer, types.Any)
+def _add_part(context, builder, signature, values):
+    n, kind, of_kind, of_row = signature.args[:4]
+    part = builder.and_(context.cast(builder, values[3], of_row, types.intp), _LONG(WIDTH - 1))
+    at = _width(One) if n.instance_class is Rows else n
+    pointer = _pointer(context, builder, typing.signature(types.none, at, kind, of_kind, types.intp),
+                       [values[0], values[1], values[2], _LONG(0) if n.instance_class is Rows else part])
+    value = _value(context, builder, signature, values)
+    pointer = builder.bitcast(pointer, value.type.as_pointer())
     builder.store(builder.fadd(builder.load(pointer, align=8), value), pointer, align=8)
     return context.get_dummy_value()

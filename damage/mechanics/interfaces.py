@@ -87,6 +87,15 @@ class Resultant(NamedTuple):
     couple: float
 
 
+class Dashpots(NamedTuple):
+    """Dashpots of the soil beside the springs of an interface: damping over stiffness across and along it [s]; last:
+    their Resultant in the last step [N, N m]."""
+
+    across: float
+    along: float
+    last: Resultant
+
+
 class BodyForces(NamedTuple):
     """Forces of an interface on its bodies along x and z: force on a, which is minus that on b [N]; moment on a; minus
     the moment on b [N m]."""
@@ -189,16 +198,11 @@ def add_viscous(rate, motion, before, resultant, elastic_change):
 
 @inlined
 def add_dashpots(dashpots, dt, motion, before, resultant, elastic_change):
-    """Resultant with dashpots beside the springs [N, N m], and their work by the trapezoidal rule over the step [J].
-
-    dashpots: (5,) damping over stiffness across and along the interface [s], and their resultant in the last step,
-    which is replaced; dt: time step [s]; otherwise as `add_viscous`.
-    """
-    across, along = dashpots[0] / dt, dashpots[1] / dt
-    normal, shear, couple = (across * elastic_change.normal, along * elastic_change.shear,
-                             across * elastic_change.couple)
-    work = 0.5 * ((dashpots[2] + normal) * (motion.opening - before.opening)
-                  + (dashpots[3] + shear) * (motion.shear - before.shear)
-                  + (dashpots[4] + couple) * (motion.rotation - before.rotation))
-    dashpots[2], dashpots[3], dashpots[4] = normal, shear, couple
-    return Resultant(resultant.normal + normal, resultant.shear + shear, resultant.couple + couple), work
+    """Resultant with dashpots beside the springs, the Resultant of the dashpots [N, N m], and their work by the
+    trapezoidal rule over the step [J]; dt: time step [s]; otherwise as `add_viscous`."""
+    across, along, last = dashpots.across / dt, dashpots.along / dt, dashpots.last
+    now = Resultant(across * elastic_change.normal, along * elastic_change.shear, across * elastic_change.couple)
+    work = 0.5 * ((last.normal + now.normal) * (motion.opening - before.opening)
+                  + (last.shear + now.shear) * (motion.shear - before.shear)
+                  + (last.couple + now.couple) * (motion.rotation - before.rotation))
+    return add(resultant, now), now, work

@@ -24,7 +24,25 @@ import numpy as np
 
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, FRICTION, ROTATION, X, Z
+from damage.mechanics.eight import add, load, store
+from damage.mechanics.rows import push_body
+from damage.mechanics.tables import (
+    COS1,
+    DAMPING,
+    ENDED,
+    ENDING,
+    FAILED,
+    FRICTION,
+    HAS_FAILED,
+    INVERSE_MASS,
+    PLACE,
+    RIGID,
+    ROTATION,
+    SIN,
+    VELOCITY,
+    X,
+    Z,
+)
 from damage.wall.joint_law import TENSION
 from damage.wall.kinematics import CORNER_RADIUS
 
@@ -59,7 +77,7 @@ class Touch(NamedTuple):
 
 
 class Loose(NamedTuple):
-    """Tables of the loose contacts of one wall; without bodies where none are found.
+    """Tables of the loose contacts of one wall.
 
     cores: (bodies, 6), the supports last; bounds: (bodies, 4) left, right, low and high edge of each body and its
     margin at the last search, in which it had the places `seen` (bodies, 3) [m, m, rad]; order: (bodies,) of their left
@@ -107,10 +125,6 @@ def make_loose(touch, cores, first, second):
         joined=np.full(n, -1), counts=np.zeros(5, np.int64), energy=np.zeros(2))
 
 
-NONE = make_loose(Touch(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), np.zeros((0, 6)), np.zeros(0), np.zeros(0))
-"""Of a wall whose bodies find no new contacts."""
-
-
 class Near(NamedTuple):
     """A corner of one core and the nearest point of another: their distance [m], the direction from that point to the
     corner [-], and the place halfway between them [m]."""
@@ -125,35 +139,35 @@ class Near(NamedTuple):
 # --- forces -----------------------------------------------------------------------------------------
 
 @compiled
-def find_loose_forces(system, loose, dt):
+def find_loose_forces(n, tables, loose, dt):
     """Add the forces of all loose contacts to those on the bodies, if there are any, and search for neighbours first
     where a body has moved far enough; dt: time since they were last found [s]."""
-    if len(loose.cores) > 0 and loose.counts[SEARCHES] + loose.counts[WANTED] > 0:
-        if loose.counts[WANTED] > 0 or have_moved(system, loose):
-            search(system, loose)
-        push_all(system, loose, dt)
+    if loose.counts[SEARCHES] + loose.counts[WANTED] > 0:
+        if loose.counts[WANTED] > 0 or have_moved(n, tables, loose):
+            search(n, tables, loose)
+        push_all(n, tables, loose, dt)
 
 
 @compiled
-def push_all(system, loose, dt):
+def push_all(n, tables, loose, dt):
     """Forces of all pairs in the list."""
     loose.energy[STORED] = 0.0
     for row in range(loose.counts[PAIRS]):
         a, b = loose.pairs[row, 0], loose.pairs[row, 1]
         for k in range(2 * CORNERS):
             p, c = (a, b) if k < CORNERS else (b, a)
-            push_corner(system, loose, row, k, p, c, dt)
+            push_corner(n, tables, loose, row, k, p, c, dt)
 
 
 @compiled
-def push_corner(system, loose, row, k, p, c, dt):
+def push_corner(n, tables, loose, row, k, p, c, dt):
     """Forces between a corner of the core of body p, spring k of a pair, and the core of body c.
 
     Friction and the dashpot take half of what they would at the force before, and half at the force now: so central
     differences do work on the bodies, and the balance is that of the elastic part.
     """
     touch, springs = loose.touch, loose.springs
-    near = nearest(system, loose, p, c, k % CORNERS, 3.0 * touch.radius)
+    near = nearest(n, tables, loose, p, c, k % CORNERS, 3.0 * touch.radius)
     if near.distance <= 0.0:
         loose.counts[INSIDE] += 1
         return
@@ -164,61 +178,69 @@ def push_corner(system, loose, row, k, p, c, dt):
         if springs[row, k, TOUCHING] == 0.0:
             return
         depth = 0.0
-    ax, az = near.x - place_of(system, loose, p, X), near.z - place_of(system, loose, p, Z)
-    bx, bz = near.x - place_of(system, loose, c, X), near.z - place_of(system, loose, c, Z)
-    v = system.velocity
-    vx = v[p, X] - v[p, ROTATION] * az - v[c, X] + v[c, ROTATION] * bz
-    vz = v[p, Z] + v[p, ROTATION] * ax - v[c, Z] - v[c, ROTATION] * bx
+    ax, az = near.x - centre_of(n, tables, loose, p, X), near.z - centre_of(n, tables, loose, p, Z)
+    bx, bz = near.x - centre_of(n, tables, loose, c, X), near.z - centre_of(n, tables, loose, c, Z)
+    inertia = tables.inertia
+    rotating_p, rotating_c = velocity_of(n, inertia, p, ROTATION), velocity_of(n, inertia, c, ROTATION)
+    vx = velocity_of(n, inertia, p, X) - rotating_p * az - velocity_of(n, inertia, c, X) + rotating_c * bz
+    vz = velocity_of(n, inertia, p, Z) + rotating_p * ax - velocity_of(n, inertia, c, Z) - rotating_c * bx
     closing, sliding = (vx * near.nx + vz * near.nz) * dt, (vz * near.nx - vx * near.nz) * dt
     viscous = 0.0
     if depth > 0.0 and dt > 0.0:
-        viscous = max(-damping_of(system, touch, p, c) * closing / dt, -touch.kn * depth)
+        viscous = max(-damping_of(n, tables, touch, p, c) * closing / dt, -touch.kn * depth)
     normal = touch.kn * depth + viscous
-    on_support = system.inverse_mass[p, Z] == 0.0 or system.inverse_mass[c, Z] == 0.0
+    on_support = inverse_mass_of(n, inertia, p, Z) == 0.0 or inverse_mass_of(n, inertia, c, Z) == 0.0
     limit = (touch.support_friction if on_support else touch.friction) * normal / touch.ks
     old = springs[row, k, SLIDE]
     new = min(max(old + sliding, -limit), limit)
-    system.energy[FRICTION] += 0.5 * touch.ks * (old + new) * (old + sliding - new)
-    system.energy[DAMPING] -= 0.5 * (springs[row, k, VISCOUS] + viscous) * closing
+    add(n, tables.energy, 0, FRICTION, 0.5 * touch.ks * (old + new) * (old + sliding - new))
+    add(n, tables.energy, 0, DAMPING, -0.5 * (springs[row, k, VISCOUS] + viscous) * closing)
     loose.energy[STORED] += 0.5 * (touch.kn * depth * depth + touch.ks * new * new)
     loose.energy[LARGEST] = max(loose.energy[LARGEST], overlap)
     springs[row, k, TOUCHING] = 1.0 if depth > 0.0 else 0.0
     springs[row, k, SLIDE], springs[row, k, VISCOUS] = new, viscous
     fx, fz = normal * near.nx + touch.ks * new * near.nz, normal * near.nz - touch.ks * new * near.nx
-    force = system.force
-    force[p, X] += fx
-    force[p, Z] += fz
-    force[p, ROTATION] += ax * fz - az * fx
-    force[c, X] -= fx
-    force[c, Z] -= fz
-    force[c, ROTATION] -= bx * fz - bz * fx
+    push_body(n, tables.bodies, p, fx, fz, ax * fz - az * fx)
+    push_body(n, tables.bodies, c, -fx, -fz, -(bx * fz - bz * fx))
 
 
 @inlined
-def damping_of(system, touch, p, c):
+def velocity_of(n, inertia, b, k):
+    """Velocity of coordinate k of body b, half a step ago."""
+    return load(n, inertia, b, VELOCITY + 3 * k)
+
+
+@inlined
+def inverse_mass_of(n, inertia, b, k):
+    """Inverse mass of coordinate k of body b."""
+    return load(n, inertia, b, INVERSE_MASS + 3 * k)
+
+
+@inlined
+def damping_of(n, tables, touch, p, c):
     """Viscosity of a corner that touches [N s/m]: a share of the critical one of two bodies on its spring."""
-    inverse = system.inverse_mass[p, Z] + system.inverse_mass[c, Z]
+    inverse = inverse_mass_of(n, tables.inertia, p, Z) + inverse_mass_of(n, tables.inertia, c, Z)
     return 2.0 * touch.damping * np.sqrt(touch.kn / inverse) if inverse > 0.0 else 0.0
 
 
 @inlined
-def place_of(system, loose, b, axis):
+def centre_of(n, tables, loose, b, axis):
     """Coordinate of the centre of a body, or of a support's reference point [m]."""
-    return loose.cores[b, CENTRE_X + axis] + system.place[b, axis]
+    return loose.cores[b, CENTRE_X + axis] + load(n, tables.bodies, b, PLACE + axis)
 
 
 @compiled
-def nearest(system, loose, p, c, corner, reach):
+def nearest(n, tables, loose, p, c, corner, reach):
     """Near of a corner of the core of body p, counter-clockwise from the upper right, and the core of body c; farther
     than `reach` [m] the distance may be any above it."""
-    cores, trig = loose.cores, system.trig
+    cores = loose.cores
     right, high = corner == 0 or corner == 3, corner < 2
-    cos, sin = 1.0 + trig[p, 0], trig[p, 1]
+    cos, sin = 1.0 + load(n, tables.bodies, p, COS1), load(n, tables.bodies, p, SIN)
     x, z = cores[p, RIGHT] if right else cores[p, LEFT], cores[p, HIGH] if high else cores[p, LOW]
-    dx = place_of(system, loose, p, X) + cos * x - sin * z - place_of(system, loose, c, X)
-    dz = place_of(system, loose, p, Z) + sin * x + cos * z - place_of(system, loose, c, Z)
+    dx = centre_of(n, tables, loose, p, X) + cos * x - sin * z - centre_of(n, tables, loose, c, X)
+    dz = centre_of(n, tables, loose, p, Z) + sin * x + cos * z - centre_of(n, tables, loose, c, Z)
     # In the axes of body c: the corner, and the point of its core that is nearest.
-    cos, sin = 1.0 + trig[c, 0], trig[c, 1]
+    cos, sin = 1.0 + load(n, tables.bodies, c, COS1), load(n, tables.bodies, c, SIN)
     x, z = cos * dx + sin * dz, cos * dz - sin * dx
     on_x = min(max(x, cores[c, LEFT]), cores[c, RIGHT])
     on_z = min(max(z, cores[c, LOW]), cores[c, HIGH])
@@ -230,41 +252,43 @@ def nearest(system, loose, p, c, corner, reach):
         return Near(0.0, 0.0, 0.0, 0.0, 0.0)
     half_x, half_z = 0.5 * (x + on_x), 0.5 * (z + on_z)
     return Near(distance, (cos * apart_x - sin * apart_z) / distance, (sin * apart_x + cos * apart_z) / distance,
-                place_of(system, loose, c, X) + cos * half_x - sin * half_z,
-                place_of(system, loose, c, Z) + sin * half_x + cos * half_z)
+                centre_of(n, tables, loose, c, X) + cos * half_x - sin * half_z,
+                centre_of(n, tables, loose, c, Z) + sin * half_x + cos * half_z)
 
 
 # --- neighbours -------------------------------------------------------------------------------------
 
 @compiled
-def have_moved(system, loose):
+def have_moved(n, tables, loose):
     """Whether a body has moved by half of the margin since the last search."""
-    cores, seen, place = loose.cores, loose.seen, system.place
+    cores, seen = loose.cores, loose.seen
     for b in range(len(cores)):
         reach = max(-cores[b, LEFT], cores[b, RIGHT]) + max(-cores[b, LOW], cores[b, HIGH])
-        moved = abs(place[b, X] - seen[b, X]) + abs(place[b, Z] - seen[b, Z])
-        if moved + abs(place[b, ROTATION] - seen[b, ROTATION]) * reach > 0.5 * MARGIN * loose.touch.radius:
+        x, z, rotation = (load(n, tables.bodies, b, PLACE + X), load(n, tables.bodies, b, PLACE + Z),
+                          load(n, tables.bodies, b, PLACE + ROTATION))
+        moved, turned = abs(x - seen[b, X]) + abs(z - seen[b, Z]), abs(rotation - seen[b, ROTATION])
+        if moved + turned * reach > 0.5 * MARGIN * loose.touch.radius:
             return True
     return False
 
 
 @compiled
-def search(system, loose):
+def search(n, tables, loose):
     """List the pairs of bodies that are near each other and not jointed: sort by their left edges and sweep."""
     order, bounds, counts = loose.order, loose.bounds, loose.counts
     counts[SEARCHES], counts[WANTED] = counts[SEARCHES] + 1, 0
-    bound(system, loose)
+    bound(n, tables, loose)
     sort(order, bounds)
     keep(loose)
     for k in range(len(order)):
         a = order[k]
-        mark_joined(system, loose, a)
+        mark_joined(n, tables, loose, a)
         for other in range(k + 1, len(order)):
             b = order[other]
             if bounds[b, 0] > bounds[a, 1]:
                 break
-            if bounds[b, 2] <= bounds[a, 3] and bounds[a, 2] <= bounds[b, 3] and can_touch(system, loose, a, b):
-                list_pair(system, loose, min(a, b), max(a, b))
+            if bounds[b, 2] <= bounds[a, 3] and bounds[a, 2] <= bounds[b, 3] and can_touch(n, tables, loose, a, b):
+                list_pair(n, tables, loose, min(a, b), max(a, b))
 
 
 @inlined
@@ -279,35 +303,36 @@ def sort(order, bounds):
 
 
 @inlined
-def mark_joined(system, loose, a):
+def mark_joined(n, tables, loose, a):
     """Mark the bodies that are jointed to body a."""
     for j in range(loose.joints_start[a], loose.joints_start[a + 1]):
-        interface = system.interfaces[loose.joints[j]]
-        if interface.failed != ENDED:
+        interface = tables.interfaces[loose.joints[j]]
+        if load(n, tables.limits, loose.joints[j], HAS_FAILED) != ENDED:
             loose.joined[interface.a] = loose.joined[interface.b] = a
 
 
 @inlined
-def can_touch(system, loose, a, b):
+def can_touch(n, tables, loose, a, b):
     """Whether body b is not jointed to body a, whose joints are marked, and one of them is free."""
-    return loose.joined[b] != a and system.inverse_mass[a, Z] + system.inverse_mass[b, Z] > 0.0
+    inertia = tables.inertia
+    return loose.joined[b] != a and inverse_mass_of(n, inertia, a, Z) + inverse_mass_of(n, inertia, b, Z) > 0.0
 
 
 @compiled
-def bound(system, loose):
+def bound(n, tables, loose):
     """Bounds of all bodies, grown by half of the margin between two."""
     cores, bounds, grown = loose.cores, loose.bounds, (1.0 + 0.5 * MARGIN) * loose.touch.radius
     for b in range(len(cores)):
-        cos, sin = 1.0 + system.trig[b, 0], system.trig[b, 1]
+        cos, sin = 1.0 + load(n, tables.bodies, b, COS1), load(n, tables.bodies, b, SIN)
         half_x, half_z = 0.5 * (cores[b, RIGHT] - cores[b, LEFT]), 0.5 * (cores[b, HIGH] - cores[b, LOW])
         off_x, off_z = 0.5 * (cores[b, RIGHT] + cores[b, LEFT]), 0.5 * (cores[b, HIGH] + cores[b, LOW])
-        x = place_of(system, loose, b, X) + cos * off_x - sin * off_z
-        z = place_of(system, loose, b, Z) + sin * off_x + cos * off_z
+        x = centre_of(n, tables, loose, b, X) + cos * off_x - sin * off_z
+        z = centre_of(n, tables, loose, b, Z) + sin * off_x + cos * off_z
         wide = half_x * abs(cos) + half_z * abs(sin) + grown
         tall = half_x * abs(sin) + half_z * abs(cos) + grown
         bounds[b, 0], bounds[b, 1], bounds[b, 2], bounds[b, 3] = x - wide, x + wide, z - tall, z + tall
-        loose.seen[b, X], loose.seen[b, Z] = system.place[b, X], system.place[b, Z]
-        loose.seen[b, ROTATION] = system.place[b, ROTATION]
+        for k in range(RIGID):
+            loose.seen[b, k] = load(n, tables.bodies, b, PLACE + k)
         loose.joined[b] = -1
 
 
@@ -328,11 +353,11 @@ def keep(loose):
 
 
 @compiled
-def list_pair(system, loose, a, b):
+def list_pair(n, tables, loose, a, b):
     """Add a pair to the list, with the springs that it has had."""
     row = add_pair(loose, a, b)
     if row >= 0 and not carry_over(loose, row):
-        meet(system, loose, row, 0.0)
+        meet(n, tables, loose, row, 0.0)
 
 
 @inlined
@@ -362,12 +387,12 @@ def carry_over(loose, row):
 
 
 @compiled
-def meet(system, loose, row, energy):
+def meet(n, tables, loose, row, energy):
     """Start a loose pair whose overlapping corners store an energy [J], equal parts each; returns what they store: zero
     where none overlaps, at most that of an overlap of a radius in each."""
     overlapping = 0
     for k in range(2 * CORNERS):
-        loose.springs[row, k, REST] = overlap_of(system, loose, row, k)
+        loose.springs[row, k, REST] = overlap_of(n, tables, loose, row, k)
         loose.springs[row, k, TOUCHING] = loose.springs[row, k, SLIDE] = loose.springs[row, k, VISCOUS] = 0.0
         overlapping += loose.springs[row, k, REST] > 0.0
     if overlapping == 0:
@@ -380,74 +405,68 @@ def meet(system, loose, row, energy):
 
 
 @inlined
-def overlap_of(system, loose, row, k):
+def overlap_of(n, tables, loose, row, k):
     """Overlap of a corner of a pair, zero where there is none [m]."""
     p, c = loose.pairs[row, 0], loose.pairs[row, 1]
     if k >= CORNERS:
         p, c = c, p
     return max(2.0 * loose.touch.radius - nearest(
-        system, loose, p, c, k % CORNERS, 2.0 * loose.touch.radius).distance, 0.0)
+        n, tables, loose, p, c, k % CORNERS, 2.0 * loose.touch.radius).distance, 0.0)
 
 
 # --- joints that end --------------------------------------------------------------------------------
 
 @inlined
-def can_end(loose, motion):
+def can_end(motion):
     """Whether an interface may end at this RelativeMotion although it is intact: where a corner of one brick, at most
     a brick's length away, can lie in the other by a radius."""
-    return len(loose.cores) > 0 and abs(motion.rotation) > CORNER_RADIUS
+    return abs(motion.rotation) > CORNER_RADIUS
 
 
 @inlined
-def ends_now(system, loose, p, step, motion):
-    """Whether an interface ends at this RelativeMotion: then it is ENDING.
+def ends_too(n, tables, loose, p, step, motion):
+    """Whether an interface whose faces overlap ends at this RelativeMotion, where bodies find new contacts.
 
-    A failed one ends as its faces cease to overlap.  Where bodies find new contacts it also ends as all of it gapes by
-    more than two radii; and any that is not elastic as a rounded corner of one body lies by a radius in the other,
-    which contact points within the faces do not resist: what was left of its bond has failed then.
+    It ends as all of it gapes by more than two radii; and any that is not elastic as a rounded corner of one body lies
+    by a radius in the other, which contact points within the faces do not resist: what was left of its bond has failed
+    then.
     """
-    interface = system.interfaces[p]
-    ends = contacts.ends_now(system, p, motion)
-    if not ends and interface.failed < ENDING and len(loose.cores) > 0:
-        if interface.failed == FAILED and motion.opening - interface.reach * abs(motion.rotation) > \
-                2.0 * loose.touch.radius:
-            ends = True
-        elif can_end(loose, motion) and corner_inside(system, loose, interface):
-            ends = break_bonds(system, interface, step, motion)
-        if ends:
-            interface.failed = ENDING
-    return ends
+    interface, failed = tables.interfaces[p], load(n, tables.limits, p, HAS_FAILED)
+    if failed == FAILED and motion.opening - interface.reach * abs(motion.rotation) > 2.0 * loose.touch.radius:
+        return True
+    if failed < ENDING and can_end(motion) and corner_inside(n, tables, loose, interface):
+        return break_bonds(n, tables, interface, step, motion)
+    return False
 
 
 @compiled
-def break_bonds(system, interface, step, motion):
+def break_bonds(n, tables, interface, step, motion):
     """Let all bonds of an interface fail, and log those that were intact; returns False where it is elastic."""
     for i in range(interface.start, interface.stop):
-        if system.contacts[i].tensile_strength == np.inf and system.contacts[i].cohesion == np.inf:
+        tensile, cohesion = contacts.strengths_of(n, tables.strengths, i)[:2]
+        if tensile == np.inf and cohesion == np.inf:
             return False
     for i in range(interface.start, interface.stop):
-        contact, state = system.contacts[i], system.states[i]
-        if state.broken == 0.0:
-            trial = contacts.present_forces(contact, state, motion)
-            state.broken = 1.0
-            values = trial.sigma / contact.area, trial.tau / contact.area, 0.0, 0.0
-            contacts.log_event(system, step, i, TENSION, values)
+        if load(n, tables.states, i, contacts.BROKEN) == 0.0:
+            trial, area = contacts.present_forces(n, tables.contacts, tables.states, i, motion), tables.contacts[i].area
+            store(n, tables.states, i, contacts.BROKEN, 1.0)
+            contacts.log_event(tables, n.lane, step, i, TENSION, (trial.sigma / area, trial.tau / area, 0.0, 0.0))
     return True
 
 
 @compiled
-def corner_inside(system, loose, interface):
+def corner_inside(n, tables, loose, interface):
     """Whether a rounded corner of one body of an interface lies by a radius in the other body."""
     radius = loose.touch.radius
     for corner in range(CORNERS):
-        if (nearest(system, loose, interface.a, interface.b, corner, radius).distance < radius
-                or nearest(system, loose, interface.b, interface.a, corner, radius).distance < radius):
+        if (nearest(n, tables, loose, interface.a, interface.b, corner, radius).distance < radius
+                or nearest(n, tables, loose, interface.b, interface.a, corner, radius).distance < radius):
             return True
     return False
 
 
 @compiled
-def hand_over(system, loose, interface, energy):
+def hand_over(n, tables, loose, interface, energy):
     """List the bodies of an interface that has ended as a loose pair.
 
     energy: elastic energy that the interface had stored [J], which counts as friction unless corners store it.
@@ -457,4 +476,4 @@ def hand_over(system, loose, interface, energy):
     a, b = np.int64(interface.a), np.int64(interface.b)
     row = add_pair(loose, min(a, b), max(a, b))
     if row >= 0:
-        system.energy[FRICTION] -= meet(system, loose, row, energy)
+        add(n, tables.energy, 0, FRICTION, -meet(n, tables, loose, row, energy))

@@ -8,18 +8,30 @@ from typing import NamedTuple
 import numpy as np
 
 from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
-from damage.mechanics.compiled import compiled, entry, inlined
+from damage.mechanics import contacts
+from damage.mechanics.compiled import compiled, inlined
+from damage.mechanics.eight import either, lane, lanes, load, wall_of, zero
+from damage.mechanics.loose import STORED
+from damage.mechanics.rows import first_force
+from damage.mechanics.strain import energies_of_modes
 from damage.mechanics.tables import (
+    BASE_X,
     ENDING,
+    HAS_FAILED,
     INPUT,
+    INVERSE_MASS,
+    MASS,
+    PLACE,
+    PULL_Z,
     READ_OPENING,
     READ_SHEAR,
     READ_SIGMA,
     READ_TAU,
     RIGID,
     ROTATION,
+    STEP,
+    VELOCITY,
     X,
-    Z,
 )
 from damage.wall.joint_law import elastic_energy
 
@@ -68,89 +80,131 @@ class Samples(NamedTuple):
         return Samples(*(values[wall, which] for values in self))
 
 
-@entry
-def observe(system, stiffness, field, dt, samples, w, k):
-    """Write sample k of a wall into row w of the samples, at the time of its displacements.
+@compiled
+def observe(n, tables, strain, loose, ending, stiffness, samples, taken):
+    """Write the next sample of each of the walls `ending` (bits), at the time of its displacements.
 
-    stiffness: Stiffness; field: (3,) acceleration of the base along x and z and gravity [m/s2]; dt: time step [s].
+    The bench must hold the parameters of the next step; stiffness: Stiffness; taken: (walls,) numbers of samples
+    written, which grow.
     """
-    readings, displacement, totals = system.readings, samples.displacement, samples.totals
-    support_force = samples.support_force
-    for c in range(len(system.contacts)):  # without a branch, so that the divisions are vectorized
-        samples.stored[w, k, c] = stiffness.area[c] * elastic_energy(
-            readings[READ_SIGMA, c], readings[READ_TAU, c], stiffness.normal[c], stiffness.shear[c])
-    for p in range(len(system.interfaces)):
-        if system.interfaces[p].failed:
-            ended = ENDED if system.interfaces[p].failed >= ENDING else 0
-            for c in range(system.interfaces[p].start, system.interfaces[p].stop):
-                observe_contact(system, stiffness.shear[c], ended, samples, w, k, c)
-    supports = len(system.place) - support_force.shape[2]
-    for b in range(len(system.place)):
-        for axis in range(RIGID):
-            displacement[w, k, b, axis] = system.place[b, axis]
-            if b >= supports:
-                support_force[w, k, b - supports, axis] = system.force[b, axis]
-    totals[w, k, KINETIC] = kinetic_energy(system, field, dt)
-    for i in range(len(system.energy)):
-        totals[w, k, KINETIC + 1 + i] = system.energy[i]
-    totals[w, k, KINETIC + 1 + INPUT] += input_of_half_a_step(system, field, dt)
+    observe_stored(n, tables, ending, stiffness, samples, taken)
+    bodies, inertia, bench = tables.bodies, tables.inertia, tables.bench
+    kinetic, work = kinetic_energy(n, bodies, inertia, bench), input_of_half_a_step(n, bodies, inertia, bench)
+    moving, elastic = zero(n), zero(n)
+    if strain is not None:
+        moving, elastic = energies_of_modes(n, bodies, inertia, strain, load(n, bench, 0, STEP))
+    if loose is not None:
+        elastic = elastic + loose.energy[STORED]
+    for w in range(lanes(n)):
+        if ending >> w & 1:
+            observe_failed(wall_of(n, w), tables, stiffness, samples, w, taken[w])
+            observe_places(wall_of(n, w), tables, samples, w, taken[w])
+            totals, k = samples.totals, taken[w]
+            totals[w, k, KINETIC] = lane(kinetic, w) + lane(moving, w)
+            totals[w, k, ELASTIC] = lane(elastic, w)
+            for i in range(ELASTIC - KINETIC - 1):
+                totals[w, k, KINETIC + 1 + i] = tables.energy[0, i, w]
+            totals[w, k, KINETIC + 1 + INPUT] += lane(work, w)
+            taken[w] += 1
 
 
 @inlined
-def observe_contact(system, ks, ended, samples, w, k, c):
+def observe_stored(n, tables, ending, stiffness, samples, taken):
+    """Write the elastic energies of all contact points."""
+    for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
+        stored = stiffness.area[c] * elastic_energy(
+            load(n, tables.readings, c, READ_SIGMA), load(n, tables.readings, c, READ_TAU), stiffness.normal[c],
+            stiffness.shear[c])
+        for w in range(lanes(n)):
+            if ending >> w & 1:
+                samples.stored[w, taken[w], c] = lane(stored, w)
+
+
+@inlined
+def observe_failed(n, tables, stiffness, samples, w, k):
+    """Write the contact data of failed interfaces into sample k of wall w; n: its width."""
+    for p in range(len(tables.interfaces)):
+        failed = load(n, tables.limits, p, HAS_FAILED)
+        if failed > 0.0:
+            ended = ENDED if failed >= ENDING else 0
+            for c in range(tables.interfaces[p].start, tables.interfaces[p].stop):
+                observe_contact(n, tables, stiffness.shear[c], ended, samples, w, k, c)
+
+
+@inlined
+def observe_contact(n, tables, ks, ended, samples, w, k, c):
     """Write inelastic opening, slip and offset [m] and state (bits) of contact c, and correct its stored energy where a
     softened bond unloads with a secant stiffness.
 
     opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement less its elastic part;
     ks: shear stiffness [Pa/m]; ended: bit of its interface.
     """
-    contact, state, readings = system.contacts[c], system.states[c], system.readings
-    broken, softened, wide = state.broken > 0.0, state.kappa > 0.0, readings[READ_OPENING, c]
-    force = readings[READ_SIGMA, c] * contact.area
+    contact, states, readings, fields = tables.contacts[c], tables.states, tables.readings, samples.contacts
+    broken, softened = load(n, states, c, contacts.BROKEN) > 0.0, load(n, states, c, contacts.KAPPA) > 0.0
+    wide, force = load(n, readings, c, READ_OPENING), load(n, readings, c, READ_SIGMA) * contact.area
     opening = wide if broken else wide - force / contact.kn
     opens = broken or (softened and wide > 0.0)
-    fields = samples.contacts
     fields[w, k, OPENING, c] = 0.0 if not opens or opening <= 0.0 else opening  # NaN passes
-    fields[w, k, SLIP, c] = state.slip
-    fields[w, k, OFFSET, c] = readings[READ_SHEAR, c] - readings[READ_TAU, c] / ks if broken or softened else 0.0
-    fields[w, k, STATE, c] = (BROKEN if broken else 0) | (AT_LIMIT if state.at_limit > 0.0 else 0) | (
-        CRUSHED if state.closure > 0.0 else 0) | ended
-    if state.elastic_tension_stiffness != contact.kn and wide > 0.0:
+    fields[w, k, SLIP, c] = load(n, states, c, contacts.SLIP)
+    offset = load(n, readings, c, READ_SHEAR) - load(n, readings, c, READ_TAU) / ks
+    fields[w, k, OFFSET, c] = offset if broken or softened else 0.0
+    fields[w, k, STATE, c] = (BROKEN if broken else 0) | (
+        AT_LIMIT if load(n, states, c, contacts.AT_LIMIT) > 0.0 else 0) | (
+        CRUSHED if load(n, states, c, contacts.CLOSURE) > 0.0 else 0) | ended
+    if load(n, states, c, contacts.TENSION_STIFFNESS) != contact.kn and wide > 0.0:
         samples.stored[w, k, c] += force * (wide - force / contact.kn) / 2
 
 
-@compiled
-def kinetic_energy(system, field, dt):
-    """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half a step.
+@inlined
+def observe_places(n, tables, samples, w, k):
+    """Write displacements of the bodies and forces on the supports into sample k of wall w; n: its width."""
+    bodies, displacement, support_force = tables.bodies, samples.displacement, samples.support_force
+    supports, first = displacement.shape[2] - support_force.shape[2], first_force(bodies)
+    for b in range(displacement.shape[2]):
+        for axis in range(displacement.shape[3]):
+            displacement[w, k, b, axis] = load(n, bodies, b, PLACE + axis)
+        if b >= supports:
+            for axis in range(RIGID):
+                support_force[w, k, b - supports, axis] = load(n, bodies, b, first + axis)
 
-    field, dt: as of `observe`.
-    """
-    force, velocity, mass, inverse = system.force, system.velocity, system.mass, system.inverse_mass
-    energy = 0.0
-    for b in range(len(velocity)):
-        vx, vz, rotating = velocity[b, X], velocity[b, Z], velocity[b, ROTATION]
-        if inverse[b, X] > 0.0:
-            vx += 0.5 * dt * (force[b, X] * inverse[b, X] - field[0])
-        if inverse[b, Z] > 0.0:
-            vz += 0.5 * dt * (force[b, Z] * inverse[b, Z] - (field[1] + field[2]))
-        rotating += 0.5 * dt * force[b, ROTATION] * inverse[b, ROTATION]
-        energy += 0.5 * (mass[b, X] * (vx * vx + vz * vz) + mass[b, ROTATION] * rotating * rotating)
+
+@inlined
+def kinetic_energy(n, bodies, inertia, bench):
+    """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half a step."""
+    energy, half = zero(n), 0.5 * load(n, bench, 0, STEP)
+    for b in range(len(bodies)):
+        linear = zero(n)
+        for k in range(ROTATION):
+            velocity = half_step_on(n, bodies, inertia, b, k, load(n, bench, 0, BASE_X if k == X else PULL_Z), half)
+            linear = linear + velocity * velocity
+        moment, inverse = load(n, bodies, b, first_force(bodies) + ROTATION), load(
+            n, inertia, b, INVERSE_MASS + 3 * ROTATION)
+        rotating = load(n, inertia, b, VELOCITY + 3 * ROTATION) + half * moment * inverse
+        energy = energy + 0.5 * (load(n, inertia, b, MASS + 3 * X) * linear
+                                 + load(n, inertia, b, MASS + 3 * ROTATION) * rotating * rotating)
     return energy
 
 
-@compiled
-def input_of_half_a_step(system, field, dt):
+@inlined
+def half_step_on(n, bodies, inertia, b, k, field, half):
+    """Velocity of a coordinate, advanced by half a step; field: acceleration of the base and gravity [m/s2]."""
+    free, force = load(n, inertia, b, INVERSE_MASS + 3 * k), load(n, bodies, b, first_force(bodies) + k)
+    return load(n, inertia, b, VELOCITY + 3 * k) + either(free > 0.0, half * (force * free - field), 0.0)
+
+
+@inlined
+def input_of_half_a_step(n, bodies, inertia, bench):
     """Work [J] of the base and of prescribed velocities in the half step before the displacements.
 
     A step adds the work from half a step before its forces to half a step after them; at a sample the last half is
-    missing.  field, dt: as of `observe`.
+    missing.
     """
-    power = 0.0
-    for b in range(len(system.velocity)):
+    power = zero(n)
+    for b in range(len(bodies)):
         for axis in range(RIGID):
-            velocity = system.velocity[b, axis]
-            if system.inverse_mass[b, axis] == 0.0:
-                power += system.force[b, axis] * velocity
-            elif axis != ROTATION:
-                power += system.mass[b, axis] * (field[0] if axis == X else field[1]) * velocity
-    return -0.5 * dt * power
+            swept, velocity = zero(n), load(n, inertia, b, VELOCITY + 3 * axis)
+            if axis != ROTATION:
+                swept = load(n, inertia, b, MASS + 3 * axis) * load(n, bench, 0, BASE_X + axis) * velocity
+            driven = load(n, bodies, b, first_force(bodies) + axis) * velocity
+            power = power + either(load(n, inertia, b, INVERSE_MASS + 3 * axis) == 0.0, driven, swept)
+    return -0.5 * load(n, bench, 0, STEP) * power

@@ -1,8 +1,11 @@
-"""The plain time step: move the bodies, evaluate every interface and every loose contact, sum the forces.
+"""The time step: move the bodies, evaluate every interface and every loose contact, sum the forces.
 
-This is the definition of the model.  It runs every wall, compiled by numba or as plain Python (NUMBA_DISABLE_JIT=1).
-The fast step of the reference solver computes eight walls, or eight interfaces of one wall, at once, to the same bits.
-The order of summation is therefore one that both can follow (PARTS).
+This is the definition of the model.  It runs one wall or eight at once (`n`, `damage.mechanics.eight`), compiled by
+numba or as plain Python (NUMBA_DISABLE_JIT=1); a wall has the same bits in both widths, whatever the others do.  Of
+eight walls, some leave their elastic range, are failed, or end, which bits of integers say; the joint law is evaluated
+for one wall at a time.
+
+A wall *ends* at the steps at which a sample of it is taken: its contact points are then evaluated one by one.
 
 Time integration is by central differences: velocities at half steps, displacements and forces at full steps.
 """
@@ -10,292 +13,655 @@ Time integration is by central differences: velocities at half steps, displaceme
 import numpy as np
 
 from damage.mechanics import bodies, contacts, interfaces
-from damage.mechanics.compiled import compiled, entry, inlined, inlined_entry
-from damage.mechanics.interfaces import Resultant
-from damage.mechanics.loose import STORED, can_end, ends_now, find_loose_forces, hand_over
-from damage.mechanics.rows import change_since_last, keep_last, last_motion, line_of, pose, springs_of
-from damage.mechanics.samples import ELASTIC, observe
-from damage.mechanics.strain import kinetic_of_modes, motion_at, move_mode, observe_modes, points_at_once, push_modes
-from damage.mechanics.tables import DAMPING, ENDED, ENDING, FAILED, FRICTION, INDEX, INPUT, RIGID, ROTATION, X, Z
+from damage.mechanics.compiled import compiled, entry, inlined
+from damage.mechanics.eight import (
+    add,
+    add_part,
+    bits,
+    either,
+    flags_of,
+    four,
+    in_blocks,
+    lane,
+    lanes,
+    load,
+    put_four,
+    rows_of,
+    store,
+    table_width,
+    wall_of,
+    widest,
+    with_lane,
+    zero,
+)
+from damage.mechanics.interfaces import RelativeMotion, Resultant
+from damage.mechanics.loose import can_end, ends_too, find_loose_forces, hand_over
+from damage.mechanics.rows import (
+    dashpots_of,
+    first_force,
+    keep_dashpots,
+    keep_last,
+    last_motion,
+    last_resultant,
+    line_in,
+    line_of,
+    pose,
+    pose_at,
+    push,
+    push_at,
+    springs_in,
+    springs_of,
+)
+from damage.mechanics.samples import observe
+from damage.mechanics.strain import kinetic_of_modes, motion_at, move_modes, points_at_once, push_modes
+from damage.mechanics.tables import (
+    ALPHA,
+    BASE_X,
+    BASE_Z,
+    COS1,
+    DAMPED,
+    DAMPING,
+    DRIVEN,
+    ENDED,
+    ENDING,
+    FAILED,
+    FRICTION,
+    HAS_FAILED,
+    INDEX,
+    INPUT,
+    INVERSE_MASS,
+    KINETIC,
+    LARGEST_OPENING,
+    LARGEST_SLIDE,
+    LOCAL,
+    MASS,
+    PARTS,
+    PLACE,
+    PULL_Z,
+    RATE,
+    RIGID,
+    ROTATION,
+    SIN,
+    STEP,
+    SWEPT_X,
+    SWEPT_Z,
+    TAKEN,
+    VELOCITY,
+    X,
+    Z,
+)
 
-PARTS = 8
-"""Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so on."""
-
-SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC = range(5)
-"""Rows of `sums`: momenta along x and z, power of prescribed velocities, power of damping, kinetic energy."""
+ADVANCE, FIND_FORCES, LOOK = range(3)
+"""What `run` does."""
 
 
 @entry
-def run(system, law, controls, field, clock, ends, scratch, stiffness, samples, w, loose):
-    """Advance a wall and write a sample at each of the steps `ends`.
+def run(what, n, tables, law, strain, loose, controls, field, clock, ends, ending, stiffness, samples, taken):
+    """Advance all walls to the last of the steps `ends`, and write samples.
 
     On entry the forces must be those at the present displacements.  On return, and at each sample, forces and readings
-    (opening, shear displacement and stresses of every contact point, `System.readings`) are those at the displacements.
-    system, law, controls: System, Law and Controls; field: (steps + 1, 3) acceleration of the base along x and z and
-    gravity, in each step and the one after the last [m/s2]; clock: number of steps before; ends: (n,) rising numbers of
-    steps from now; scratch: Scratch; stiffness, samples, w: as of `damage.mechanics.samples.observe`; loose: Loose.
+    (opening, shear displacement and stresses of every contact point) are those at the displacements.
+
+    what: ADVANCE; FIND_FORCES: at the present displacements, without damping, by contact points in the walls ending[0];
+    LOOK: write a sample of the walls ending[0] now.  All in one function, since each would be compiled with the rest.
+    tables, law: Tables and Law; strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find
+    no new contacts; controls: (walls, 5) time step [s], local damping [-], mass-proportional [1/s] and
+    stiffness-proportional damping [s], adaptive damping as the share of the rate of change of the kinetic energy [-];
+    field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in each step and the one after the
+    last [m/s2]; clock: (walls,) numbers of steps before; ends: (n,) rising numbers of steps from now; ending: (n,)
+    walls (bits) of which a sample is written there, all of them at the last; stiffness, samples, taken: as of
+    `damage.mechanics.samples.observe`.
     """
-    step = 0
-    for k in range(len(ends)):
-        if is_damped(system, controls):
-            remember_last(system, law)
-        while step < ends[k]:
-            move(system, law, controls, field[step], scratch.sums)
-            if controls.adaptive > 0.0:
-                adapt(system, controls, scratch.sums[KINETIC])
-            step += 1
-            find_forces(system, law, controls, clock + step, step == ends[k], scratch, loose, controls.time_step)
-        observe(system, stiffness, field[step], controls.time_step, samples, w, k)
-        observe_modes(system, law.strain, controls.time_step, samples, w, k)
-        samples.totals[w, k, ELASTIC] += loose.energy[STORED]
-
-
-@inlined
-def move(system, law, controls, field, sums):
-    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
-
-    field: (3,) as of `run`; sums: of Scratch.
-    """
-    dt, alpha = controls.time_step, controls.alpha + system.relaxation[0]
-    sums[:] = 0.0
-    for b in range(len(system.place)):
-        part, driven, lost = b % PARTS, 0.0, 0.0
-        for k in range(RIGID):
-            backwards = field[0] if k == X else field[1] + field[2] if k == Z else 0.0
-            swept, power, taken = move_coordinate(system, dt, alpha, controls.local, backwards, b, k)
-            if k < ROTATION:
-                sums[k, part] += swept
-            driven += power
-            lost += taken
-        for m in range(law.strain.shapes.shape[2]):
-            lost += move_mode(system, law.strain, dt, alpha, controls.local, b, m)
-        sums[DRIVEN, part] += driven
-        sums[TAKEN, part] += lost
-        angle = system.place[b, ROTATION]
-        if abs(angle) < bodies.SMALL:
-            system.trig[b, 0], system.trig[b, 1] = bodies.small_rotation(angle)
-        else:
-            system.trig[b, 0], system.trig[b, 1] = np.cos(angle) - 1.0, np.sin(angle)
-    swept = field[0] * total(sums[SWEPT_X]) + field[1] * total(sums[SWEPT_Z])
-    system.energy[INPUT] += (total(sums[DRIVEN]) - 0.5 * swept) * dt
-    system.energy[DAMPING] += total(sums[TAKEN]) * dt
-
-
-@inlined
-def move_coordinate(system, dt, alpha, local, backwards, b, k):
-    """Advance velocity and displacement of coordinate k of body b by a step.
-
-    backwards: acceleration of the field [m/s2].  Returns the sum of its momenta before and after [kg m/s], and the
-    powers of its prescribed velocity and of its damping [W].
-    """
-    old, free, taken = system.velocity[b, k], system.inverse_mass[b, k], 0.0
-    rate = bodies.acceleration(system.force[b, k], free, backwards)
-    if alpha > 0.0 or local > 0.0:
-        resistance = bodies.damping(old, rate, free, alpha, local)
-        rate -= resistance
-        taken = system.mass[b, k] * resistance * (old + 0.5 * dt * rate)
-    new = old + dt * rate
-    driven = bodies.power_of_drive(system.force[b, k], free, new)
-    system.velocity[b, k] = new
-    system.place[b, k] += dt * new
-    system.force[b, k] = 0.0
-    return bodies.work_of_field(system.mass[b, k], free, old, new), driven, taken
+    damped = what == ADVANCE and (any_above_zero(controls, 3) or len(tables.radiation) > 0)
+    adaptive, turns, walls = any_above_zero(controls, 4), any_turns(n, tables), (1 << len(controls)) - 1
+    step = k = ends[0] * 0  # of no literal type, for which numba would compile all of it once more
+    if strain is not None:
+        mark_used(n, tables, walls)
+    if what == LOOK:
+        set_bench(n, tables, controls, field, step)
+        observe(n, tables, strain, loose, ending[0], stiffness, samples, taken)
+        return
+    if what == FIND_FORCES:
+        clear_forces(n, tables)
+        all_forces(n, tables, law, strain, loose, clock, step, walls, ending[0], damped, turns, 0.0)
+        return
+    if damped:
+        remember_last(n, tables, strain, walls)
+    while k < len(ends):
+        move(n, tables, strain, controls, field, step)
+        if adaptive:
+            adapt(n, tables, strain, controls)
+        step += 1
+        which = ending[k] if step >= ends[k] else 0
+        all_forces(n, tables, law, strain, loose, clock, step, walls, which, damped, turns, controls[0, 0])
+        if which:
+            set_bench(n, tables, controls, field, step)
+            observe(n, tables, strain, loose, which, stiffness, samples, taken)
+            if damped:
+                remember_last(n, tables, strain, which)
+            k += 1
 
 
 @compiled
-def total(parts):
-    """Sum of the partial sums, in their order."""
-    value = 0.0
-    for part in parts:
-        value += part
-    return value
+def clear_forces(n, tables):
+    """Set the forces on all bodies to zero, before those at displacements to which nothing has moved."""
+    for b in range(len(tables.bodies)):
+        for k in range(tables.inertia.shape[1] // 3):
+            store(n, tables.bodies, b, first_force(tables.bodies) + k, 0.0)
+    store(n, tables.bench, 0, STEP, 0.0)
+
+
+@compiled
+def any_above_zero(controls, column):
+    """Whether a column of the controls, (walls, 5), is above zero for any wall."""
+    found = False
+    for w in range(len(controls)):
+        found |= controls[w, column] > 0.0
+    return found
+
+
+@compiled
+def any_turns(n, tables):
+    """Whether a rotational spring holds any body."""
+    found = False
+    for b in range(len(tables.turning)):
+        found |= bits(load(n, tables.turning, b, 0) > 0.0) > 0
+    return found
+
+
+@compiled
+def mark_used(n, tables, walls):
+    """Mark the contact points that are no intact springs in any of the walls (bits)."""
+    for i in range(len(tables.contacts)):
+        tables.used[i] = bits(contacts.is_intact_spring(n, tables.states, i)) & walls != walls
+
+
+# --- motion of the bodies ---------------------------------------------------------------------------
+
+@compiled
+def move(n, tables, strain, controls, field, step):
+    """Advance velocities and displacements of all bodies by a step; add the work of input and damping [J].
+
+    controls, field: as of `run`; step: row of the field.
+    """
+    sums = tables.sums
+    for kind in range(SWEPT_X, KINETIC):
+        clear(n, sums, kind)
+    if set_bench(n, tables, controls, field, step):
+        move_all(n, tables, strain, controls, True)
+    else:
+        move_all(n, tables, strain, controls, False)
+    for kind in range(SWEPT_X, KINETIC):
+        total(n, sums, kind)
+    for w in range(len(controls)):
+        dt = controls[w, 0]
+        swept = field[w, step, 0] * sums[SWEPT_X, 0, w] + field[w, step, 1] * sums[SWEPT_Z, 0, w]
+        tables.energy[0, INPUT, w] += (sums[DRIVEN, 0, w] - 0.5 * swept) * dt
+        tables.energy[0, DAMPING, w] += sums[TAKEN, 0, w] * dt
+
+
+@compiled
+def set_bench(n, tables, controls, field, step):
+    """Write the parameters of a step to the bench; returns whether mass-proportional or local damping acts."""
+    damped, bench = False, tables.bench
+    for w in range(len(controls)):
+        dt, local, rate = controls[w, 0], controls[w, 1], controls[w, 3] / controls[w, 0]
+        alpha = controls[w, 2] + tables.relaxation[0, 0, w]
+        damped |= alpha > 0.0 or local > 0.0
+        bench[0, BASE_X, w], bench[0, BASE_Z, w] = field[w, step, 0], field[w, step, 1]
+        bench[0, PULL_Z, w] = field[w, step, 1] + field[w, step, 2]
+        bench[0, STEP, w], bench[0, ALPHA, w], bench[0, LOCAL, w], bench[0, RATE, w] = dt, alpha, local, rate
+    return damped
 
 
 @inlined
-def adapt(system, controls, parts):
-    """Set the adaptive damping of the next step from the kinetic energy of this one; parts: zero on entry."""
-    for b in range(len(system.velocity)):
-        parts[b % PARTS] += bodies.kinetic_energy(system.mass[b], system.velocity[b])
-        if system.place.shape[1] > RIGID:
-            parts[b % PARTS] += kinetic_of_modes(system.mass[b], system.velocity[b])
-    kinetic = total(parts)
-    system.relaxation[0] = bodies.adaptive_damping(kinetic, system.relaxation[1], controls.adaptive, controls.time_step)
-    system.relaxation[1] = kinetic
+def move_all(n, tables, strain, controls, damped):
+    """`move_bodies`, of one wall without strain modes eight at once."""
+    if strain is None:
+        move_bodies(widest(n), tables, strain, controls, damped)
+    else:
+        move_bodies(n, tables, strain, controls, damped)
 
 
-@inlined_entry
-def find_forces(system, law, controls, step, singly, scratch, loose, since):
+@inlined
+def move_bodies(n, tables, strain, controls, damped):
+    """Advance all bodies; damped: whether the bench has damping; n: a width, ROWS where bodies have no strain modes."""
+    alike, bench, sums, dt = True, tables.bench, tables.sums, load_bench(n, tables.bench, STEP)
+    for w in range(len(controls)):
+        alike &= controls[w, 0] == controls[0, 0]
+    b = 0
+    while b < len(tables.turning):
+        lost = zero(n)
+        x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
+        swept_x, driven_x, taken_x, new_x = move_coordinate(
+            n, tables.inertia, bench, dt, load_bench(n, bench, BASE_X), fx, b, X, damped)
+        swept_z, driven_z, taken_z, new_z = move_coordinate(
+            n, tables.inertia, bench, dt, load_bench(n, bench, PULL_Z), fz, b, Z, damped)
+        _, driven, taken, turning = move_coordinate(n, tables.inertia, bench, dt, zero(n), moment, b, ROTATION, damped)
+        angle = rotation + turning
+        cos1, sin = bodies.small_rotation(angle)
+        keep_coordinates(n, tables.bodies, tables.every, b, cos1, sin, x + new_x, z + new_z, angle)
+        far = bits(abs(angle) >= bodies.SMALL)
+        if far:
+            turn_far(n, tables.bodies, b, far, angle)
+        add_part(n, sums, SWEPT_X, b, swept_x)
+        add_part(n, sums, SWEPT_Z, b, swept_z)
+        add_part(n, sums, DRIVEN, b, driven_x + driven_z + driven)
+        if damped:
+            lost = taken_x + taken_z + taken
+        if strain is not None:
+            if alike:
+                lost = move_modes(n, tables.bodies, tables.inertia, bench, strain, controls[0, 0], b, lost, damped)
+            else:
+                lost = move_modes(n, tables.bodies, tables.inertia, bench, strain, dt, b, lost, damped)
+        add_part(n, sums, TAKEN, b, lost)
+        b += rows_of(n)
+
+
+@inlined
+def load_bench(n, bench, field):
+    """Parameter of the step, the same for all rows."""
+    return load(table_width(n), bench, 0, field)
+
+
+@inlined
+def coordinates(n, places, every, b):
+    """x, z and rotation of body b, and the forces on these; every: numbers of all rows."""
+    first = first_force(places)
+    if rows_of(n) == 1:
+        return (load(n, places, b, PLACE + X), load(n, places, b, PLACE + Z), load(n, places, b, PLACE + ROTATION),
+                load(n, places, b, first + X), load(n, places, b, first + Z), load(n, places, b, first + ROTATION))
+    x, z = four(n, places, every, b, COS1)[2:]
+    rotation, fx, fz, moment = four(n, places, every, b, PLACE + ROTATION)
+    return x, z, rotation, fx, fz, moment
+
+
+@inlined
+def keep_coordinates(n, places, every, b, cos1, sin, x, z, rotation):
+    """Write cosine less one, sine and coordinates of body b, with forces that are zero."""
+    none = zero(n)
+    if rows_of(n) == 1:
+        for k in range(RIGID):
+            store(n, places, b, first_force(places) + k, none)
+        store(n, places, b, COS1, cos1)
+        store(n, places, b, SIN, sin)
+        store(n, places, b, PLACE + X, x)
+        store(n, places, b, PLACE + Z, z)
+        store(n, places, b, PLACE + ROTATION, rotation)
+    else:
+        put_four(n, places, every, b, COS1, (cos1, sin, x, z))
+        put_four(n, places, every, b, PLACE + ROTATION, (rotation, none, none, none))
+
+
+@inlined
+def move_coordinate(n, inertia, bench, dt, backwards, force, b, k, damped):
+    """Advance the velocity of coordinate k of body b by a step.
+
+    backwards: acceleration of the field [m/s2].  Returns the sum of its momenta before and after [kg m/s], the powers
+    of its prescribed velocity and of its damping [W], and by how much the coordinate changes.
+    """
+    old, mass, free, taken = (load(n, inertia, b, VELOCITY + 3 * k), load(n, inertia, b, MASS + 3 * k),
+                              load(n, inertia, b, INVERSE_MASS + 3 * k), zero(n))
+    rate = bodies.acceleration(force, free, backwards)
+    if damped:
+        resistance = bodies.damping(old, rate, free, load_bench(n, bench, ALPHA), load_bench(n, bench, LOCAL))
+        rate = rate - resistance
+        taken = mass * resistance * (old + 0.5 * dt * rate)
+    new = old + dt * rate
+    store(n, inertia, b, VELOCITY + 3 * k, new)
+    return bodies.work_of_field(mass, free, old, new), bodies.power_of_drive(force, free, new), taken, dt * new
+
+
+@compiled
+def turn_far(n, places, b, far, angle):
+    """Write cosine less one, and sine, of those rotations `far` (bits) of body b that are not small."""
+    for w in range(lanes(n)):
+        if far >> w & 1:
+            row = b + w if rows_of(n) > 1 else b
+            store(wall_of(n, w), places, row, COS1, np.cos(lane(angle, w)) - 1.0)
+            store(wall_of(n, w), places, row, SIN, np.sin(lane(angle, w)))
+
+
+@inlined
+def clear(n, sums, kind):
+    """Set the partial sums of a kind to zero."""
+    for part in range(PARTS):
+        store(n, sums, kind, part, 0.0)
+
+
+@inlined
+def total(n, sums, kind):
+    """Sum of the partial sums, in their order, into the first of them."""
+    value = zero(n)
+    for part in range(PARTS):
+        value = value + load(n, sums, kind, part)
+    store(n, sums, kind, 0, value)
+
+
+@compiled
+def adapt(n, tables, strain, controls):
+    """Set the adaptive damping of the next step from the kinetic energy of this one."""
+    sums, inertia = tables.sums, tables.inertia
+    clear(n, sums, KINETIC)
+    for b in range(len(inertia)):
+        mass = (load(n, inertia, b, MASS + 3 * X), load(n, inertia, b, MASS + 3 * Z),
+                load(n, inertia, b, MASS + 3 * ROTATION))
+        velocity = (load(n, inertia, b, VELOCITY + 3 * X), load(n, inertia, b, VELOCITY + 3 * Z),
+                    load(n, inertia, b, VELOCITY + 3 * ROTATION))
+        add_part(n, sums, KINETIC, b, bodies.kinetic_energy(mass, velocity))
+        if strain is not None:
+            add_part(n, sums, KINETIC, b, kinetic_of_modes(n, inertia, strain, b))
+    total(n, sums, KINETIC)
+    for w in range(len(controls)):
+        kinetic, relaxation = sums[KINETIC, 0, w], tables.relaxation
+        relaxation[0, 0, w] = bodies.adaptive_damping(kinetic, relaxation[0, 1, w], controls[w, 4], controls[w, 0])
+        relaxation[0, 1, w] = kinetic
+
+
+# --- forces -----------------------------------------------------------------------------------------
+
+@compiled
+def all_forces(n, tables, law, strain, loose, clock, step, walls, ending, damped, turns, since):
     """Add the forces of all interfaces and loose contacts to those of the bodies, which are zero on entry.
 
     Intact interfaces come first, each by its resultant springs, then the others contact point by contact point.
-    step: number of the step in the log of events; singly: evaluate every contact point by itself and write the
-    readings, as for samples, so that forces are the sums of the stresses to the last bit; since: time since the last
-    forces [s], zero where nothing has moved.
+    clock + step: number of the step in the log of events; walls: all of them (bits); ending: walls whose contact points
+    are all evaluated by themselves and read, as for samples, so that forces are the sums of the stresses to the last
+    bit; damped: whether interfaces damp; turns: whether bodies are held by rotational springs; since: time since the
+    last forces [s], zero where nothing has moved.
     """
-    others, damped = 0, scratch.sums[TAKEN]
-    damped[:] = 0.0
-    for p in range(len(system.interfaces)):
-        interface = system.interfaces[p]
-        frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a),
-                                                   pose(system, interface.b))
-        if singly or not stays_intact(interface, motion) or can_end(loose, motion):
-            scratch.others[others] = p
-            others += 1
-            continue
-        resultant = interfaces.elastic_resultant(springs_of(interface), motion)
-        if is_damped(system, controls):
-            resultant = damp(system, controls, p, motion, resultant, change_since_last(system, p, resultant), damped)
-        push(system, interface, interfaces.forces_on_bodies(frame, resultant))
-    for k in range(others):
-        forces_by_contacts(system, law, controls, scratch.others[k], step, singly, damped, loose)
-    for b in range(len(system.turning)):
-        if system.turning[b, 0] > 0.0:
-            system.force[b, ROTATION] -= system.turning[b, 0] * (system.place[b, ROTATION] - system.turning[b, 1])
-    find_loose_forces(system, loose, since)
-    system.energy[DAMPING] += total(damped)
+    clear(n, tables.sums, DAMPED)
+    singly, others = ending == walls, 1
+    if strain is not None:
+        singly = True
+    if not singly:
+        others = forces_of_damped(n, tables, loose, ending) if damped else forces_of_undamped(n, tables, loose, ending)
+    if others:
+        forces_of_others(n, tables, law, strain, loose, clock, step, walls, ending, singly, damped)
+    if turns:
+        for b in range(len(tables.turning)):
+            stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 1)
+            moment = stiffness * (load(n, tables.bodies, b, PLACE + ROTATION) - rest)
+            add(n, tables.bodies, b, first_force(tables.bodies) + ROTATION, -either(stiffness > 0.0, moment, 0.0))
+    if loose is not None:
+        find_loose_forces(n, tables, loose, since)
+    if damped:
+        total(n, tables.sums, DAMPED)
+        store(n, tables.energy, 0, DAMPING, load(n, tables.energy, 0, DAMPING) + load(n, tables.sums, DAMPED, 0))
+
+
+@compiled
+def forces_of_undamped(n, tables, loose, ending):
+    """`forces_of_intact` without damping, compiled apart: a branch inside would need too many registers."""
+    return forces_of_intact(widest(n), tables, loose, ending, False)
+
+
+@compiled
+def forces_of_damped(n, tables, loose, ending):
+    """`forces_of_intact` with damping."""
+    return forces_of_intact(widest(n), tables, loose, ending, True)
 
 
 @inlined
-def forces_by_contacts(system, law, controls, p, step, singly, damped, loose):
-    """Add the forces of interface p, evaluated contact point by contact point.
+def forces_of_intact(n, tables, loose, ending, damped):
+    """Add the forces of intact interfaces, but in the walls `ending` (bits); returns whether there are others.
+
+    n: Eight, an interface of eight walls, or Rows, eight interfaces of one wall.
+    """
+    everyone, any_other, p, bodies = (1 << lanes(n)) - 1, 0, 0, tables.bodies
+    while p < len(tables.others):
+        shared, block = in_blocks(n, p), p // PARTS
+        springs, first, second = springs_in(shared, tables.lines, block), tables.first, tables.second
+        frame, motion = interfaces.relative_motion(line_in(shared, tables.lines, block), pose_at(n, bodies, first, p),
+                                                   pose_at(n, bodies, second, p))
+        intact = interfaces.stays_intact(springs, load(n, tables.limits, p, LARGEST_OPENING),
+                                         load(n, tables.limits, p, LARGEST_SLIDE), motion)
+        if ending:
+            intact = intact & flags_of(n, everyone ^ ending)
+        if loose is not None:
+            intact = intact & flags_of(n, everyone ^ bits(can_end(motion)))
+        other = everyone ^ bits(intact)
+        any_other |= other
+        if rows_of(n) == 1:
+            tables.others[p] = other
+        else:
+            for k in range(rows_of(n)):
+                tables.others[p + k] = other >> k & 1
+        resultant = interfaces.elastic_resultant(springs, motion)
+        if damped:
+            changed = interfaces.change(resultant, last_resultant(n, tables.last, p))
+            resultant = damp(n, tables, p, motion, resultant, changed, intact)
+        push_at(n, bodies, first, second, p, interfaces.forces_on_bodies(frame, resultant), intact)
+        p += rows_of(n)
+    return any_other
+
+
+@inlined
+def stays_intact(n, interface, limits, p, motion):
+    """Whether no contact point of interface p has failed or leaves its elastic range at this RelativeMotion."""
+    return interfaces.stays_intact(springs_of(interface), load(n, limits, p, LARGEST_OPENING),
+                                   load(n, limits, p, LARGEST_SLIDE), motion)
+
+
+@compiled
+def forces_of_others(n, tables, law, strain, loose, clock, step, walls, ending, singly, damped):
+    """Add the forces of the interfaces that are not intact, if `singly` of all, contact point by contact point."""
+    for p in range(len(tables.interfaces)):
+        here = walls if singly else walls & int(tables.others[p])
+        if here:
+            forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, ending, damped)
+
+
+@inlined
+def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, ending, damped):
+    """Add the forces of interface p in the walls `here` (bits), evaluated contact point by contact point.
 
     Those that share a RelativeMotion (all between rigid bricks, one between deformable ones) are springs while all stay
     in their elastic range, else the joint law applies.  Once the faces have ceased to overlap, forces are zero from the
     next step on, permanently.
     """
-    interface = system.interfaces[p]
-    start, size = interface.start, points_at_once(law.strain, interface)
-    frame, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a), pose(system, interface.b))
-    if interface.failed >= ENDING:
-        if interface.failed == ENDING:
-            let_go(system, law, p, motion, loose)
-        return
-    resultant = Resultant(0.0, 0.0, 0.0)
-    while start < interface.stop:
-        here = motion_at(system, law.strain, interface, start, motion)
-        of_points = forces_of_points(system, law, controls, p, start, start + size, step, here, damped)
-        push_modes(system, law.strain, interface, start, of_points.normal, of_points.shear)
-        resultant = interfaces.add(resultant, of_points)
-        start += size
-    if ends_now(system, loose, p, step, motion) or singly:
-        start = interface.start
+    interface = tables.interfaces[p]
+    frame, motion = interfaces.relative_motion(line_of(interface), pose(n, tables.bodies, interface.a),
+                                               pose(n, tables.bodies, interface.b))
+    gone = bits(load(n, tables.limits, p, HAS_FAILED) >= ENDING) & here
+    if gone:
+        let_go(n, tables, strain, loose, p, gone, motion)
+        here &= ~gone
+    if here:
+        lives, resultant = flags_of(n, here), Resultant(zero(n), zero(n), zero(n))
+        start, size = interface.start, points_at_once(strain, interface)
         while start < interface.stop:
-            contacts.read(system.contacts, system.states, system.readings, start, start + size,
-                          motion_at(system, law.strain, interface, start, motion))
+            at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
+            of_points = forces_of_points(n, tables, law, strain, p, start, start + size, clock, step, at_points, here,
+                                         damped)
+            push_modes(n, tables.bodies, strain, interface, start, of_points, lives)
+            resultant = interfaces.add(resultant, of_points)
             start += size
-    push(system, interface, interfaces.forces_on_bodies(frame, resultant))
+        over = ends_now(n, tables, loose, p, clock, step, here, motion)
+        if here & (ending | over):
+            read(n, tables, strain, interface, motion, flags_of(n, here & (ending | over)))
+        push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant), lives)
 
 
 @inlined
-def let_go(system, law, p, motion, loose):
-    """Set the forces of interface p to zero, permanently; its bodies become a loose pair where there are such."""
-    interface, before = system.interfaces[p], system.energy[FRICTION]
-    start, size = interface.start, points_at_once(law.strain, interface)
+def read(n, tables, strain, interface, motion, which):
+    """Write the readings of all contact points of an interface in the walls `which` (flags)."""
+    start, size = interface.start, points_at_once(strain, interface)
     while start < interface.stop:
-        contacts.let_go(system, start, start + size, motion_at(system, law.strain, interface, start, motion))
+        at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
+        contacts.read(n, tables, start, start + size, at_points, which)
         start += size
-    interface.failed = ENDED
-    if len(loose.cores) > 0:
-        hand_over(system, loose, interface, system.energy[FRICTION] - before)
 
 
 @inlined
-def forces_of_points(system, law, controls, p, start, stop, step, motion, damped):
-    """Resultant of contact points of an interface that share a RelativeMotion [N, N m]."""
-    interface, row = system.interfaces[p], last_row(law, p, start)
-    resultant, elastic = contacts.elastic_resultant(system.contacts, system.states, start, stop, motion)
-    changed = change_since_last(system, row, resultant)
-    if elastic or stays_intact(interface, motion):
-        contacts.remember(system.contacts, system.states, start, stop, motion)
+def ends_now(n, tables, loose, p, clock, step, here, motion):
+    """Walls of `here` (bits) in which interface p ends at this RelativeMotion: there it is ENDING.
+
+    A failed one ends as its faces cease to overlap; also as of `ends_too` where bodies find new contacts.
+    """
+    interface = tables.interfaces[p]
+    failed = bits(load(n, tables.limits, p, HAS_FAILED) == FAILED) & here
+    over = 0
+    if failed:
+        over = failed & bits(interfaces.no_overlap(motion, interface.slide_least, interface.slide_most))
+    if loose is not None and over == 0 and ends_too(n, tables, loose, p, clock[0] + step, motion):
+        over = 1
+    if over:
+        for w in range(lanes(n)):
+            if over >> w & 1:
+                fail(n, tables, p, w, ENDING)
+    return over
+
+
+@inlined
+def fail(n, tables, p, w, failed):
+    """Mark interface p of wall w as FAILED, ENDING or ENDED."""
+    store(wall_of(n, w), tables.limits, p, HAS_FAILED, failed)
+    store(wall_of(n, w), tables.limits, p, LARGEST_OPENING, -np.inf)
+
+
+@inlined
+def let_go(n, tables, strain, loose, p, gone, motion):
+    """Set the forces of interface p to zero, permanently, in those of the walls `gone` (bits) in which it is ENDING;
+    its bodies become a loose pair where there are such."""
+    for w in range(lanes(n)):
+        one = wall_of(n, w)
+        if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
+            before = load(one, tables.energy, 0, FRICTION)
+            let_go_of(one, tables, strain, tables.interfaces[p], of_wall(motion, w))
+            fail(n, tables, p, w, ENDED)
+            if loose is not None:
+                hand_over(n, tables, loose, tables.interfaces[p], load(one, tables.energy, 0, FRICTION) - before)
+
+
+@inlined
+def let_go_of(n, tables, strain, interface, motion):
+    """`damage.mechanics.contacts.let_go` of all contact points of an interface of one wall."""
+    start, size = interface.start, points_at_once(strain, interface)
+    while start < interface.stop:
+        at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
+        contacts.let_go(n, tables, start, start + size, at_points)
+        tables.used[start] = 1
+        start += size
+
+
+@inlined
+def last_row(strain, p, start):
+    """Row of `last` of interface p, or of its contact where bricks deform."""
+    return INDEX(p) if strain is None else start
+
+
+@inlined
+def forces_of_points(n, tables, law, strain, p, start, stop, clock, step, motion, here, damped):
+    """Resultant of contact points of interface p that share a RelativeMotion [N, N m], in the walls `here` (bits)."""
+    lives, row, of_contacts, states = flags_of(n, here), last_row(strain, p, start), tables.contacts, tables.states
+    if strain is not None and tables.used[start] == 0:
+        resultant, elastic = contacts.intact_resultant(n, of_contacts, states, start, motion, lives)
     else:
-        before = motion
-        if is_damped(system, controls):
-            before = last_motion(system, row)
-        elif law.strain.shapes.shape[2] == 0:
-            before = motion_before(system, interface, controls.time_step)
-        resultant, changed, failed = contacts.law_resultant(system, law, start, stop, step, motion, before,
-                                                            is_damped(system, controls))
-        if failed:
-            interface.failed = FAILED
-    if is_damped(system, controls):
-        resultant = damp(system, controls, row, motion, resultant, changed, damped)
+        resultant, elastic = contacts.elastic_resultant(n, of_contacts, states, start, stop, motion, lives)
+    beyond = here & ~bits(elastic)
+    if beyond:
+        beyond &= ~bits(stays_intact(n, tables.interfaces[p], tables.limits, p, motion))
+    if strain is None or tables.used[start]:
+        contacts.remember(n, of_contacts, states, start, stop, motion, flags_of(n, here & ~beyond))
+    changed = resultant
+    if damped:
+        changed = interfaces.change(resultant, last_resultant(n, tables.last, row))
+    if beyond:
+        resultant, changed = by_law(n, tables, law, strain, p, start, stop, clock, step, motion, beyond, damped,
+                                    resultant, changed)
+    if damped:
+        resultant = damp(n, tables, row, motion, resultant, changed, lives)
     return resultant
 
 
 @inlined
-def is_damped(system, controls):
-    """Whether interfaces damp: by stiffness-proportional damping, or by dashpots of the soil."""
-    return controls.beta > 0.0 or (len(system.radiation) > 0 and controls.time_step > 0.0)
+def by_law(n, tables, law, strain, p, start, stop, clock, step, motion, beyond, damped, resultant, changed):
+    """Resultant of contact points, and its change since the last step, by the joint law in the walls `beyond` (bits),
+    in the others as given."""
+    row = last_row(strain, p, start)
+    for w in range(lanes(n)):
+        if beyond >> w & 1:
+            one, now = wall_of(n, w), of_wall(motion, w)
+            before = motion_before(one, tables, strain, p, row, now, damped)
+            of_points, change, failed = contacts.law_resultant(one, tables, law, start, stop, clock[w] + step, now,
+                                                               before, damped)
+            resultant, changed = with_wall(resultant, w, of_points), with_wall(changed, w, change)
+            if failed:
+                fail(n, tables, p, w, FAILED)
+                tables.used[start] = 1
+    return resultant, changed
 
 
 @inlined
-def motion_before(system, interface, dt):
-    """RelativeMotion of an interface between rigid bodies in the last step, by their velocities; dt: time step [s]."""
-    return interfaces.relative_motion(line_of(interface), pose_before(system, interface.a, dt),
-                                      pose_before(system, interface.b, dt))[1]
+def of_wall(motion, w):
+    """RelativeMotion of wall w."""
+    return RelativeMotion(lane(motion.opening, w), lane(motion.shear, w), lane(motion.rotation, w))
 
 
 @inlined
-def pose_before(system, b, dt):
-    """Pose of body b in the last step."""
-    velocity = system.velocity[b]
-    return interfaces.pose_before(system.place[b, X], system.place[b, Z], system.place[b, ROTATION], velocity[X],
-                                  velocity[Z], velocity[ROTATION], dt)
+def with_wall(resultant, w, of_wall):
+    """Resultant with that of wall w replaced."""
+    return Resultant(with_lane(resultant.normal, w, of_wall.normal), with_lane(resultant.shear, w, of_wall.shear),
+                     with_lane(resultant.couple, w, of_wall.couple))
 
 
 @inlined
-def last_row(law, p, start):
-    """Row of `System.last` of interface p, or of its contact where bricks deform."""
-    return INDEX(p) if law.strain.shapes.shape[2] == 0 else start
+def motion_before(n, tables, strain, p, row, motion, damped):
+    """RelativeMotion of interface p of one wall in the last step, stored where the wall damps, else by velocities; the
+    present one between deformable bricks."""
+    if damped and (load(n, tables.bench, 0, RATE) > 0.0 or len(tables.radiation) > 0):
+        return last_motion(n, tables.last, row)
+    if strain is not None:
+        return motion
+    interface, dt = tables.interfaces[p], load(n, tables.bench, 0, STEP)
+    first = pose_before(n, tables.bodies, tables.inertia, interface.a, dt)
+    second = pose_before(n, tables.bodies, tables.inertia, interface.b, dt)
+    return interfaces.relative_motion(line_of(interface), first, second)[1]
 
 
 @inlined
-def damp(system, controls, p, motion, resultant, changed, damped):
-    """Resultant of interface p with stiffness-proportional damping and dashpots [N, N m]; stores motion and elastic
-    resultant for the next step.
+def pose_before(n, places, inertia, b, dt):
+    """Pose of body b of one wall in the last step."""
+    return interfaces.pose_before(
+        load(n, places, b, PLACE + X), load(n, places, b, PLACE + Z), load(n, places, b, PLACE + ROTATION),
+        load(n, inertia, b, VELOCITY + 3 * X), load(n, inertia, b, VELOCITY + 3 * Z),
+        load(n, inertia, b, VELOCITY + 3 * ROTATION), dt)
 
-    changed: change of the elastic resultant since the last step; damped: partial sums of the work [J].
+
+# --- damping of interfaces --------------------------------------------------------------------------
+
+@inlined
+def damp(n, tables, row, motion, resultant, changed, which):
+    """Resultant with stiffness-proportional damping and dashpots [N, N m]; stores motion and elastic resultant for the
+    next step, and adds up the work, in the walls `which` (flags).
+
+    changed: change of the elastic resultant since the last step.
     """
-    before = last_motion(system, p)
-    keep_last(system, p, motion, resultant)
-    viscous, work = interfaces.add_viscous(controls.beta / controls.time_step, motion, before, resultant, changed)
-    if len(system.radiation) > 0:
-        viscous, more = interfaces.add_dashpots(system.radiation[p], controls.time_step, motion, before, viscous,
-                                                changed)
-        work += more
-    damped[p % PARTS] += work
+    before = last_motion(n, tables.last, row)
+    keep_last(n, tables.last, row, motion, resultant, which)
+    viscous, work = interfaces.add_viscous(load_bench(n, tables.bench, RATE), motion, before, resultant, changed)
+    if len(tables.radiation) > 0:
+        viscous, of_dashpots, more = interfaces.add_dashpots(
+            dashpots_of(n, tables.radiation, row), load_bench(n, tables.bench, STEP), motion, before, viscous, changed)
+        keep_dashpots(n, tables.radiation, row, of_dashpots, which)
+        work = work + more
+    add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))
     return viscous
 
 
-@inlined
-def push(system, interface, forces):
-    """Add BodyForces of an interface to the forces on its bodies."""
-    a, b = interface.a, interface.b
-    system.force[a, X] += forces.x
-    system.force[a, Z] += forces.z
-    system.force[a, ROTATION] += forces.moment_a
-    system.force[b, X] -= forces.x
-    system.force[b, Z] -= forces.z
-    system.force[b, ROTATION] -= forces.moment_b
-
-
-@inlined
-def stays_intact(interface, motion):
-    """Whether no contact point of an interface has failed or leaves its elastic range at this RelativeMotion."""
-    return interface.failed == 0 and interfaces.stays_intact(
-        springs_of(interface), interface.largest_opening, interface.largest_slide, motion)
-
-
 @compiled
-def remember_last(system, law):
-    """Store present motions and resultants of all interfaces, for stiffness-proportional damping in the next step."""
-    for p in range(len(system.interfaces)):
-        interface = system.interfaces[p]
-        start, size = interface.start, points_at_once(law.strain, interface)
-        _, motion = interfaces.relative_motion(line_of(interface), pose(system, interface.a),
-                                               pose(system, interface.b))
+def remember_last(n, tables, strain, which):
+    """Store present motions and resultants of all interfaces, for stiffness-proportional damping in the next step, in
+    the walls `which` (bits)."""
+    asked = flags_of(n, which)
+    for p in range(len(tables.interfaces)):
+        interface = tables.interfaces[p]
+        _, motion = interfaces.relative_motion(line_of(interface), pose(n, tables.bodies, interface.a),
+                                               pose(n, tables.bodies, interface.b))
+        start, size = interface.start, points_at_once(strain, interface)
         while start < interface.stop:
-            here = motion_at(system, law.strain, interface, start, motion)
-            keep_last(system, last_row(law, p, start), here, contacts.present_resultant(
-                system.contacts, system.states, start, start + size, here))
+            here = motion_at(n, tables.bodies, strain, interface, start, motion)
+            keep_last(n, tables.last, last_row(strain, p, start), here, contacts.present_resultant(
+                n, tables.contacts, tables.states, start, start + size, here), asked)
             start += size

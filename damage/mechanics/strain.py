@@ -1,59 +1,88 @@
 """Strain modes of deformable bricks in a time step: relative motion at contact points, generalized forces, motion.
 
 Mode m of a body is its coordinate RIGID + m.  Its generalized force is the work of the contact forces on the opening
-and shear displacement by a unit of the mode.  Theory: `damage.wall.strain`.
+and shear displacement by a unit of the mode.  Its mass, stiffness, damping and shape are equal in all walls that step
+together.  Theory: `damage.wall.strain`.
 """
 
-from damage.mechanics import bodies
-from damage.mechanics.compiled import entry, inlined
+from damage.mechanics.bodies import acceleration, damping
+from damage.mechanics.compiled import inlined
+from damage.mechanics.eight import add, either, load, store, zero
 from damage.mechanics.interfaces import RelativeMotion
-from damage.mechanics.samples import ELASTIC, KINETIC
-from damage.mechanics.tables import INDEX, RIGID
-
-ONE = INDEX(1)
+from damage.mechanics.rows import first_force
+from damage.mechanics.tables import ALPHA, INDEX, INVERSE_MASS, LOCAL, MASS, PLACE, RIGID, VELOCITY
 
 
 @inlined
 def points_at_once(strain, interface):
     """Number of contact points that share a RelativeMotion: all of an interface between rigid bricks, else one."""
-    return interface.stop - interface.start if strain.shapes.shape[2] == 0 else ONE
+    if strain is None:
+        return interface.stop - interface.start
+    return INDEX(1)
 
 
 @inlined
-def motion_at(system, strain, interface, i, motion):
+def motion_at(n, bodies, strain, interface, i, motion):
     """RelativeMotion at contact i: that of the interface plus the displacements by the strain modes of both bricks."""
-    if strain.shapes.shape[2] == 0:
+    if strain is None:
         return motion
-    a, b, at_a, at_b = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1]
-    opening = shear = 0.0
-    for m in range(strain.shapes.shape[2]):
-        qa, qb = system.place[a, RIGID + m], system.place[b, RIGID + m]
-        opening += strain.shapes[at_b, 0, m] * qb - strain.shapes[at_a, 0, m] * qa
-        shear += strain.shapes[at_b, 1, m] * qb - strain.shapes[at_a, 1, m] * qa
+    a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
+    opening, shear = zero(n), zero(n)
+    for m in range(shapes.shape[2]):
+        qa, qb = load(n, bodies, a, PLACE + RIGID + m), load(n, bodies, b, PLACE + RIGID + m)
+        opening = opening + (shapes[at_b, 0, m] * qb - shapes[at_a, 0, m] * qa)
+        shear = shear + (shapes[at_b, 1, m] * qb - shapes[at_a, 1, m] * qa)
     return RelativeMotion(motion.opening + opening, motion.shear + shear, motion.rotation)
 
 
 @inlined
-def push_modes(system, strain, interface, i, normal, shear):
-    """Add a contact's forces along normal and tangent [N] to the generalized forces of both bricks' modes."""
-    a, b, at_a, at_b = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1]
-    for m in range(strain.shapes.shape[2]):
-        system.force[a, RIGID + m] += normal * strain.shapes[at_a, 0, m] + shear * strain.shapes[at_a, 1, m]
-        system.force[b, RIGID + m] -= normal * strain.shapes[at_b, 0, m] + shear * strain.shapes[at_b, 1, m]
+def push_modes(n, bodies, strain, interface, i, resultant, which):
+    """Add a contact's Resultant to the generalized forces of both bricks' modes, in the walls `which` (flags)."""
+    if strain is None:
+        return
+    a, b, at_a, at_b, shapes = interface.a, interface.b, strain.rows[i, 0], strain.rows[i, 1], strain.shapes
+    normal, shear = either(which, resultant.normal, 0.0), either(which, resultant.shear, 0.0)
+    for m in range(shapes.shape[2]):
+        k = first_force(bodies) + RIGID + m
+        add(n, bodies, a, k, normal * shapes[at_a, 0, m] + shear * shapes[at_a, 1, m])
+        add(n, bodies, b, k, -(normal * shapes[at_b, 0, m] + shear * shapes[at_b, 1, m]))
 
 
 @inlined
-def move_mode(system, strain, dt, alpha, local, b, m):
-    """Advance velocity and amplitude of mode m of body b by a step; returns the power of its damping [W]."""
-    k, resistance = RIGID + m, 0.0
-    old, inverse_mass = system.velocity[b, k], system.inverse_mass[b, k]
-    rate = bodies.acceleration(system.force[b, k] - strain.stiffness[b, m] * system.place[b, k], inverse_mass, 0.0)
-    if alpha > 0.0 or local > 0.0:
-        resistance = bodies.damping(old, rate, inverse_mass, alpha, local)
-    system.place[b, k], system.velocity[b, k], power = advance_mode(
-        system.place[b, k], old, rate, resistance, system.mass[b, k], strain.damping[b, m], dt)
-    system.force[b, k] = 0.0
-    return power
+def move_modes(n, bodies, inertia, bench, strain, dt, b, lost, damped):
+    """Advance velocities and amplitudes of all modes of body b by a step; returns `lost` plus the powers of their
+    damping [W].
+
+    dt: time step [s], a number where it is equal in all walls: the division in `advance_mode` is then one of numbers;
+    damped: whether the bench has damping.
+    """
+    for m in range(strain.shapes.shape[2]):
+        k, resistance = RIGID + m, zero(n)
+        old, place, force = (load(n, inertia, b, VELOCITY + 3 * k), load(n, bodies, b, PLACE + k),
+                             load(n, bodies, b, first_force(bodies) + k))
+        rate = acceleration(force - strain.stiffness[b, m] * place, inverse_mass_of_mode(inertia, b, k), 0.0)
+        if damped:
+            resistance = damping(old, rate, inverse_mass_of_mode(inertia, b, k), load(n, bench, 0, ALPHA),
+                                 load(n, bench, 0, LOCAL))
+        place, new, power = advance_mode(place, old, rate, resistance, mass_of_mode(inertia, b, k),
+                                         strain.damping[b, m], dt)
+        store(n, bodies, b, PLACE + k, place)
+        store(n, inertia, b, VELOCITY + 3 * k, new)
+        store(n, bodies, b, first_force(bodies) + k, 0.0)
+        lost = lost + power
+    return lost
+
+
+@inlined
+def mass_of_mode(inertia, b, k):
+    """Mass of coordinate k of body b, a strain mode."""
+    return inertia[b, MASS + 3 * k, 0]
+
+
+@inlined
+def inverse_mass_of_mode(inertia, b, k):
+    """Its inverse, zero for a support."""
+    return inertia[b, INVERSE_MASS + 3 * k, 0]
 
 
 @inlined
@@ -62,7 +91,7 @@ def advance_mode(place, old, rate, resistance, mass, damping, dt):
 
     The damping of the mode itself is implicit, so that it does not shorten the stable time step.  place, old:
     amplitude, and velocity half a step ago; rate, resistance: its acceleration, and what other damping takes off it;
-    damping: of Strain [1/s].  Takes numbers of one wall, or vectors of those of eight.
+    damping: of Strain [1/s].
     """
     half = 0.5 * dt * damping
     new = ((1.0 - half) * old + dt * (rate - resistance)) * (1.0 / (1.0 + half))
@@ -71,28 +100,29 @@ def advance_mode(place, old, rate, resistance, mass, damping, dt):
 
 
 @inlined
-def kinetic_of_modes(mass, velocity):
-    """Kinetic energy of the strain modes of a body [J]; mass, velocity: of all its coordinates."""
-    energy = 0.0
-    for k in range(RIGID, len(mass)):
-        energy += 0.5 * mass[k] * velocity[k] * velocity[k]
+def kinetic_of_modes(n, inertia, strain, b):
+    """Kinetic energy of the strain modes of body b [J]."""
+    energy = zero(n)
+    for k in range(RIGID, RIGID + strain.shapes.shape[2]):
+        velocity = load(n, inertia, b, VELOCITY + 3 * k)
+        energy = energy + 0.5 * mass_of_mode(inertia, b, k) * velocity * velocity
     return energy
 
 
-@entry
-def observe_modes(system, strain, dt, samples, w, k):
-    """Add the amplitudes of all strain modes to sample k of wall w, and their kinetic and elastic energy [J].
+@inlined
+def energies_of_modes(n, bodies, inertia, strain, dt):
+    """Kinetic and elastic energy of all strain modes [J].
 
     The velocities, known at half steps, are advanced to the time of the amplitudes.
     """
-    kinetic = stored = 0.0
-    for b in range(len(system.place)):
+    kinetic, stored = zero(n), zero(n)
+    for b in range(len(strain.stiffness)):
         for m in range(strain.shapes.shape[2]):
-            place, velocity = system.place[b, RIGID + m], system.velocity[b, RIGID + m]
-            rate = (system.force[b, RIGID + m] - strain.stiffness[b, m] * place) * system.inverse_mass[b, RIGID + m]
+            k = RIGID + m
+            place, velocity = load(n, bodies, b, PLACE + k), load(n, inertia, b, VELOCITY + 3 * k)
+            rate = load(n, bodies, b, first_force(bodies) + k) - strain.stiffness[b, m] * place
+            rate = rate * inverse_mass_of_mode(inertia, b, k)
             velocity = (velocity + 0.5 * dt * rate) / (1.0 + 0.5 * dt * strain.damping[b, m])
-            kinetic += 0.5 * system.mass[b, RIGID + m] * velocity * velocity
-            stored += 0.5 * strain.stiffness[b, m] * place * place
-            samples.displacement[w, k, b, RIGID + m] = place
-    samples.totals[w, k, KINETIC] += kinetic
-    samples.totals[w, k, ELASTIC] = stored
+            kinetic = kinetic + 0.5 * mass_of_mode(inertia, b, k) * velocity * velocity
+            stored = stored + 0.5 * strain.stiffness[b, m] * place * place
+    return kinetic, stored

@@ -2,6 +2,10 @@
 
 The joint law is homogeneous in the area.  Its parameters here are those of a contact point times its area, so that it
 returns forces and works in place of stresses and works per area.
+
+What differs between walls is in arrays (rows, fields, W), the wall last, of one wall or of eight that step together
+(`damage.mechanics.eight`); what is equal in all of them has no such axis.  `System` has the tables of one wall, views
+of these arrays.
 """
 
 from typing import NamedTuple
@@ -9,6 +13,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from damage.mechanics.eight import WIDTH
 from damage.wall.joint_law import ContactState, ElasticRange, Material
 
 X, Z, ROTATION = range(3)
@@ -16,11 +21,23 @@ X, Z, ROTATION = range(3)
 [m], rotation from x towards z [rad]."""
 RIGID = 3
 """Number of coordinates of a rigid body."""
+COS1, SIN, PLACE = range(3)
+"""Fields of `bodies`: cosine of the rotation less one, its sine, the coordinates from PLACE on, then their forces."""
+VELOCITY, MASS, INVERSE_MASS = range(3)
+"""Fields of `inertia`: of coordinate k at 3 k from these."""
 OPENED, SLIPPED = 3, 4
 """Kinds of events besides TENSION and SHEAR of the joint law: opening or slip first exceeds the threshold of damage."""
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)
 """Entries of `energy` [J]."""
 REAL, INDEX = np.float64, np.uint32
+PARTS = 8
+"""Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so on."""
+SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC, DAMPED, SUMS = range(7)
+"""Rows of `sums`: momenta along x and z, power of prescribed velocities, power of damping, kinetic energy, work of the
+damping of interfaces."""
+BASE_X, BASE_Z, PULL_Z, STEP, ALPHA, LOCAL, RATE, BENCH = range(8)
+"""Fields of the only row of `bench`: acceleration of the base along x and z, and with gravity along z [m/s2]; time step
+[s]; mass-proportional [1/s] and local damping [-]; stiffness-proportional damping over the time step [-]."""
 
 
 def _row(*fields):
@@ -29,8 +46,7 @@ def _row(*fields):
     return np.dtype((np.record, row)) if numba.config.DISABLE_JIT else row  # plain Python, too: fields as attributes
 
 
-INTERFACE = _row(
-    # Equal in all walls of a batch, in the order of the blocks of the fast step:
+INTERFACE = _row(  # equal in all walls that step together
     ("ax", REAL, "m", "arm from the centre of body a to the middle of the contact points, along x"),
     ("az", REAL, "m", "the same along z"),
     ("bx", REAL, "m", "arm from the centre of body b, along x"),
@@ -48,36 +64,33 @@ INTERFACE = _row(
     ("stop", INDEX, "-", "row after the last one"),
     ("slide_least", REAL, "m", "shear displacement down to which the two faces overlap"),
     ("slide_most", REAL, "m", "the same upwards; both infinite on a support"),
-    # Different in each wall:
-    ("failed", INDEX, "-", "FAILED once a contact point has failed, softened or been crushed, then ENDING, ENDED"),
-    ("largest_opening", REAL, "m", "opening at the reach up to which no contact point leaves its elastic range"),
-    ("largest_slide", REAL, "m", "shear displacement up to which none does, without opening"),
 )
-SHARED = INTERFACE.names[:17]
-FAILED, ENDING, ENDED = 1, 2, 3
+LIMITS = "largest_opening", "largest_slide", "failed"
+"""Fields of the limits of an interface: opening at the reach up to which no contact point leaves its elastic range,
+-inf once one has failed, and shear displacement up to which none does, without opening [m]; FAILED once a contact point
+has failed, softened or been crushed, then ENDING, ENDED."""
+LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
+LINES = INTERFACE.names[:11]
+"""Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
+FAILED, ENDING, ENDED = 1.0, 2.0, 3.0
 """Values of `failed`; ENDING: the two faces ceased to overlap in this step; ENDED: before, and forces are zero."""
-CONTACT = _row(  # parameters of a contact point, times its area
+CONTACT = _row(  # of a contact point, equal in all walls that step together; stiffnesses times its area
     ("offset", REAL, "m", "from the interface's middle, along +x in bed and -z in head joints"),
     ("area", REAL, "m2", ""),
     ("kn", REAL, "N/m", "normal stiffness"),
     ("ks", REAL, "N/m", "shear stiffness"),
-    ("tensile_strength", REAL, "N", "of the intact bond"),
-    ("cohesion", REAL, "N", "of the intact bond"),
-    ("mode_i_energy", REAL, "J", "zero for a brittle bond"),
-    ("mode_ii_energy", REAL, "J", "zero for a brittle bond"),
-    ("compressive_strength", REAL, "N", "infinite where it does not crush"),
-    ("crushing_energy", REAL, "J", "zero where the compressive strength stays"),
 )
-STATE = _row(  # state of a contact point: of the joint law, its elastic range, and of the time step
-    *((name, REAL, "", "as of the joint law, times area") for name in ContactState._fields),
-    *((f"elastic_{name}", REAL, "", "as of the joint law, times area") for name in ElasticRange._fields),
-    ("shear0", REAL, "m", "shear displacement at which the contact had `shear_stress`"),
-    ("idle", REAL, "m", "opening up to which the law of a failed, open contact is not evaluated; negative before"),
-    ("passed", REAL, "-", "thresholds exceeded so far: 1 opened, 2 slipped, 3 both"),
-)
-STATE_FIELDS = len(STATE.names)
+STRENGTHS = ("tensile_strength", "cohesion", "mode_i_energy", "mode_ii_energy", "compressive_strength",
+             "crushing_energy")
+"""Strengths [N] and fracture energies [J] of a contact point: as of LawParameters, times its area."""
+OF_STEP = "shear0", "idle", "passed"
+"""Fields of a state that the step adds: shear displacement at which the contact had `shear_stress` [m]; opening up to
+which the law of a failed, open contact is not evaluated, negative before [m]; thresholds exceeded so far: 1 opened, 2
+slipped, 3 both."""
+STATES = *ContactState._fields, *(f"elastic_{name}" for name in ElasticRange._fields), *OF_STEP
+"""Fields of the state of a contact point: of the joint law, its elastic range, both times its area, and OF_STEP."""
 READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU = range(4)
-"""Rows of `readings` of a contact point: opening plus plastic closure, negative under compression, and shear
+"""Fields of `readings` of a contact point: opening plus plastic closure, negative under compression, and shear
 displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 
 
@@ -88,7 +101,8 @@ class System(NamedTuple):
         coordinates [m or rad and per second, N or N m, kg or kg m2]; velocities are those half a step ago; forces are
         those of the contact points; an inverse mass of zero prescribes a velocity
     trig: (bodies, 2) cosine of the rotation less one, and its sine
-    interfaces (INTERFACE), contacts (CONTACT), states (STATE): contacts and states in the order of their interfaces
+    interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), strengths (STRENGTHS), states (STATES): contacts in the
+        order of their interfaces
     readings: (4, contacts) displacements and stresses at the last sample, READ_OPENING to READ_TAU
     energy: (4,) INPUT to DAMPING [J]
     events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa], opening and slip [m];
@@ -97,11 +111,9 @@ class System(NamedTuple):
     last: (interfaces, 6) relative motion and resultant of the last step, for stiffness-proportional damping; a row for
         each contact where bricks deform
     turning: (bodies, 2) rotational spring between a body and the machine that moves it [N m/rad], and the rotation at
-        which it has no moment [rad] (plain step)
+        which it has no moment [rad]
     radiation: (rows of `last`, 5) dashpots of the soil, none (0, 5) without soil: damping over stiffness across and
-        along the interface [s], and their resultant in the last step [N, N m] (plain step)
-
-    The fast step takes the tables of several walls, stacked along a first axis.
+        along the interface [s], and their resultant in the last step [N, N m]
     """
 
     place: np.ndarray
@@ -111,7 +123,9 @@ class System(NamedTuple):
     inverse_mass: np.ndarray
     trig: np.ndarray
     interfaces: np.ndarray
+    limits: np.ndarray
     contacts: np.ndarray
+    strengths: np.ndarray
     states: np.ndarray
     readings: np.ndarray
     energy: np.ndarray
@@ -124,6 +138,145 @@ class System(NamedTuple):
     radiation: np.ndarray
 
 
+class Tables(NamedTuple):
+    """Tables of one wall or of eight, with the fields of System that change or differ, (rows, fields, W).
+
+    bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of each coordinate;
+    energy, relaxation: (1, fields, W); events, values, n_events: the wall first; first, second: (interfaces,) rows of
+    the bodies; every: (bodies,) all rows; lines: (blocks of eight interfaces, LINES, 8), copied by `copy_lines`.
+
+    Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is evaluated contact point
+    by contact point; used: (contacts,) 0 where a contact point is an intact spring in all walls.
+
+    Tables of a single wall have rows up to a multiple of eight; interfaces there join the last body to itself without
+    springs and stay intact.  Its inertia, last and radiation are in the order of columns: a field of eight rows is a
+    vector.
+    """
+
+    bodies: np.ndarray
+    inertia: np.ndarray
+    interfaces: np.ndarray
+    limits: np.ndarray
+    contacts: np.ndarray
+    strengths: np.ndarray
+    states: np.ndarray
+    readings: np.ndarray
+    energy: np.ndarray
+    events: np.ndarray
+    values: np.ndarray
+    n_events: np.ndarray
+    relaxation: np.ndarray
+    last: np.ndarray
+    turning: np.ndarray
+    radiation: np.ndarray
+    bench: np.ndarray
+    sums: np.ndarray
+    others: np.ndarray
+    used: np.ndarray
+    lines: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    every: np.ndarray
+
+
+SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
+WORK = "bench", "sums", "others", "used", "lines", "first", "second", "every"
+
+
+def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots, capacity, width=1):
+    """Tables of walls with these interfaces and contacts, all else zero; n_last, n_dashpots: rows of `last` and
+    `radiation`; capacity: largest number of events."""
+    def up(rows):
+        return rows if width > 1 else -(-rows // 8) * 8
+
+    c, p, blocks = len(contacts), up(len(interfaces)), -(-len(interfaces) // 8)
+    first, second = (np.full(p, n_bodies - 1, INDEX) for _ in range(2))
+    first[:len(interfaces)], second[:len(interfaces)] = interfaces["a"], interfaces["b"]
+
+    def zeros(rows, fields):
+        return aligned_zeros(rows, fields, width)
+
+    def by_columns(rows, fields):
+        return zeros(rows, fields) if width > 1 else aligned_zeros(1, fields, up(rows)).T
+
+    limits = zeros(p, len(LIMITS))
+    limits[:, :HAS_FAILED] = np.inf  # places that no wall takes stay intact
+    return Tables(
+        bodies=zeros(up(n_bodies), 2 + 2 * coordinates), inertia=by_columns(n_bodies, 3 * coordinates),
+        interfaces=interfaces, limits=limits, contacts=contacts, strengths=zeros(c, len(STRENGTHS)),
+        states=zeros(c, len(STATES)),
+        readings=zeros(c, 4), energy=zeros(1, 4), events=np.zeros((width, capacity, 3), np.int64),
+        values=np.zeros((width, capacity, 4)), n_events=np.zeros((width, 1), np.int64), relaxation=zeros(1, 2),
+        last=by_columns(n_last, 6), turning=zeros(n_bodies, 2), radiation=by_columns(n_dashpots, 5),
+        bench=zeros(1, BENCH), sums=zeros(SUMS, PARTS), others=np.zeros(p, np.uint8), used=np.zeros(c, np.uint8),
+        lines=aligned_zeros(blocks, len(LINES), 8), first=first, second=second,
+        every=np.arange(up(n_bodies), dtype=INDEX))
+
+
+def copy_lines(tables):
+    """Copy LINES from the interfaces into `lines`."""
+    for field, name in enumerate(LINES):
+        tables.lines[:, field].flat[:len(tables.interfaces)] = tables.interfaces[name]
+
+
+def aligned_zeros(*shape):
+    """Array of zeros that is aligned to the 64 bytes of a cache line, so that a vector lies in one line."""
+    n = int(np.prod(shape))
+    bytes_ = np.zeros(8 * n + 64, np.uint8)
+    first = -bytes_.ctypes.data % 64
+    return bytes_[first:first + 8 * n].view(float).reshape(shape)
+
+
+def join(members, capacity=None):
+    """Tables of walls that step together, of one or eight; members: (Tables, place in them) of each; capacity: largest
+    number of events, default that of the first."""
+    old = members[0][0]
+    new = make_tables(len(old.turning), old.inertia.shape[1] // 3, old.interfaces.copy(), old.contacts.copy(),
+                      len(old.last), len(old.radiation), old.events.shape[1] if capacity is None else capacity,
+                      width=1 if len(members) == 1 else WIDTH)
+    for w, (tables, lane) in enumerate(members):
+        copy_wall(tables, lane, new, w)
+    copy_lines(new)
+    return new
+
+
+def copy_wall(tables, lane, other, w):
+    """Copy wall `lane` of Tables to place w of others; its events as far as there are any."""
+    for name, from_, to in zip(Tables._fields, tables, other):
+        if name in LOGS:
+            count = len(from_[lane]) if name == "n_events" else min(int(tables.n_events[lane, 0]), from_.shape[1])
+            to[w, :count] = from_[lane, :count]
+        elif name not in SHARED + WORK:
+            rows = min(len(from_), len(to))
+            to[:rows, :, w] = from_[:rows, :, lane]
+
+
+def system_of(tables, w):
+    """System of wall w of Tables."""
+    n, inertia = len(tables.turning), tables.inertia[..., w]
+    damped = len(tables.interfaces if inertia.shape[1] == 3 * RIGID else tables.contacts)
+    trig, place, force = np.split(tables.bodies[:n, :, w], [PLACE, PLACE + inertia.shape[1] // 3], axis=1)
+    return System(
+        place=place, force=force, trig=trig,
+        velocity=inertia[:n, VELOCITY::3], mass=inertia[:n, MASS::3], inverse_mass=inertia[:n, INVERSE_MASS::3],
+        interfaces=tables.interfaces, contacts=tables.contacts,
+        limits=_records(tables.limits, LIMITS, w)[:len(tables.interfaces)],
+        strengths=_records(tables.strengths, STRENGTHS, w),
+        states=_records(tables.states, STATES, w), readings=tables.readings[..., w].T, energy=tables.energy[0, :, w],
+        events=tables.events[w], values=tables.values[w], n_events=tables.n_events[w],
+        relaxation=tables.relaxation[0, :, w], last=tables.last[:damped, :, w], turning=tables.turning[..., w],
+        radiation=tables.radiation[:damped, :, w])
+
+
+def _records(table, names, w):
+    """View of wall w of a table as a structured array with named fields."""
+    rows, fields, width = table.shape
+    size = 8 * fields * width
+    row = np.dtype({"names": names, "formats": [REAL] * fields, "itemsize": size,
+                    "offsets": [8 * (k * width + w) for k in range(fields)]})
+    return table.reshape(rows, fields * width).view(row)[:, 0]
+
+
 def table(dtype, n, **fields):
     """Structured array of n rows with these fields, (n,) or scalars; all other fields are zero."""
     rows = np.zeros(n, dtype)
@@ -133,9 +286,9 @@ def table(dtype, n, **fields):
 
 
 class Strain(NamedTuple):
-    """Strain modes of deformable bricks, none of rigid ones: stiffness, damping: (bodies, modes) of each mode [1/s2,
-    1/s], the supports last; shapes: (kinds, 2, modes) displacement along the normal and the tangent of a contact point
-    by a unit of each [1/sqrt(kg)]; rows: (contacts, 2) of these, in bodies a and b."""
+    """Strain modes of deformable bricks: stiffness, damping: (bodies, modes) of each mode [1/s2, 1/s], the supports
+    last; shapes: (kinds, 2, modes) displacement along the normal and the tangent of a contact point by a unit of each
+    [1/sqrt(kg)]; rows: (contacts, 2) of these, in bodies a and b."""
 
     stiffness: np.ndarray
     damping: np.ndarray
@@ -144,26 +297,7 @@ class Strain(NamedTuple):
 
 
 class Law(NamedTuple):
-    """Joint law of a wall: Material, threshold of the events OPENED and SLIPPED [m]; and the Strain of its bricks."""
+    """Joint law of a wall: Material, threshold of the events OPENED and SLIPPED [m]."""
 
     material: Material
     threshold: float
-    strain: Strain
-
-
-class Controls(NamedTuple):
-    """Time step [s] and damping: local (Cundall's) [-], mass-proportional alpha [1/s], stiffness-proportional beta [s],
-    adaptive as the share of the rate of change of the kinetic energy [-]."""
-
-    time_step: float
-    local: float
-    alpha: float
-    beta: float
-    adaptive: float
-
-
-class Scratch(NamedTuple):
-    """Work arrays of a step; others: (interfaces,) indices of those that are not intact; sums: (5, PARTS)."""
-
-    others: np.ndarray
-    sums: np.ndarray

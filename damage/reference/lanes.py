@@ -1,4 +1,4 @@
-"""Batches: up to eight walls advance together, one in each SIMD lane of the vector instructions.
+"""Batches: a wall by itself, or up to eight that advance together, one in each SIMD lane of the vector instructions.
 
     run_together([wall, another, ...], 70, 70, 10)     # each as wall.run would, to the same bits
 
@@ -14,17 +14,12 @@ import weakref
 import numpy as np
 
 from damage.index import THRESHOLD
+from damage.mechanics import step as kernel
 from damage.mechanics import tables
-from damage.reference.fast import alone, deforming, together
-from damage.reference.fast.blocks import make_blocks
-from damage.reference.fast.modes import make_modes
-from damage.reference.fast.step import Law
-from damage.reference.plain import Alone
+from damage.mechanics.eight import EIGHT, ONE, WIDTH
 
-MOST_LANES = 8
+MOST_LANES = WIDTH
 """Largest number of walls in a batch: the SIMD lanes of a vector (`damage.mechanics.eight`)."""
-SHARED = ("interfaces", tables.SHARED), ("contacts", ("offset", "kn", "ks", "area"))
-"""(table, columns) that are equal in all walls of a batch."""
 
 
 def run_together(walls, *steps):
@@ -41,47 +36,31 @@ def advance_together(asked):
 
     asked: (wall, numbers of steps) of each; ValueError, too, where the sums differ.
     """
-    most = MOST_LANES if all(wall.fast for wall, _ in asked) else 1
+    most = MOST_LANES if all(wall.loose is None for wall, _ in asked) else 1
     for first in range(0, len(asked), most):
         walls, steps = zip(*asked[first:first + most])
         lanes = walls[0].lanes
-        if lanes is None or not lanes.are_of(walls):
-            lanes = bind(walls)
+        if not lanes.are_of(walls):
+            lanes = Lanes(walls)
         lanes.run(*steps)
     return [wall.failure() for wall, _ in asked]
 
 
-def bind(walls):
-    """Bind walls to what advances them: Lanes with the fast step, or Alone with the plain step for a single wall.
-
-    A single wall with deformable bricks takes the plain step, which is as fast as a batch of eight lanes.
-    """
-    if all(wall.fast for wall in walls) and walls[0].layout.strain is None:
-        return Lanes(walls)
-    if all(wall.fast for wall in walls) and len(walls) > 1:
-        return DeformingLanes(walls)
-    (wall,) = walls
-    wall.lanes = Alone(wall)
-    return wall.lanes
-
-
 class Lanes:
-    """Batch of up to eight walls, whose tables become views of the joined tables of the batch.
+    """Batch of up to eight walls, whose tables become views of the tables of the batch.
 
     Raises ValueError where the walls differ in bricks, stiffnesses or friction.
     """
 
-    def __init__(self, walls):
+    def __init__(self, walls, built=None):
+        """built: Tables of a single wall that has none yet."""
         self._walls = [weakref.ref(wall) for wall in walls]  # which hold this object: no cycle keeps the tables
-        _check(self.walls)
-        self.tables = _join([wall.system for wall in self.walls])
-        for lane, wall in enumerate(self.walls):
-            wall.system, wall.lanes = _lane(self.tables, lane), self
-        self._width = 1 if len(self.walls) == 1 else MOST_LANES
-        self._law = Law(self.walls[0].material, THRESHOLD, _is_plain(self.tables))
-        self._columns = self.tables.states.view(tables.REAL).reshape(*self.tables.states.shape, tables.STATE_FIELDS)
-        self._blocks = make_blocks(self.tables.interfaces[0], self.tables.place.shape[1],
-                                   self.tables.contacts.shape[1], self._width)
+        _check(walls)
+        self._n = ONE if len(walls) == 1 else EIGHT
+        self.tables = built or tables.join([(wall.lanes.tables, wall.lanes.lane_of(wall)) for wall in walls])
+        for w, wall in enumerate(walls):
+            wall.system, wall.lanes = tables.system_of(self.tables, w), self
+        self._law = tables.Law(walls[0].material, THRESHOLD)
         self._samples = self.room(0)
 
     @property
@@ -89,17 +68,22 @@ class Lanes:
         """The walls, None where one is in use no longer."""
         return [wall() for wall in self._walls]
 
+    def lane_of(self, wall):
+        """Place of a wall in the tables."""
+        return self.walls.index(wall)
+
     def are_of(self, walls):
         """Whether the batch consists of these walls, in this order, all still bound to it."""
-        return len(walls) == len(self.walls) and all(
-            one is other and one.lanes is self and one.fast for one, other in zip(walls, self.walls))
+        return len(walls) == len(self._walls) and all(
+            one is other and one.lanes is self for one, other in zip(walls, self.walls))
 
     def run(self, *steps):
         """Advance the walls by their numbers of steps, a sequence for each; `samples_of` returns the samples.
 
         Raises ValueError where their sums differ.
         """
-        for wall in self.walls:
+        walls = self.walls
+        for wall in walls:
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
         if (longest := max(map(len, steps))) > self._samples.totals.shape[1]:
@@ -109,60 +93,40 @@ class Lanes:
         if any(of_wall[-1] != last for of_wall in ends):
             raise ValueError(f"walls asked to go {sorted({int(one[-1]) for one in ends})} steps together: expected "
                              "equally many")
-        how = self._law, self._controls(), self._field(last + 1)
-        self._advance(how, ends)
-        for wall in self.walls:
+        if last == 0:
+            return
+        self._run(kernel.ADVANCE, np.array([wall.field(last + 1) for wall in walls]), *_in_turn(ends), self._samples)
+        for wall in walls:
             wall.step += last
 
-    def _advance(self, how, ends):
-        """Advance to the steps `ends`; how: Law, controls and field."""
-        if self._width == 1:
-            alone.run(self.tables, self._blocks, *how, self._clock()[0], ends[0], self.walls[0].stiffness,
-                      self._samples)
-        else:
-            together.run(self.tables, self._columns, self._blocks, *how, self._clock(), *_in_turn(ends),
-                         self.walls[0].stiffness, self._samples, np.zeros(len(self.walls), int))
+    def _run(self, what, field, ends, ending, samples):
+        """As `damage.mechanics.step.run`; others than the wall that is looked at may be in use no longer."""
+        any_wall = next(filter(None, self.walls))
+        walls = [wall or any_wall for wall in self.walls]
+        kernel.run(what, self._n, self.tables, self._law, any_wall.strain, any_wall.loose,
+                   np.array([wall.controls for wall in walls], float), field,
+                   np.array([wall.step - wall.first_step for wall in walls]), ends, ending, any_wall.stiffness, samples,
+                   np.zeros(len(walls), int))
 
     def room(self, n_samples):
         """Samples of all walls, all zero."""
-        return self.walls[0].room(len(self.walls), n_samples)
+        return next(filter(None, self.walls)).room(len(self._walls), n_samples)
 
     def samples_of(self, wall, which):
         """Samples of a wall from the last `run`; which: slice or indices of its numbers of steps."""
-        return self._samples.of(self.walls.index(wall), which)
+        return self._samples.of(self.lane_of(wall), which)
+
+    def sample_now(self, wall, field):
+        """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of the base and
+        gravity."""
+        samples, w = self.room(1), self.lane_of(wall)
+        self._run(kernel.LOOK, np.tile(field, (len(self._walls), 1, 1)), np.zeros(1, int), np.array([1 << w]), samples)
+        return samples.of(w, slice(1))
 
     def find_forces(self, singly):
-        """Forces at the present displacements without damping; if singly, by contact points and with readings."""
-        alone.find_forces(self.tables, self._blocks, self._law, self._clock()[0], singly, False)
-
-    def _controls(self):
-        """(walls, 5) as of damage.mechanics.tables.Controls."""
-        return np.array([wall.controls for wall in self.walls], float)
-
-    def _field(self, n_steps):
-        """(walls, n_steps, 3) as of ReferenceWall.field."""
-        return np.array([wall.field(n_steps) for wall in self.walls])
-
-    def _clock(self):
-        """(walls,) steps since the last `start` of each."""
-        return np.array([wall.step - wall.first_step for wall in self.walls])
-
-
-class DeformingLanes(Lanes):
-    """Batch of walls with deformable bricks, eight SIMD lanes wide."""
-
-    def __init__(self, walls):
-        super().__init__(walls)
-        wall, n_contacts = self.walls[0], self.tables.contacts.shape[1]
-        self._blocks = make_blocks(self.tables.interfaces[0], self.tables.place.shape[1], n_contacts, MOST_LANES)
-        self._modes = make_modes(self.tables.place.shape[1], wall.strain.shapes.shape[2],
-                                 self.tables.interfaces.shape[1], n_contacts)
-
-    def _advance(self, how, ends):
-        wall, (law, controls, field) = self.walls[0], how
-        deforming.run(self.tables, self._columns, self._blocks, self._modes,
-                      tables.Law(law.material, law.threshold, wall.strain), law.plain, controls, field, self._clock(),
-                      *_in_turn(ends), wall.stiffness, self._samples, np.zeros(len(self.walls), int))
+        """Forces of a single wall at the present displacements without damping; if singly, by contact points and with
+        readings."""
+        self._run(kernel.FIND_FORCES, np.zeros((1, 1, 3)), np.zeros(1, int), np.array([int(singly)]), self._samples)
 
 
 def are_alike(wall, other):
@@ -172,15 +136,18 @@ def are_alike(wall, other):
 
 
 def kind_of(wall):
-    """Key that is equal for walls that are `are_alike`: step, material and a digest of what is shared."""
+    """Key that is equal for walls that are `are_alike`, whether they find new contacts, material and a digest of what
+    is shared."""
     parts = [np.ascontiguousarray(values).tobytes() for values in _shared(wall)]
-    return wall.fast, wall.material, hashlib.sha256(b"".join(parts)).digest()
+    return wall.loose is None, wall.material, hashlib.sha256(b"".join(parts)).digest()
 
 
 def _shared(wall):
     """Arrays that are equal in all walls of a batch."""
-    of_modes = (wall.system.mass[:, tables.RIGID:], *wall.strain) if wall.layout.strain else ()
-    return [*(getattr(wall.system, table)[name] for table, names in SHARED for name in names), *of_modes]
+    system = wall.system
+    of_modes = (system.mass[:, tables.RIGID:], *wall.strain) if wall.strain else ()
+    return [*(table[name] for table in (system.interfaces, system.contacts) for name in table.dtype.names), *of_modes,
+            np.array(len(system.radiation))]
 
 
 def _in_turn(ends):
@@ -189,38 +156,9 @@ def _in_turn(ends):
     return steps, sum(np.isin(steps, of_wall) << lane for lane, of_wall in enumerate(ends)).astype(np.int64)
 
 
-def _is_plain(system):
-    """Whether no contact softens or crushes."""
-    contacts = system.contacts
-    return bool(np.all(contacts["compressive_strength"] == np.inf) and not contacts["mode_i_energy"].any()
-                and not contacts["mode_ii_energy"].any())
-
-
 def _check(walls):
     """Raise ValueError where the walls cannot be in one batch."""
     for lane, wall in enumerate(walls[1:], 1):
         if not are_alike(walls[0], wall):
             raise ValueError(f"wall {lane} of those to step together has other bricks, stiffnesses or friction than "
                              "wall 0; step it by itself")
-
-
-def _join(systems):
-    """Tables of several walls stacked along a first axis; of a single wall, views with a first axis of length one."""
-    def join(name):
-        arrays = [getattr(system, name) for system in systems]
-        if len(arrays) == 1:
-            return arrays[0][np.newaxis]
-        if name not in ("events", "values"):
-            return np.stack(arrays)
-        joined = np.zeros((len(arrays), *arrays[0].shape), arrays[0].dtype)  # untouched rows take no memory
-        for row, system in enumerate(systems):
-            count = min(int(system.n_events[0]), len(arrays[row]))
-            joined[row, :count] = arrays[row][:count]
-        return joined
-
-    return tables.System(*map(join, tables.System._fields))
-
-
-def _lane(joined, lane):
-    """Views of the tables of one wall of a batch."""
-    return tables.System(*(array[lane] for array in joined))

@@ -14,11 +14,10 @@ from damage.errors import InputError, RunWarning, did_you_mean, heard
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
-from damage.mechanics.compiled import COMPILING
+from damage.mechanics.compiled import COMPILING, is_cached
 from damage.motion.loading import Loading, Recorded
 from damage.motion.record import Record
 from damage.provenance import shown_path
-from damage.reference.fast.compiled import is_cached
 from damage.reference.session import BACKEND, PROG
 from damage.run.options import free_name, make_parser, parse_run, pictures_folder
 from damage.run.session import EXIT_INTERRUPTED, attended, prepare, simulate

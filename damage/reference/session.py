@@ -17,10 +17,8 @@ PROG = "python3 -m damage reference"
 
 
 def _make(layout, time_step, settings):
-    """The ReferenceSolver of a Layout and RunSettings; the plain step alone has a spring at the top and dashpots."""
-    plain = settings.loading.drive.top_stiffness or settings.model.soil_velocity
-    fast = settings.step == "fast" and not plain
-    return ReferenceSolver(layout, time_step, fast=fast, new_contacts=settings.new_contacts)
+    """The ReferenceSolver of a Layout and RunSettings."""
+    return ReferenceSolver(layout, time_step, new_contacts=settings.new_contacts)
 
 
 BACKEND = Backend("reference", {"numba": numba.__version__}, _make, Path(__file__).parent, softening=Softening(),

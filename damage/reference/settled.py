@@ -7,6 +7,8 @@ import hashlib
 import pickle
 from collections import OrderedDict
 
+from damage.mechanics.tables import copy_wall, join
+
 MOST_BYTES = 64_000_000
 """Largest size of the cache: about a hundred walls of four hundred bricks."""
 
@@ -51,7 +53,7 @@ class Settled:
     def keep(self, solver):
         """Store the state of a solver at the end of its static stage, unless its bricks have found new contacts by
         then."""
-        if not solver.loose.counts.any():
+        if solver.loose is None or not solver.loose.counts.any():
             self._walls.put(self._digest, State(solver))
 
 
@@ -59,9 +61,8 @@ class State:
     """Copy of the tables of a ReferenceWall and its clock."""
 
     def __init__(self, wall):
-        self._step, system, count = wall.step, wall.system, int(wall.system.n_events[0])
-        self._tables = system._replace(events=system.events[:count], values=system.values[:count])
-        self._tables = type(system)(*(table.copy() for table in self._tables))
+        self._step, of = wall.step, (wall.lanes.tables, wall.lanes.lane_of(wall))
+        self._tables = join([of], capacity=int(wall.system.n_events[0]))
 
     @property
     def nbytes(self):
@@ -71,8 +72,7 @@ class State:
     def put_into(self, wall):
         """Write the tables and the clock into a wall with the same bricks."""
         wall.step = self._step
-        for table, kept in zip(wall.system, self._tables):
-            table[:len(kept)] = kept
+        copy_wall(self._tables, 0, wall.lanes.tables, wall.lanes.lane_of(wall))
 
 
 def _digest(prepared):

@@ -12,9 +12,10 @@ from damage.wall.joint_law import SHEAR, TENSION
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
 
 
-STATE_TABLES = ("place", "velocity", "force", "trig", "interfaces", "states", "readings", "energy", "relaxation",
-                "last", "radiation")
-"""Fields of System that a step changes; masses, contact parameters and the log of events are left out."""
+STATE_TABLES = ("place", "velocity", "force", "trig", "limits", "states", "readings", "energy", "relaxation",
+                "radiation")
+"""Fields of System that a step changes; masses, contact parameters, the log of events, and what follows from the rest
+are left out."""
 
 
 class ReferenceSolver(ReferenceWall, Solver):
@@ -100,16 +101,15 @@ class ReferenceSolver(ReferenceWall, Solver):
         return self.force[:len(self.layout.bodies)], np.hypot(*self.stresses) * self.system.contacts["area"]
 
     def largest_overlap_m(self):
-        loose = self.loose
-        return (loose.energy[LARGEST], 2 * loose.touch.radius) if len(loose.cores) else None
+        return None if self.loose is None else (self.loose.energy[LARGEST], 2 * self.loose.touch.radius)
 
     def base_reaction(self):
         return self.base_force()[1]
 
     def saved_state(self):
-        if len(self.loose.cores):
+        if self.loose is not None:
             return None
-        return {name: getattr(self.system, name) for name in STATE_TABLES} | {
+        return {name: np.ascontiguousarray(getattr(self.system, name)) for name in STATE_TABLES} | {
             f"passed_{kind}": passed for kind, passed in self._passed.items()}
 
     def resume(self, state):

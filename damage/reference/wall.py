@@ -1,8 +1,7 @@
 """A wall of the reference solver: rigid bodies in the plane, integrated explicitly in time.
 
-Layout, joint law, stages, loading and history file are those of walls in YADE.  The time step is the plain one
-(`damage.mechanics.step`) or the fast one (`damage.reference.fast`).  Walls with equal bricks and stiffnesses can
-advance together (`damage.reference.lanes`).
+Layout, joint law, stages, loading and history file are those of walls in YADE.  The time step is
+`damage.mechanics.step`.  Walls with equal bricks and stiffnesses can advance together (`damage.reference.lanes`).
 """
 
 import math
@@ -13,12 +12,10 @@ from damage.errors import RunError
 from damage.index import THRESHOLD
 from damage.mechanics import tables
 from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, strain_tables, sum_springs
-from damage.mechanics.loose import FULL, INSIDE, NONE, STORED
-from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Stiffness, observe
-from damage.mechanics.strain import observe_modes
-from damage.mechanics.tables import RIGID, ROTATION, X
-from damage.reference.fast import takes
-from damage.reference.lanes import bind, run_together
+from damage.mechanics.loose import FULL, INSIDE
+from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Stiffness
+from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
+from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
 from damage.wall.joint_law import material_of
 from damage.wall.modes import static_displacement
@@ -28,22 +25,23 @@ class ReferenceWall:
     """A wall and its state; time is counted in steps.
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
-    damping [1/s]; fast: the fast step, where it takes such a wall, or the plain step; new_contacts: bodies whose joints
-    have ended, or that had none, collide.  time_step, beta, alpha, `local_damping` (Cundall's, [-]) and
-    `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be changed at any time.
+    damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide.  time_step, beta, alpha,
+    `local_damping` (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
+    changed at any time.
     """
 
-    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, fast=True, new_contacts=False):
-        self.layout, self.time_step, self.step, self.fast = layout, time_step, 0, fast and takes(layout, new_contacts)
+    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False):
+        self.layout, self.time_step, self.step = layout, time_step, 0
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
-        self.system, self.strain = build(layout, self.material), strain_tables(layout)
-        self.loose = build_loose(layout, self.system, time_step, self.material) if new_contacts else NONE
-        row = contact_rows(layout)[0]
-        self.stiffness = Stiffness(self.system.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
+        built, row = build(layout, self.material), contact_rows(layout)[0]
+        self.strain, self.loose = strain_tables(layout), None
+        self.stiffness = Stiffness(built.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
-        self.lanes = None  # Lanes or Alone that last advanced the wall
+        self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
+        if new_contacts:
+            self.loose = build_loose(layout, self.system, time_step, self.material)
         self._held, self._is_driven, self._active = None, False, (0, np.empty(0, int))
         self._passed = {kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)}
         self.refresh()
@@ -119,13 +117,9 @@ class ReferenceWall:
 
     def sample_now(self):
         """Samples with a single sample, of the present time."""
-        samples = self.room(1, 1)
         field = self.field(1)[0]
         field[2] = GRAVITY
-        observe(self.system, self.stiffness, field, self.time_step, samples, 0, 0)
-        observe_modes(self.system, self.strain, self.time_step, samples, 0, 0)
-        samples.totals[0, 0, ELASTIC] += self.loose.energy[STORED]
-        return samples.of(0, slice(1))
+        return self.lanes.sample_now(self, field)
 
     def room(self, n_walls, n_samples):
         """Samples for n_walls walls like this one, all zero."""
@@ -146,8 +140,7 @@ class ReferenceWall:
         """Indices of the active contact points, those of failed interfaces; all, a slice, with parallel elements."""
         if self.layout.fibres is not None:
             return slice(None)
-        interfaces = self.system.interfaces
-        failed = interfaces["failed"] > 0
+        interfaces, failed = self.system.interfaces, self.system.limits["failed"] > 0
         if (count := np.count_nonzero(failed)) != self._active[0]:  # failure is permanent
             self._active = count, np.flatnonzero(np.repeat(failed, interfaces["stop"] - interfaces["start"]))
         return self._active[1]
@@ -186,8 +179,11 @@ class ReferenceWall:
         system = self.system
         intact = system.states["kappa"] == 0.0
         system.states["elastic_tension_stiffness"][intact] = system.contacts["kn"][intact]
-        sum_springs(system.interfaces, system.contacts, self.material, self.layout.strain)
-        bind([self]).find_forces(singly=True)
+        sum_springs(system, self.material, self.layout.strain)
+        if not self.lanes.are_of([self]):
+            Lanes([self])
+        copy_lines(self.lanes.tables)
+        self.lanes.find_forces(singly=True)
 
     @property
     def material(self):
@@ -241,7 +237,7 @@ class ReferenceWall:
 
     def hold(self, bodies, rotation, stiffness=0.0):
         """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation: prevent it, too;
-        stiffness: of a rotational spring on each, from the present rotation on [N m/rad], of the plain step."""
+        stiffness: of a rotational spring on each, from the present rotation on [N m/rad]."""
         self.system.turning[bodies] = np.column_stack([np.full(len(bodies), stiffness),
                                                        self.system.place[bodies, ROTATION]])
         self._held, self._is_driven = bodies, True
@@ -303,6 +299,8 @@ class ReferenceWall:
             return FloatingPointError(f"forces are no longer finite at step {self.step}: the time step of "
                                       f"{self.time_step:.3g} s is too large for this wall")
         loose, before_s = self.loose, (self.step - self.first_step) * self.time_step
+        if loose is None:
+            return None
         if loose.counts[INSIDE]:
             return RunError(f"new contacts: bricks press each other by more than the {2e3 * loose.touch.radius:.3g} mm "
                             f"of their rounded corners before {before_s:.4g} s; expected less; give a smaller --dt: a "

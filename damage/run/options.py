@@ -311,8 +311,8 @@ def _add_run(group, solver):
     group.add_argument("--after-fall", action="store_true", help="with --new-contacts: follow the bricks until the "
                        f"wall rests, {AFTER_FALL_S:g} s at most (default: end with the first fallen brick)")
     if solver == "reference":
-        group.add_argument("--step", choices=STEPS, default=STEPS[0], help="implementation of the time step: fast "
-                           "(default), or plain, the definition that it is tested against; both give the same bits")
+        group.add_argument("--step", choices=STEPS, default=STEPS[0], help="of no effect since there is one time step; "
+                           "accepted in this version")
     if solver == "yade":
         group.add_argument("--past-collapse", type=float, default=0.0, metavar="S",
                            help="follow the bricks for so long after the first one fell (default 0)")

@@ -1,0 +1,521 @@
+"""One source of the time step in two widths: a wall has the same bits alone and as any of eight, whatever the others
+do, and those of plain Python but for fused multiply-adds."""
+
+import ast
+import gc
+import os
+import re
+import shutil
+import subprocess
+import sys
+import weakref
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+from numba import njit
+from numba.core.dispatcher import Dispatcher
+from numpy.testing import assert_allclose
+
+from damage.mechanics import samples, step, tables
+from damage.mechanics.compiled import COMPILING, KERNEL
+from damage.mechanics.eight import (
+    EIGHT,
+    ONE,
+    Lane,
+    add,
+    bits,
+    either,
+    flags_of,
+    lane,
+    lanes,
+    load,
+    store,
+    store_where,
+    wall_of,
+    with_lane,
+    zero,
+)
+from damage.mechanics.tables import ENDED, FAILED, RIGID
+from damage.motion.loading import Harmonic
+from damage.reference import ensembles
+from damage.reference.lanes import MOST_LANES, run_together
+from damage.reference.solver import ReferenceSolver
+from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
+from damage.wall.modes import natural_modes
+from damage.wall.parameters import Brick, Joint, Opening, Wall
+
+WEAK = {"tensile_strength": 3e4, "cohesion": 8e4}
+SOFT = WEAK | {"mode_i_fracture_energy": 1.0, "mode_ii_fracture_energy": 10.0}
+CRUSHING = {"compressive_strength": 5e5}
+SPLITTING = {"tensile_strength": 1e5, "cohesion": 1.5e5}
+KINDS = {
+    "brittle": (WEAK, {}, {}), "softening": (SOFT, {}, {}), "parallel elements": (SOFT, {}, {"fibres": 4}),
+    "crushing": (WEAK | CRUSHING, {}, {}), "splitting": (WEAK, SPLITTING, {}),
+    "on damped soil": (WEAK, {}, {"soil": 1e9, "soil_velocity": 100.0}),
+    "all of it": (SOFT | CRUSHING | {"compressive_fracture_energy": 10.0}, SPLITTING, {"contacts": "corners"})}
+WEAKER = {"tensile_strength": 1e3, "cohesion": 1e3}
+MODES = {"bricks": "deformable", "contacts": "gauss", "brick_mass": 25.0}
+DEFORMABLE = {
+    "deformable": (WEAKER, {}, MODES), "deformable, parallel elements": (SOFT | WEAKER, {}, MODES | {"fibres": 4}),
+    "deformable, softening": (SOFT | WEAKER, {}, MODES | {"brick_damping": 0.0}),
+    "deformable, on damped soil": (WEAKER, {}, MODES | {"soil": 1e9, "soil_velocity": 100.0}),
+    "deformable, softening and crushing, order 3": (
+        SOFT | WEAKER | {"compressive_strength": 2e4, "compressive_fracture_energy": 0.1}, {},
+        MODES | {"brick_order": 3})}
+ACTIONS = {
+    "shaken": {}, "shaken vertically, too": {"vertical": 8.0}, "damped by mass": {"alpha": 5.0},
+    "damped by stiffness": {"beta": 1e-6}, "local damping": {"local": 0.2}, "adaptive damping": {"adaptive": 1.0},
+    "pushed": {"push": 0.5}, "pushed to and fro": {"push": 1.0, "to_and_fro": True, "adaptive": 1.0},
+    "hardly shaken": {"pga_g": 0.01}, "damped by both": {"alpha": 2.0, "beta": 2e-6}}
+SPEEDS = 2.5, 0.1, -2.0, 1.9, 3.0
+
+
+def make(kind, seed=0, **more):
+    """A small wall with an opening, at rest and still without its weight; seed: of scattered strengths, 0 for none."""
+    joint, brick, options = (KINDS | DEFORMABLE)[kind]
+    wall = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=Joint(**joint),
+                brick=Brick(**brick))
+    scatter = {"strength_cov": 0.3, "strength_seed": seed} if seed and "fibres" not in options else {}
+    layout = lay_out(wall, ModelOptions(**options, **scatter))
+    return ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, **more)
+
+
+def begin(wall, push=0.0, to_and_fro=False, vertical=0.0, pga_g=2.0, **damping):
+    """Start a wall that has settled."""
+    wall.damp(**damping)
+    deforms = wall.strain is not None
+    time_s, period_s = np.arange(600) * wall.time_step, 0.004 if deforms else 0.02
+    base = Harmonic(period_s, pga_g * (2.5 if deforms else 1.0)).base_acceleration(time_s) if not push else \
+        np.zeros((600, 2))
+    base[:, 1] = vertical * np.cos(2 * np.pi * time_s / 0.03)
+    wall.start(base)
+    if push:
+        wall.hold(wall.layout.pushed_bodies, rotation=to_and_fro, stiffness=0.0 if to_and_fro else 1e5)
+
+
+def push_on(wall, sample, push=0.0, to_and_fro=False, **_):
+    """Set the speed of the top of a wall that is pushed, before a sample."""
+    if push:
+        wall.push(-push if to_and_fro and sample % 4 > 1 else push)
+
+
+def act(wall, **action):
+    """Let a wall settle and be shaken, or pushed, by itself; yields what its samples hold."""
+    wall.damp(local=0.7)
+    wall.run(200)
+    begin(wall, **action)
+    for sample in range(12):
+        push_on(wall, sample, **action)
+        wall.run(30, 20)
+        yield everything(wall)
+
+
+def act_together(walls, actions):
+    """As `act`, of walls that advance together."""
+    for wall in walls:
+        wall.damp(local=0.7)
+    run_together(walls, 200)
+    for wall, action in zip(walls, actions):
+        begin(wall, **action)
+    for sample in range(12):
+        for wall, action in zip(walls, actions):
+            push_on(wall, sample, **action)
+        assert run_together(walls, 30, 20) == [None] * len(walls)
+        assert len(walls[0].lanes.walls) == min(len(walls), MOST_LANES)
+        yield [everything(wall) for wall in walls]
+
+
+def everything(wall):
+    """State, events and present sample of a wall, as bytes."""
+    of_use = wall.system._replace(relaxation=np.zeros(0), last=np.zeros(0))  # of no use without their damping
+    fields = [table if table.dtype.names is None else table[name] for table in of_use
+              for name in table.dtype.names or ("",)]
+    instants = wall.instants()
+    sample = [*instants.contacts.values(), *(value for value in instants if value is not instants.contacts)]
+    return as_bytes([*fields, *np.atleast_1d(np.array(wall.drain_events(), dtype=object).astype(str)), *sample])
+
+
+def as_bytes(parts):
+    return [np.ascontiguousarray(part).tobytes() for part in parts if part is not None and not isinstance(part, slice)]
+
+
+def check_widths(layout):
+    """A wall of this layout has the same bits alone and with another one; returns the one that steps alone."""
+    alone, *both = (ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s) for _ in range(3))
+    for wall in (alone, *both):
+        begin(wall)
+    for _ in range(12):
+        alone.run(30, 20)
+        run_together(both, 30, 20)
+        assert everything(both[0]) == everything(both[1]) == everything(alone)
+    return alone
+
+
+# --- the same bits in both widths -------------------------------------------------------------------
+
+@pytest.mark.parametrize("kind", KINDS | DEFORMABLE)
+def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
+    """Each member has strengths, a time step, damping and a motion of its own; ten are more than one batch."""
+    def members():
+        walls = [make(kind, seed) for seed in range(len(ACTIONS))]
+        walls[5].time_step *= 0.9
+        return walls
+
+    assert len(ACTIONS) > MOST_LANES
+    alone = members()
+    expected = [list(act(wall, **action)) for wall, action in zip(alone, ACTIONS.values())]
+    for order in (range(10), range(9, -1, -1), (3, 0, 7)) if kind in ("brittle", "deformable") else (range(10),):
+        walls = members()
+        actions = [[*ACTIONS.values()][k] for k in order]
+        for sample, found in enumerate(act_together([walls[k] for k in order], actions)):
+            assert found == [expected[k][sample] for k in order], sample
+    failed = np.array([wall.system.states["broken"] + wall.system.states["kappa"] > 0 for wall in alone])
+    assert (failed.any(axis=0) & ~failed.all(axis=0)).any()  # in some of the walls
+    if "crushing" in kind:
+        assert any((wall.system.states["closure"] > 0).any() for wall in alone)
+    if "soil" in kind:
+        assert all(wall.system.radiation[:, 2].any() for wall in alone)
+
+
+def test_a_member_that_ends_or_fails_does_not_disturb_the_others():
+    """One is left out after a while, one becomes unstable by too large a time step, one is run alone in between."""
+    walls, reference = [make("brittle", seed) for seed in (0, 1, 2, 0)], make("brittle")
+    for wall in walls:
+        wall.damp(local=0.7)
+    run_together(walls, 200)
+    for wall in walls:
+        begin(wall)
+    walls[3].time_step *= 20
+    ended = None
+    for sample, expected in enumerate(act(reference)):
+        running = [walls[0], walls[3]] + ([walls[1]] if sample < 5 else [])
+        failures = run_together(running, 30, 20)
+        assert failures[0] is None and all(failure is None for failure in failures[2:])
+        if sample == 4:
+            ended = walls[1].system.place.copy()
+        walls[2].run(30, 20)
+        assert everything(walls[0]) == expected
+    assert isinstance(failures[1], FloatingPointError) and "too large" in str(failures[1])
+    assert np.array_equal(walls[1].system.place, ended)
+
+
+def test_a_member_is_a_wall_like_any_other():
+    """It is read, changed directly and run alone between two steps of all, and has its own events."""
+    walls, one = [make("brittle", 1), make("brittle", 1)], make("brittle", 1)
+    for wall in (*walls, one):
+        wall.damp(local=0.7)
+    run_together(walls, 50)
+    one.run(50)
+    for wall in (walls[0], one):
+        wall.displacement += 1e-6 * np.array([1, 0, 0])
+    run_together(walls, 50)
+    one.run(50)
+    assert everything(walls[0]) == everything(one)
+    assert not np.array_equal(walls[0].displacement, walls[1].displacement)
+
+
+@pytest.mark.parametrize("damping", [{}, {"beta": 1e-7}], ids=["undamped", "damped"])
+@pytest.mark.parametrize("dry", [True, False])
+def test_joints_of_deformable_bricks_end_each_by_itself(dry, damping):
+    strengths = {"tensile_strength": 0.0, "cohesion": 0.0} if dry else {"tensile_strength": 3e3, "cohesion": 3e3}
+    wall = Wall("pair", 0.1125, 0.15, precompression=0.0, joint=Joint(**strengths))
+    layout = lay_out(wall, ModelOptions(bricks="deformable", contacts="gauss", lintel="none"))
+    assert len(layout.bodies) == 2
+    together, alone = [[ReferenceSolver(layout, 4e-6) for _ in SPEEDS] for _ in range(2)]
+    for one, speed in zip([*together, *alone], SPEEDS * 2):
+        one.damp(**damping)
+        one.system.inverse_mass[0, :RIGID] = 0.0
+        one.hold(np.array([1]), rotation=True)
+        one.push(speed)
+    for _ in range(10):
+        run_together(together, 3000, 50)
+        for one, other in zip(together, alone):
+            other.run(3000, 50)
+            assert everything(one) == everything(other)
+    assert [one.system.limits["failed"][-1] for one in together] == [ENDED, FAILED, ENDED, ENDED, ENDED]
+
+
+@pytest.mark.parametrize(("table", "field"), [("contacts", "offset"), ("contacts", "kn"), ("contacts", "area")])
+def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_reported(table, field):
+    """Columns that a batch takes from its first wall are equal in all walls."""
+    one, other = make("brittle"), make("brittle")
+    getattr(other.system, table)[field][0] *= 1.5
+    with pytest.raises(ValueError, match="other bricks, stiffnesses or friction"):
+        run_together([one, other], 1)
+
+
+def test_walls_of_other_bricks_friction_soil_or_strain_modes_are_reported():
+    def built(joint=(), **options):
+        wall = Wall("w", 0.9, 0.45, joint=Joint(**WEAK | dict(joint)),
+                    brick=Brick(young_modulus=options.pop("young", 5e9)))
+        return ReferenceSolver(lay_out(wall, ModelOptions(**options)), 1e-6)
+
+    soil = {"soil": 1e9}
+    for one, other in ((built(), built(cells=3)), (built(), built({"friction_angle": 0.5})),
+                       (built(**soil), built(**soil, soil_velocity=100.0)),
+                       (built(bricks="deformable"), built(bricks="deformable", young=5.2e9))):
+        with pytest.raises(ValueError, match="other bricks, stiffnesses or friction"):
+            run_together([one, other], 10)
+        assert ensembles.Ensemble().move([(one, 1), (other, 1)]) == [None, None]
+
+
+def test_the_tables_of_a_member_are_views_of_those_of_the_batch():
+    walls = [make("brittle", seed) for seed in range(3)]
+    run_together(walls, 5)
+    of_batch = walls[0].lanes.tables
+    for wall in walls:
+        for name in tables.System._fields:
+            one = getattr(wall.system, name)
+            assert one.size == 0 or any(np.shares_memory(one, table) for table in of_batch), name
+
+
+@pytest.mark.parametrize("n_walls, kind", [(3, "brittle"), (1, "brittle"), (1, "deformable")])
+def test_tables_are_freed_with_the_walls_without_the_garbage_collector(n_walls, kind):
+    """A study runs thousands of walls in a process, whose few objects hold megabytes and hardly ever start it."""
+    walls = [make(kind, seed) for seed in range(1, n_walls + 1)]
+    run_together(walls, 1)
+    left = [weakref.ref(one) for one in (*walls, walls[0].lanes)]
+    gc.disable()
+    try:
+        del walls
+        assert [one() for one in left] == [None] * (n_walls + 1)
+    finally:
+        gc.enable()
+
+
+def test_a_member_is_sampled_when_the_others_are_in_use_no_longer():
+    walls, one = [make("brittle", seed) for seed in (1, 2)], make("brittle", 2)
+    run_together(walls, 60)
+    one.run(60)
+    del walls[0]
+    assert walls[0].lanes.walls[0] is None and everything(walls[0]) == everything(one)
+
+
+# --- vectors ----------------------------------------------------------------------------------------
+
+def arithmetic(n, numbers, out):
+    x, y = load(n, numbers, 0, 0), load(n, numbers, 0, 1)
+    store(n, out, 0, 0, either((abs(x) < y) | (x == 0.0), 0.5 * x + y * x, -(y - 1.0) / 3.0))
+    store(n, out, 0, 1, either(x >= y, zero(n) + 2.0, 7.0))
+    add(n, out, 0, 1, x)
+    store_where(n, out, 0, 1, (x > y) & (y <= 0.5), y)
+    store(n, out, 0, 2, either(flags_of(n, 0b10010110), 1.5, 0.0))
+    for w in range(lanes(n)):
+        one = wall_of(n, w)
+        add(one, out, 0, 2, lane(x, w) * load(one, numbers, 0, 1))
+    store(n, out, 0, 3, with_lane(x, 0, 42.0))
+    return bits((x > y) & (y <= 0.5))
+
+
+def expected(numbers):
+    """What `arithmetic` writes and returns of eight, number by number."""
+    x, y = numbers[0]
+    first = [0.5 * a + b * a if abs(a) < b or a == 0.0 else -(b - 1.0) / 3.0 for a, b in zip(x, y)]
+    both = [a > b and b <= 0.5 for a, b in zip(x, y)]
+    second = [b if is_both else (2.0 if a >= b else 7.0) + a for a, b, is_both in zip(x, y, both)]
+    third = [(1.5 if 0b10010110 >> k & 1 else 0.0) + a * b for k, (a, b) in enumerate(zip(x, y))]
+    return np.array([first, second, third, [42.0, *x[1:]]]), sum(1 << k for k, one in enumerate(both) if one)
+
+
+def numbers_of_eight():
+    numbers = np.random.default_rng(1).normal(0, 1, (1, 2, 8)) * np.geomspace(1e-8, 1e8, 16).reshape(2, 8)
+    numbers[0, 0, 2], numbers[0, 0, 3], numbers[0, 1, 4] = 0.0, -0.0, 1e300
+    return numbers
+
+
+def check_vectors(function):
+    """What a function makes of eight numbers is what each number by itself gives, to the last bit."""
+    numbers = numbers_of_eight()
+    wide, flags = expected(numbers)
+    out = np.zeros((1, 4, 8))
+    assert function(EIGHT, numbers, out) == flags and out[0].tobytes() == wide.tobytes()
+    for w in range(8):
+        out = np.zeros((1, 4, 1))
+        assert function(ONE, numbers[..., w:w + 1].copy(), out) == flags >> w & 1
+        assert out[0, :2, 0].tobytes() == wide[:2, w].tobytes()
+
+
+def test_arithmetic_is_that_of_each_number():
+    check_vectors(njit(error_model="numpy")(arithmetic))
+    assert wall_of(EIGHT, 3) == Lane(3) and wall_of(ONE, 0) is ONE
+
+
+@pytest.mark.skipif(os.environ.get("NUMBA_CPU_NAME") == "generic", reason="is itself what this test starts")
+def test_a_vector_of_other_registers_does_the_same():
+    """Where a register of the processor holds no eight numbers."""
+    code = "import test_widths as t; from numba import njit; t.check_vectors(njit(error_model='numpy')(t.arithmetic))"
+    in_python(code, NUMBA_CPU_NAME="generic")
+
+
+def in_python(code, **environment):
+    """Run code beside the tests, in a Python of its own."""
+    path = os.pathsep.join([str(REPOSITORY), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=REPOSITORY / "tests",
+                          env={**os.environ, **environment, "PYTHONPATH": path})
+    assert done.returncode == 0, done.stderr
+
+
+# --- plain Python -----------------------------------------------------------------------------------
+
+SMALL = Wall("pier", 0.675, 0.3, [Opening(0.225, 0.225, 0.15)], lintel="courses",
+             joint=Joint(tensile_strength=5e3, cohesion=5e4))
+
+
+def shaken(walls, run):
+    """Walls that settle and are shaken until joints open and slide by more than the threshold."""
+    for wall in walls:
+        wall.local_damping = 0.7
+    run(50)
+    for k, wall in enumerate(walls):
+        wall.local_damping = 0.0
+        time = np.arange(250) * wall.time_step
+        wall.start((1.0 + k) * np.column_stack([500 * np.sin(1200 * time), -400 * np.cos(2400 * time)]))
+    run(300)
+
+
+def relaxed(walls, run):
+    for wall in walls:
+        wall.adaptive_damping = 1.0
+    run(30)
+
+
+def pushed(walls, run):
+    for k, wall in enumerate(walls):
+        wall.hold(wall.layout.pushed_bodies, rotation=True)
+        wall.push(0.5 + k)
+    run(60)
+
+
+def damped(walls, run):
+    for k, wall in enumerate(walls):
+        wall.velocity = 0.02 * (1 - k)
+    run(60)
+
+
+def fallen(walls, run):
+    """Walls whose bricks are pulled apart by 5 mm and come back."""
+    for wall in walls:
+        bodies = wall.layout.bodies
+        apart = np.zeros((len(bodies), 3))
+        apart[:, 1] = 0.005 / 0.075 * (bodies.z - bodies.z.min())
+        wall.displacement = apart
+    run(3)
+    apart[:, 1] *= np.where(bodies.course < 0, 0.0, -1300.0)  # the heavy top mass stays up
+    for wall in walls:
+        wall.velocity = apart
+    run(60)
+
+
+CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-6}}
+
+
+def all_results(n_walls):
+    """{case and quantity: array} of the first of so many walls in all CASES, also of deformable bricks; of a wall by
+    itself one that falls, too."""
+    results, rigid = {}, lay_out(SMALL)
+    deformable = lay_out(SMALL, ModelOptions(bricks="deformable", contacts="gauss"))
+    falls = [(fallen, {"new_contacts": True}, rigid, "")] if n_walls == 1 else []
+    for case, options, layout, label in (*((case, options, rigid, "") for case, options in CASES.items()), *falls,
+                                         (relaxed, {}, deformable, "deformable_"),
+                                         (damped, CASES[damped], deformable, "deformable_")):
+        walls = [ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, **options)
+                 for _ in range(n_walls)]
+        case(walls, lambda steps, walls=walls: run_together(walls, steps))
+        wall = walls[0]
+        steps, joints, kinds, values = super(ReferenceSolver, wall).drain_events()
+        for name, value in {"place": wall.displacement, "velocity": wall.velocity, "force": wall.force,
+                            "slip": wall.slip, "opening": wall.opening, "energy": wall.energy,
+                            "kinetic": wall.kinetic_energy(), "elastic": wall.elastic_energy(), "values": values,
+                            "events": np.column_stack([steps, joints, kinds])}.items():
+            results[f"{label}{case.__name__}_{name}"] = value
+    return results
+
+
+@pytest.mark.parametrize("n_walls", [1, 2])
+def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, n_walls):
+    """But for fused multiply-adds, which round once instead of twice.  Vectors are arrays there."""
+    in_python(f"import numpy, test_widths as t; t.check_vectors(t.arithmetic); "
+              f"numpy.savez({str(tmp_path / 'plain.npz')!r}, **t.all_results({n_walls}))", NUMBA_DISABLE_JIT="1")
+    plain, compiled = np.load(tmp_path / "plain.npz"), all_results(n_walls)
+    assert set(compiled["shaken_events"][:, 2]) == {1, 2, 3, 4}  # tension, shear, opened, slipped
+    assert set(plain) == set(compiled)
+    for name, value in compiled.items():
+        if name.endswith("events"):
+            assert np.array_equal(plain[name], value), name
+        else:
+            scale = np.max(np.abs(value), initial=0.0) or 1.0
+            assert_allclose(plain[name] / scale, value / scale, rtol=0, atol=1e-8, err_msg=name)
+
+
+# --- machine code that is kept ----------------------------------------------------------------------
+
+def imports_of(path):
+    """Files of this package that a module imports from."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("damage"):
+            base = REPOSITORY.joinpath(*node.module.split("."))
+            found |= {base / f"{one.name}.py" for one in node.names} | {base.with_suffix(".py")}
+    return {path for path in found if path.is_file()}
+
+
+def test_all_sources_of_compiled_code_are_in_the_digest():
+    """What a module of compiled functions imports, directly or not, is compiled into them: functions and constants."""
+    compiler = KERNEL.folder / "compiled.py"  # decides how; what it imports is not compiled
+    to_follow = {path for path in KERNEL.folder.glob("*.py") if re.search(
+        r"^@(compiled|inlined|entry)$", path.read_text(), re.MULTILINE)}
+    assert len(to_follow) > 4
+    needed = {compiler}
+    while to_follow:
+        needed |= to_follow
+        to_follow = {imported for path in to_follow - {compiler} for imported in imports_of(path)} - needed
+    assert set(KERNEL.sources) == needed
+    own = [value for module in (step, samples) for value in vars(module).values() if isinstance(value, Dispatcher)
+           and value.py_func.__module__.startswith("damage.mechanics")]
+    assert len(own) > 10
+    assert all(KERNEL.digest in one.py_func.__qualname__ for one in own)
+
+
+def test_a_function_that_is_no_entry_is_not_called_by_python():
+    """It has no code for that: numba would call address zero."""
+    with pytest.raises(TypeError, match="any_above_zero is for compiled callers: expected one that is declared an ent"):
+        step.any_above_zero(np.zeros((1, 5)), 3)
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_path, elsewhere):
+    """A file of another version may be older than what is cached, as tar and rsync -a leave it; NUMBA_CACHE_DIR may be
+    shared."""
+    package = tmp_path / "damage"
+    shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data"))
+    env = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    if elsewhere:
+        env["NUMBA_CACHE_DIR"] = str(tmp_path / "kept")
+
+    def tried():
+        """Where a function is cached, and whether the line was printed that the solver is compiled."""
+        program = ("from damage.mechanics import cache, step; from damage.mechanics.compiled import KERNEL;"
+                   "import numba, numpy as np;"
+                   "step.any_above_zero.compile(tuple(map(numba.typeof, (np.zeros((1, 5)), 3))));"
+                   "print(cache.kept_in(KERNEL.folder), KERNEL.digest, sep='\\n')")
+        *said, folder, digest = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, env=env,
+                                               capture_output=True, text=True).stdout.splitlines()
+        assert said in ([], [COMPILING])
+        folder = Path(folder)
+        assert folder.is_relative_to(tmp_path / "kept" if elsewhere else package / "mechanics")
+        (index,) = folder.glob("step.any_above_zero-*.nbi")
+        assert digest in index.name  # and the machine code of other sources is deleted
+        return index, bool(said)
+
+    first, compiles = tried()
+    assert compiles and tried() == (first, False)
+    for name in ("history/schema.py", "wall/joint_law.py"):
+        with (package / name).open("a", encoding="utf-8") as file:
+            file.write("\nANOTHER = 1\n")
+        os.utime(package / name, (0, 0))
+        index, compiles = tried()
+        assert compiles and index != first
+        first = index
