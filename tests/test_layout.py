@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
-from damage.wall.caps import describe_top
+from damage.wall.as_built import describe_top
 from damage.wall.kinds import BED, CAP, GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -299,7 +299,7 @@ def test_what_members_share_is_laid_out_once_and_is_of_each_its_own(brick, monke
     for array in first:
         array[:] = 0
     with monkeypatch.context() as done:
-        done.setattr("damage.wall.layout._find_piers", None)  # what lays out anew would call it
+        done.setattr("damage.wall.layout.plan_of", None)  # what lays out anew would call it
         other, layout = laid_out(2)
         assert [array.tobytes() for array in laid_out(1)[0]] == wanted
     differ = [a.tobytes() != b for a, b in zip(other, wanted)]
