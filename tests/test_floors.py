@@ -84,7 +84,7 @@ def test_a_slab_takes_the_place_of_courses_and_is_joined_above_and_below():
     """Two courses of 2 m go, with two and a half bed joints' worth of heads; the slab has one bed below, one above."""
     bare, layout = (lay_out(wall(*floors)) for floors in ((), (SLAB,)))
     slab = layout.n_bricks
-    assert layout.n_slabs == 1 and len(layout.bodies) == slab + 1
+    assert len(layout.plan.slabs) == 1 and len(layout.bodies) == slab + 1
     assert layout.n_bricks == bare.n_bricks - (10 + 11)
     assert_allclose([layout.bodies.z[slab], layout.bodies.height[slab], layout.bodies.mass[slab]], [1.9, 0.2, 1500.0])
     contacts = layout.contacts

@@ -66,7 +66,7 @@ STOREYS = Wall("door-below-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2
 ], ids=lambda value: getattr(value, "name", ""))
 def test_the_top_storeys_piers_carry_the_top(wall, piers):
     layout = lay_out(wall)
-    assert_allclose(layout.piers, piers, atol=1e-12)
+    assert_allclose(layout.plan.piers, piers, atol=1e-12)
     caps = slice(layout.n_below_caps, None)
     assert_allclose(layout.bodies.x[caps], np.mean(piers, axis=1))
     assert_allclose(layout.bodies.length[caps], np.diff(piers).ravel())
@@ -123,7 +123,7 @@ def test_no_bed_joint_is_lost_whatever_the_size_of_the_bricks(share):
 
 
 def test_piers_of_the_perforated_walls(shipped_wall):
-    widths = np.diff(lay_out(shipped_wall).piers, axis=1).ravel() / BRICK
+    widths = np.diff(lay_out(shipped_wall).plan.piers, axis=1).ravel() / BRICK
     assert_allclose(widths, {"solid": [18], "symmetric": [4.5, 4.5], "asymmetric": [2.5, 6.5]}[shipped_wall.name])
 
 

@@ -48,7 +48,8 @@ class TestByHand:
         """Over two courses of 0.8 m the slopes take 0.05 m a side of the third course and 0.1 m more of each next:
         beds 0.8 + 0.8 + 0.7 + 0.5 + 0.3 + 0.1; heads 3, 4, and one of each whole brick's end inside the others."""
         layout = lay_out(wall(0.8, ((0.0, 0.2), (0.4, 0.6), (0.8, 0.2))))
-        assert_allclose([right - left for run in layout.plan.runs for left, right in run], [0.8, 0.8, 0.7, 0.5, 0.3, 0.1])
+        lengths = [right - left for runs in layout.plan.runs for left, right in runs]
+        assert_allclose(lengths, [0.8, 0.8, 0.7, 0.5, 0.3, 0.1])
         # third course, 0.05 to 0.75: joints at 0.2, 0.4, 0.6; fourth, 0.15 to 0.65: at 0.3 and 0.5, no sliver's at 0.1;
         # fifth, 0.25 to 0.55: at 0.4; sixth, 0.35 to 0.45: none at the quarter's edge but at its middle
         heads = 3 + 4 + 3 + 2 + 1 + 0
@@ -59,7 +60,7 @@ class TestByHand:
         layout = lay_out(Wall("w", 1.2, 0.4, (Opening(0.4, 0.4, 0.2, 0.2),), precompression=0.0, brick=BRICK))
         beds, heads = 1.2 + 1.2 + 0.8 + 0.8, 0.1 * (5 + 6 + (1 + 1) + (2 + 2))
         assert_allclose(layout.total_joint_length, beds + heads, rtol=1e-12)
-        assert layout.piers == ((0.0, 0.4), (0.8, 1.2))
+        assert layout.plan.piers == ((0.0, 0.4), (0.8, 1.2))
 
     def test_a_gable_keeps_its_area(self):
         for run in (1.6, 2.4, 3.2):

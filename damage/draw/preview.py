@@ -23,8 +23,8 @@ _LABELS = 0.45  # [inch] that ticks and labels take beside and below
 def wall_preview(plan, bodies, joints, supports=()):
     """Figure of a wall in true scale.
 
-    plan: its damage.wall.plan.Plan; bodies, joints: tables as of a Layout or a History (`damage.wall.geometry`); supports: (left,
-    right) [m] of the parts of the base that carry by themselves, none for one below all.
+    plan: its damage.wall.plan.Plan; bodies, joints: tables as of a Layout or a History (`damage.wall.geometry`);
+    supports: (left, right) [m] of the parts of the base that carry by themselves, none for one below all.
     """
     wall, (figure, ax) = plan.wall, style.new_figure(1.0)
     corners, kinds = body_corners(bodies, np.zeros((len(bodies), 3))), kinds_of_bodies(bodies["course"])

@@ -114,7 +114,7 @@ def describe_top(layout):
         return ["no mass on top: no precompression"]
     on_top = slice(layout.n_below_caps, None)
     over = "the length of the wall" if of.load == "length" else "the piers alone"
-    places = ", ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.piers)
+    places = ", ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.plan.piers)
     return [f"top: {layout.top_mass / 1e3:.3g} t ({wall.precompression / 1e6:g} MPa over {over}), "
             f"{layout.pier_stress / 1e6:.3g} MPa in the piers below, x = {places}",
             *map(describe_cap, caps(bodies.x[on_top], bodies.length[on_top], bodies.mass[on_top],

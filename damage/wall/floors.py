@@ -120,13 +120,3 @@ def _shares(x, length, left, right):
     middle, away = share @ x, share @ ((start + end) / 2 - x)
     spread = share @ (x - middle)**2
     return share * (1 + away / spread * (x - middle)) if spread > _TINY**2 else share
-
-
-def slab_bodies(plan):
-    """{field: values} of the slabs of a damage.wall.plan.Plan as bodies, in the order of the floors."""
-    found = [(*place[1:], place.floor.mass) for place in plan.slabs]
-    left, right, first, above, mass = np.array(found, dtype=float).reshape(-1, 5).T
-    course = plan.wall.brick.height
-    length, height = right - left, (above - first) * course
-    return {"x": (left + right) / 2, "z": (first + above) / 2 * course, "length": length, "height": height,
-            "mass": mass, "inertia": mass * (length**2 + height**2) / 12, "course": np.full(len(mass), SLAB_COURSE)}

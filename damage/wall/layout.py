@@ -17,9 +17,9 @@ from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.contact_points import PLACES, TINY, Contacts, make_contacts, scattered, segments_of
 from damage.wall.fibres import Fibres, split_into_fibres
-from damage.wall.floors import SLAB_COURSE, slab_bodies, with_timber_floors
+from damage.wall.floors import SLAB_COURSE, with_timber_floors
 from damage.wall.kinds import CAP, CUT
-from damage.wall.lintels import lintel_bodies
+from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, mass_per_length
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 from damage.wall.plan import Plan, plan_of
@@ -106,24 +106,9 @@ class Layout:
     strain: Strain | None = None
 
     @property
-    def piers(self):
-        """(left, right) [m] of each pier, the parts of the length that carry the top."""
-        return self.plan.piers
-
-    @property
-    def n_slabs(self):
-        """Number of bodies behind the bricks that are floors."""
-        return len(self.plan.slabs)
-
-    @property
-    def n_lintels(self):
-        """Number of bodies behind these that are parts of lintels."""
-        return self.plan.n_lintels
-
-    @property
     def n_below_caps(self):
         """Number of bricks, slabs and parts of lintels."""
-        return self.n_bricks + self.n_slabs + self.n_lintels
+        return self.n_bricks - self.plan.n_bricks + self.plan.taken.shape[1]  # bricks that are cut are more here
 
     @property
     def total_joint_length(self):
@@ -155,7 +140,7 @@ class Layout:
     @property
     def pier_stress(self):
         """Vertical stress in the piers by that mass [Pa], without the bricks above."""
-        return self.top_mass * GRAVITY / (_length(self.piers) * self.wall.brick.thickness)
+        return self.top_mass * GRAVITY / (_length(self.plan.piers) * self.wall.brick.thickness)
 
     @property
     def total_mass(self):
@@ -216,20 +201,21 @@ def _top_mass(plan, options):
 
 
 def _make_bodies(plan, options):
-    """Bricks and lintels, with the masses that are spread over them, slabs, and caps for a top mass that is not
+    """Bricks, slabs and lintels, with the masses that are spread over them, and caps for a top mass that is not
     spread."""
-    brick, height, top_mass = plan.wall.brick, plan.wall.brick.height, _top_mass(plan, options)
-    edges = np.array([edge for course in plan.bricks for edge in course])
-    course, length = plan.taken[0, :len(edges)], edges[:, 1] - edges[:, 0]
-    mass = brick.density * length * height * brick.thickness
-    inertia = mass * (length**2 + height**2) / 12
-    bricks = Bodies(edges.mean(axis=1), (course + 0.5) * height, length, np.full(len(length), height), mass, inertia,
-                    course)
-    bodies = with_timber_floors(plan, _with_more(_with_more(bricks, slab_bodies(plan)), lintel_bodies(plan)))
+    brick, top_mass, (first, last), n = plan.wall.brick, _top_mass(plan, options), plan.taken, plan.n_bricks
+    length, height = plan.ends[1] - plan.ends[0], (last + 1 - first) * brick.height
+    mass, course, behind = brick.density * length * height * brick.thickness, first.copy(), n + len(plan.slabs)
+    mass[n:behind], course[n:behind] = [slab.floor.mass for slab in plan.slabs], SLAB_COURSE
+    parts = [place for place in plan.lintels for _ in range(place.parts)]
+    mass[behind:] = np.array([mass_per_length(brick, place) for place in parts]) * length[behind:]
+    course[behind:] = [ARCH_COURSE if place.lintel.kind == "arch" else LINTEL_COURSE for place in parts]
+    bodies = with_timber_floors(plan, Bodies(plan.ends.mean(axis=0), (first + last + 1) / 2 * brick.height, length,
+                                             height, mass, mass * (length**2 + height**2) / 12, course))
     if top_mass and options.top == "uniform":
         return _with_spread_mass(plan, bodies, top_mass)
     spans = plan.piers if options.top == "piers" else ((0.0, plan.wall.length),)
-    return _with_more(bodies, _cap_bodies(plan.wall, np.array(spans), top_mass)) if top_mass else bodies
+    return _with_caps(bodies, plan.wall.built_height, np.array(spans), top_mass) if top_mass else bodies
 
 
 def _with_spread_mass(plan, bodies, top_mass):
@@ -243,18 +229,13 @@ def _with_spread_mass(plan, bodies, top_mass):
     return replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)
 
 
-def _cap_bodies(wall, spans, top_mass):
-    """{field: values} of one rigid cap a span, mass shared by length, I = m (w^2 + h^2) / 12."""
+def _with_caps(bodies, bottom, spans, top_mass):
+    """Bodies, and behind them one rigid cap a span above z = bottom, mass shared by length, I = m (w^2 + h^2) / 12."""
     width = spans[:, 1] - spans[:, 0]
     mass, n = top_mass * width / width.sum(), len(width)
-    return {"x": spans.mean(axis=1), "z": np.full(n, wall.built_height + CAP_HEIGHT / 2), "length": width,
-            "height": np.full(n, CAP_HEIGHT), "mass": mass, "inertia": mass * (width**2 + CAP_HEIGHT**2) / 12,
-            "course": np.full(n, -1)}
-
-
-def _with_more(bodies, more):
-    """Bodies with {field: values} of others behind them."""
-    return replace(bodies, **{name: np.append(getattr(bodies, name), values) for name, values in more.items()})
+    caps = Bodies(spans.mean(axis=1), np.full(n, bottom + CAP_HEIGHT / 2), width, np.full(n, CAP_HEIGHT), mass,
+                  mass * (width**2 + CAP_HEIGHT**2) / 12, np.full(n, -1))
+    return Bodies(*map(np.append, vars(bodies).values(), vars(caps).values()))
 
 
 def _find_drift_bodies(plan, bodies):

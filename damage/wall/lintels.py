@@ -159,21 +159,11 @@ def edges_of(lintel, brick, left, right, near):
     return (left, *inner, right)
 
 
-def lintel_bodies(plan):
-    """{field: values} of all parts of lintels of a damage.wall.plan.Plan as bodies, place by place, left to right."""
-    brick, rows = plan.wall.brick, []
-    for place in plan.lintels:
-        z, height = (place.first + place.above) / 2 * brick.height, (place.above - place.first) * brick.height
-        arch = place.lintel.kind == "arch"
-        per_length = brick.density * brick.thickness * height if arch else (
-            place.lintel.of("density") * place.width * place.height)
-        for left, right in zip(place.edges[:-1], place.edges[1:]):
-            mass = per_length * (right - left)
-            rows.append(((left + right) / 2, z, right - left, height, mass, mass * ((right - left)**2 + height**2) / 12,
-                         ARCH_COURSE if arch else LINTEL_COURSE))
-    columns = np.array(rows, dtype=float).reshape(-1, 7).T
-    names = ("x", "z", "length", "height", "mass", "inertia", "course")
-    return dict(zip(names, columns)) | {"course": columns[6].astype(int)}
+def mass_per_length(brick, place):
+    """Mass of a lintel along its length [kg/m], in a wall of these bricks."""
+    if place.lintel.kind == "arch":
+        return brick.density * brick.thickness * ((place.above - place.first) * brick.height)
+    return place.lintel.of("density") * place.width * place.height
 
 
 def cut_places(place):
@@ -211,11 +201,9 @@ def in_lintel(plan, lintel, x, z):
     """
     brick, inside = plan.wall.brick, np.zeros(len(x), dtype=bool)
     most = 0 if lintel == "none" else int(lintel) if lintel.isdigit() else len(plan.runs)
-    for place, opening in zip(plan.openings, plan.wall.openings):
-        if not plan.wall.lintel_of(opening).is_body:
-            last = min(place.spandrel, place.above + most)
-            inside |= ((x > place.left - brick.length + _TINY) & (x < place.right + brick.length - _TINY)
-                       & _within(place.above, last, brick.height, z))
+    for place in (one for one in plan.openings if not one.lintel.is_body):
+        inside |= ((x > place.left - brick.length + _TINY) & (x < place.right + brick.length - _TINY)
+                   & _within(place.above, min(place.spandrel, place.above + most), brick.height, z))
     return inside
 
 

@@ -8,27 +8,28 @@ given.  Parts shorter than half a brick are not built.
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from damage.errors import InputError
 from damage.wall.floors import FloorPlace, floor_places
-from damage.wall.lintels import Place, edges_of
+from damage.wall.lintels import Lintel, Place, edges_of
 
 _TINY = 1e-6  # [m], two positions closer than this are the same
 
 
 class OpeningPlace(NamedTuple):
-    """An opening in a wall: its ends [m], its first course and the first above it, and the first course above its
-    spandrel, which ends at the sill of the next opening above, at the next slab, or at the wall's top."""
+    """An opening in a wall: its ends [m], its first course and the first above it, the first course above its spandrel,
+    which ends at the sill of the next opening above, at the next slab, or at the wall's top, and its lintel."""
 
     left: float
     right: float
     first: int
     above: int
     spandrel: int
+    lintel: Lintel
 
 
 @dataclass(frozen=True)
@@ -63,11 +64,6 @@ class Plan:
         """Number of bricks."""
         return sum(map(len, self.bricks))
 
-    @property
-    def n_lintels(self):
-        """Number of parts of lintels."""
-        return sum(place.parts for place in self.lintels)
-
     @cached_property
     def taken(self):
         """First and last course that each brick, slab and part of a lintel takes, (2, n) in the order of bodies."""
@@ -76,6 +72,12 @@ class Plan:
         places += [(place.first, place.above, place.parts) for place in self.lintels]
         first, above, number = np.array(places).T
         return np.repeat([first, above - 1], number, axis=1)
+
+    @cached_property
+    def ends(self):
+        """Left and right end [m] of each of these, (2, n)."""
+        return np.array([*chain(*self.bricks), *((slab.left, slab.right) for slab in self.slabs),
+                         *chain(*(pairwise(place.edges) for place in self.lintels))]).T
 
     def bears(self, course):
         """Parts (left, right) [m] of a course that bear what lies on it: bricks, slabs and lintels."""
@@ -100,7 +102,7 @@ def plan_of(wall, options=None):
     openings = _opening_places(wall, floors)
     outlined = [outlined_runs(wall, course) for course in range(wall.courses)]
     holes = [place[:4] for place in openings] + [place[1:] for place in floors if place.floor.is_body]
-    lintels = _lintel_places(wall, openings, _beside_all(outlined, holes, brick.length / 2))
+    lintels = _lintel_places(brick, openings, _beside_all(outlined, holes, brick.length / 2))
     runs = _beside_all(outlined, holes + [place[1:5] for place in lintels], brick.length / 2)
     offsets = [brick.length / 2 if (course % 2 == 1) != (wall.base_course == "half") else 0.0
                for course in range(wall.courses)]
@@ -112,77 +114,58 @@ def plan_of(wall, options=None):
     return Plan(wall, openings, floors, lintels, runs, bricks, _find_piers(wall.length, openings), drift_course)
 
 
-# --- openings and piers -------------------------------------------------------------------------
-
 def _opening_places(wall, floors):
     """The OpeningPlace of every opening, in their order; a slab on an opening is its lintel."""
-    placed = [(one.left, one.right, *wall.opening_courses(one)) for one in wall.openings]
-    found = []
-    for left, right, first, above in placed:
-        ends = [others_first for others_left, others_right, others_first, _ in placed
-                if others_left < right and others_right > left]
-        ends += [max(slab.first, above) for slab in floors
-                 if slab.floor.is_body and slab.left < right and slab.right > left and slab.above >= above]
-        found.append(OpeningPlace(left, right, first, above, min([end for end in ends if end >= above]
-                                                                 + [wall.courses])))
-    return tuple(found)
+    found = [OpeningPlace(one.left, one.right, *wall.opening_courses(one), wall.courses, wall.lintel_of(one))
+             for one in wall.openings]
+    others = [*found, *(place for place in floors if place.floor.is_body)]
+    return tuple(one._replace(spandrel=min((max(other.first, one.above) for other in others if other is not one and (
+        other.left < one.right and other.right > one.left and other.above >= one.above)), default=wall.courses))
+        for one in found)
 
 
 def _find_piers(length, openings):
-    """Piers that carry the top: parts of the length without an opening of the top storey, left to right."""
-    piers, start = [], 0.0
-    for opening in sorted(_top_storey(openings), key=lambda one: one.left):
-        if opening.left > start + _TINY:
-            piers.append((start, opening.left))
-        start = max(start, opening.right)
-    if start < length - _TINY:
-        piers.append((start, length))
-    return tuple(piers)
+    """Piers that carry the top: parts of the length without an opening of the top storey, left to right.
 
-
-def _top_storey(openings):
-    """The openings between the top and the first full course below an opening.
-
-    Over those farther down stands a pier, or a full course and all above it, which carry.
+    The top storey's openings are those between the top and the first full course below an opening.  Over those farther
+    down stands a pier, or a full course and all above it, which carry.
     """
-    storey, sill = [], 0
+    storey, sill = [], np.inf
     for opening in sorted(openings, key=lambda one: -one.above):
         if storey and opening.above < sill:
             break
-        sill = min(sill, opening.first) if storey else opening.first
-        storey.append(opening)
-    return storey
+        sill = min(sill, opening.first)
+        storey.append((opening.left, opening.right, 0, 1))
+    return _beside_all([[(0.0, length)]], storey, 2 * _TINY)[0]
 
 
-# --- lintels ------------------------------------------------------------------------------------
-
-def _lintel_places(wall, openings, runs):
-    """The Place of every lintel of a wall that is a body, from left to right; runs: parts of each course without them.
+def _lintel_places(brick, openings, runs):
+    """The Place of every lintel that is a body, from left to right; runs: parts of each course without them.
 
     A lintel takes the courses above its opening up to the end of the spandrel, and its bearing on both sides; where
     less than half a brick would be left beside it, it reaches to the end of that part of the course, or meets the
     lintel that is there.
     """
-    length, found = wall.brick.length, []
-    for place, opening in sorted(zip(openings, wall.openings), key=lambda both: (both[1].left, both[1].sill)):
-        lintel = wall.lintel_of(opening)
-        wanted = lintel.courses(wall.brick) if lintel.is_body else 0
+    length, found = brick.length, []
+    for place in sorted(openings, key=lambda one: (one.left, one.first)):
+        lintel = place.lintel
+        wanted = lintel.courses(brick) if lintel.is_body else 0
         first, above = place.above, min(place.spandrel, place.above + wanted)
         run = _common_run(runs[first:above], (place.left + place.right) / 2)
         if run is None:
             continue
-        height, width, bearing = lintel.built(wall.brick)
+        height, width, bearing = lintel.built(brick)
         left = _bearing_end(length, place.left, -bearing, run[0])
         right = _bearing_end(length, place.right, bearing, run[1])
         if above - first < wanted or lintel.kind == "arch":
-            height = (above - first) * wall.brick.height
+            height = (above - first) * brick.height
         found.append([lintel, left, right, first, above, place, height, width])
     for one, other in ((one, other) for k, one in enumerate(found) for other in found[k + 1:]):
         apart = min(one[4], other[4]) <= max(one[3], other[3]) or one[5].right >= other[5].left
         if not apart and other[1] - one[2] < length / 2 - _TINY:
             one[2] = other[1] = _on_quarters(length, (one[5].right + other[5].left) / 2)
     near = sorted({x for place in openings for x in (place.left, place.right)})
-    return tuple(Place(lintel, left, right, first, above, edges_of(lintel, wall.brick, left, right, near), *section)
+    return tuple(Place(lintel, left, right, first, above, edges_of(lintel, brick, left, right, near), *section)
                  for lintel, left, right, first, above, _, *section in found)
 
 
@@ -207,8 +190,6 @@ def _on_quarters(length, x):
     """The nearest multiple of a quarter of a brick of this length [m]."""
     return float(round(x / (length / 4)) * (length / 4))
 
-
-# --- runs and bricks ----------------------------------------------------------------------------
 
 def outlined_runs(wall, course):
     """Parts (left, right) [m] of a course below the wall's outline, openings left in."""
@@ -241,19 +222,14 @@ def _beside_all(courses, holes, half):
     """Parts (left, right) [m] that holes (left, right, first course, first above) leave of these parts of each course,
     if they are half a brick long or more."""
     found, holes = [], sorted(holes)
-    for course, runs in enumerate(courses):
-        for hole in holes:
-            if hole[2] <= course < hole[3]:
-                runs = [part for left, right in runs for part in _beside(hole, left, right)]
-        found.append(tuple((left, right) for left, right in runs if right - left > half - _TINY))
+    for course, parts in enumerate(courses):
+        left_over = parts
+        for start, end, first, above in holes:
+            if first <= course < above:
+                left_over = [part for left, right in left_over
+                             for part in ((left, min(right, start)), (max(left, end), right)) if part[1] > part[0]]
+        found.append(tuple((left, right) for left, right in left_over if right - left > half - _TINY))
     return tuple(found)
-
-
-def _beside(hole, left, right):
-    """What a hole (left, right, ...) leaves of a part of a course."""
-    if hole[1] <= left or hole[0] >= right:
-        return [(left, right)]
-    return [part for part in ((left, hole[0]), (hole[1], right)) if part[1] > part[0]]
 
 
 def _lay_run(length, offset, left, right):
@@ -276,8 +252,6 @@ def _lay_run(length, offset, left, right):
     edges = [left, *joints, right]
     return list(zip(edges[:-1], edges[1:]))
 
-
-# --- checks -------------------------------------------------------------------------------------
 
 def check_outline(wall):
     """Raise InputError for an outline that is none, or whose wall has bricks in the air."""

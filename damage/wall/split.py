@@ -47,8 +47,8 @@ def cut_strengths(brick):
 
 
 def cuts_of(unit, brick_cells, left, right):
-    """Positions [m] of the cuts through a brick with these edges, from left to right; unit: damage.Brick, of which it is
-    the whole or a part; brick_cells: of a whole brick, 0 where it is not made of cells."""
+    """Positions [m] of the cuts through a brick with these edges, from left to right; unit: the damage.Brick that it is
+    or was cut from; brick_cells: of a whole brick, 0 where it is not made of cells."""
     middle = [(left + right) / 2] if unit.splits and _is_whole(unit, right - left) else []
     if not brick_cells:
         return middle
