@@ -1,75 +1,140 @@
-"""The plan of a wall by hand, and that a layout works out nothing again from the wall."""
+"""What `./run_all.sh STUDY --dry-run` tells: runs, time and disk, by hand and by what is there; nothing is made."""
 
+import os
 import sys
+from dataclasses import replace
 
-import numpy as np
 import pytest
+from conftest import REPOSITORY, run_command
 from numpy.testing import assert_allclose
+from small_history import make_history
 
-from damage.wall import layout as layouts
-from damage.wall.file import load_wall
-from damage.wall.floors import Floor
-from damage.wall.layout import lay_out
-from damage.wall.lintels import Lintel
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Opening, Wall
-from damage.wall.plan import plan_of
+from damage.run.options import parse_run
+from damage.studies.definition import load_study
 
-HOUSE = Wall("house", 2.0, 1.0, (Opening(0.6, 0.6, 0.4, 0.2),), 0.0, brick=Brick(length=0.2, height=0.1, thickness=0.1),
-             floors=(Floor(1.0, 500.0, kind="concrete", depth=0.2), Floor(0.5, 100.0)), lintel=Lintel(height=0.2))
-"""Ten courses: a window from the third to the sixth, a concrete lintel in two, and a slab in the two at the top."""
-MOST_FUNCTIONS = 16  # of the package that get a Wall while it is laid out; 40 when each worked out its part of the plan
+sys.path.insert(0, str(REPOSITORY / "workflow"))
+import plan
+import speed
 
-
-class TestByHand:
-    def test_openings_lintels_runs_and_piers(self):
-        plan = plan_of(HOUSE)
-        (window,), (lintel,), (slab,) = plan.openings, plan.lintels, plan.slabs
-        assert window[:5] == (0.6, pytest.approx(1.2), 2, 6, 8) and slab[1:] == (0.0, 2.0, 8, 10)
-        assert lintel[1:5] == (pytest.approx(0.5), pytest.approx(1.3), 6, 8)
-        assert [len(runs) for runs in plan.runs] == [1, 1, 2, 2, 2, 2, 2, 2, 0, 0]
-        assert_allclose(plan.runs[3], [(0.0, 0.6), (1.2, 2.0)])
-        assert_allclose(plan.piers, [(0.0, 0.6), (1.2, 2.0)])
-        assert plan.drift_course == 9
-
-    def test_what_bears_what(self):
-        """The lintel lies on both piers, the slab on two runs of bricks and on the lintel, whose last course it is."""
-        rests = {(course, round(left, 9)): below for (left, _), course, below in plan_of(HOUSE).rests}
-        assert len(rests) == 1 + 4 * 2 + 3 + 2 + 1
-        assert_allclose(rests[6, 0.5], [(0.0, 0.6), (1.2, 2.0)])
-        assert_allclose(rests[8, 0.0], [(0.0, 0.5), (1.3, 2.0), (0.5, 1.3)])
-
-    def test_courses_and_ends_are_those_of_the_bodies(self):
-        layout = lay_out(HOUSE)
-        plan, bodies = layout.plan, layout.bodies
-        first, last = plan.taken
-        assert len(bodies) == len(first) == layout.n_below_caps == plan.n_bricks + 1 + plan.lintels[0].parts
-        assert_allclose(np.column_stack([bodies.z - bodies.height / 2, bodies.z + bodies.height / 2]),
-                        np.column_stack([first, last + 1]) * 0.1, atol=1e-12)
-        assert_allclose([bodies.x - bodies.length / 2, bodies.x + bodies.length / 2], plan.ends, atol=1e-12)
-
-    def test_options_say_which_lintels_are_built(self):
-        assert plan_of(HOUSE, ModelOptions(lintel="none")).lintels == ()
-        assert plan_of(HOUSE, ModelOptions(lintel="arch")).lintels[0].lintel.kind == "arch"
-        assert lay_out(HOUSE, ModelOptions(lintel="2")).plan.lintels == ()
+STUDY = '''
+name = "s"
+[[grid]]
+wall = "small.py"
+options = { harmonic = [0.1, "{amplitude}"], cycles = 2, rest = 0.3 }
+solvers = ["reference"]
+members = 5
+vary = { amplitude = [0.01, 0.02] }
+'''
+WALL = 'from damage import Wall\n\ndef wall():\n    return Wall("small", 0.9, 0.45)\n'
 
 
-@pytest.mark.parametrize("name", ["symmetric", "two_storeys"])
-def test_a_layout_works_out_nothing_again_from_the_wall(name):
-    wall, found, calls = load_wall(name), set(), []
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "small.py").write_text(WALL)
+    (tmp_path / "s.toml").write_text(STUDY)
+    return load_study(tmp_path / "s.toml", "both", REPOSITORY)
 
-    def record(frame, event, _):
-        code = frame.f_code
-        if event == "call" and "damage" in code.co_filename and not code.co_name.startswith("<"):
-            calls.append(code.co_name)
-            given = map(frame.f_locals.get, code.co_varnames[:code.co_argcount])
-            found.update(code.co_qualname for one in given if isinstance(one, Wall))
 
-    layouts._lay_out_alike.cache_clear()
-    before = sys.getprofile()
-    sys.setprofile(record)
-    try:
-        lay_out(wall)
-    finally:
-        sys.setprofile(before)
-    assert calls.count("plan_of") == 1 and len(found) <= MOST_FUNCTIONS, sorted(found)
+@pytest.fixture
+def known(monkeypatch):
+    """A machine that is twice as slow as the one that the plan's seconds were measured on, its solver compiled."""
+    machine = plan.Speed(*(2 * one for one in plan.MEASURED_AT))
+    monkeypatch.setattr(plan, "speed", lambda: machine)
+    monkeypatch.setattr(plan, "is_cached", lambda: True)
+    return machine
+
+
+def test_an_estimate_by_hand(study, known):
+    """0.2 s of motion, 0.3 s of rest, 0.5 s of settling; 0.4 s of gravity before; a sample every 2 ms or so."""
+    run = study.runs[0]
+    _, n_joints, critical_s, _ = plan._wall(run.wall, parse_run([], "plan", "reference").model)
+    steps = 1.4 / (0.643 * critical_s)
+    alone, together, yade = (plan.estimate(run, way, known) for way in ("alone", "together", "yade"))
+    assert_allclose(alone.seconds, 2 * 0.75 + 1.5 * steps * n_joints * 5.2e-9, rtol=1e-2)
+    assert_allclose(together.seconds, 2 * 0.25 + 2.0 * steps * n_joints * 2.5e-9, rtol=1e-2)
+    assert_allclose(yade.seconds, 2 * 5.0 + steps * n_joints * 800e-9, rtol=1e-2)
+    assert_allclose(alone.n_bytes, 1.0 / 2e-3 * n_joints * 1.15, rtol=0.1)
+
+
+def test_a_run_with_deformable_bricks_takes_longer_by_its_steps_and_their_time(study, known):
+    """Of a third and less of the rigid wall's time step, each of 16 times the time; none together."""
+    run = replace(study.runs[0], words=(*study.runs[0].words, "--bricks", "deformable"))
+    rigid, deformable = (plan.estimate(one, "alone", known) for one in (study.runs[0], run))
+    assert_allclose(plan.estimate(run, "together", known).seconds - 2 * 0.25, deformable.seconds - 2 * 0.75)
+    critical_s = [plan._wall(run.wall, parse_run(words, "plan", "reference").model)[2]
+                  for words in ([], ["--bricks", "deformable"])]
+    assert_allclose((deformable.seconds - 1.5) / (rigid.seconds - 1.5), 16 * critical_s[0] / critical_s[1], rtol=0.05)
+
+
+def test_runs_step_together_where_there_are_enough_for_all_processes(study):
+    most = 20 // plan.LEAST_LANES  # of 20 runs that are alike
+    assert set(plan.ways_of(study.runs, most).values()) == {"together"}
+    assert set(plan.ways_of(study.runs, most + 1).values()) == {"alone"}
+
+
+def test_the_time_is_a_range_with_what_the_batch_itself_takes(study, tmp_path, capsys, known, monkeypatch):
+    """Of ten or twenty runs, pictures of two of them, and one batch."""
+    one_s = plan.estimate(study.runs[0], "together", known).seconds
+    around_s = 2 * (2 * plan.PICTURES_S + plan.BATCH_S)
+    plan.print_plan(study, tmp_path / "out", 1)
+    printed = capsys.readouterr().out
+    assert (f"expected: {plan.duration(0.6 * (10 * one_s + around_s))} to {plan.duration(2 * (20 * one_s + around_s))} "
+            "with 1 at a time") in printed
+    assert "by this machine's speed, measured once: 5.2 ns" in printed and "compiling" not in printed
+    monkeypatch.setattr(plan, "is_cached", lambda: False)
+    monkeypatch.setattr(plan, "speed", lambda: None)
+    monkeypatch.setattr(plan, "python_seconds", lambda: 3 * plan.PYTHON_S)
+    plan.print_plan(study, tmp_path / "out", 1)
+    printed = capsys.readouterr().out
+    assert "with compiling the solver once, about 0:01:15" in printed and "not compiled yet" in printed
+
+
+def test_the_dry_run_tells_all_and_makes_nothing(study, tmp_path):
+    before = sorted(path.name for path in tmp_path.iterdir())
+    done = run_command("./run_all.sh", study.path, "--dry-run", "--solver", "reference", "-j", 2, "--out",
+                       tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "points: 2, 0 there; runs to make: up to 20" in done.stdout
+    assert "with 2 at a time, where nothing else runs" in done.stdout and "this machine" in done.stdout
+    assert all(f"small_harmonic-0.1-{amplitude}" in done.stdout for amplitude in (0.01, 0.02))
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+
+
+def test_what_is_there_sets_the_scale(study, tmp_path, capsys, known):
+    run, folder = study.runs[0], tmp_path / "out"
+    (folder / "runs").mkdir(parents=True)
+    history = make_history(folder / "runs" / f"{run.first}.h5")
+    (folder / "runs" / f"{run.id}.members").write_text(run.first)
+    began = plan.datetime.fromisoformat(history.attributes["created_utc"]).timestamp()
+    os.utime(history.path, (began, began + 100))
+    plan.print_plan(study, folder, 20 // plan.LEAST_LANES + 1)  # too few runs for groups in all processes
+    printed = capsys.readouterr().out
+    assert "there, 1 runs" in printed and "points: 2, 1 there; runs to make: up to 10" in printed
+    assert "and what those that are there took (1)" in printed
+    assert "5 to 10 runs of about 0:01:40" in printed  # the other motion has as many steps
+    plan.print_plan(study, folder, 1)  # those of a group took the group's time
+    assert "5 to 10 runs of about 0:00:01" in capsys.readouterr().out
+
+
+def test_the_speed_is_measured_once(tmp_path, monkeypatch):
+    measured = []
+    monkeypatch.setattr(speed, "is_cached", lambda: True)
+    monkeypatch.setattr(speed, "kept_in", lambda: tmp_path)
+    monkeypatch.setattr(speed, "_measure", lambda n_walls: measured.append(n_walls) or 3.0 / n_walls)
+    assert speed.speed() == speed.speed() == speed.Speed(3.0, 3.0 / 8) and measured == [1, 8]
+    (path,) = tmp_path.glob("speed-*.json")
+    path.write_text("{torn")
+    assert speed.speed() == (3.0, 3.0 / 8) and measured == [1, 8] * 2
+    monkeypatch.setattr(speed, "is_cached", lambda: False)
+    assert speed.speed() is None
+
+
+def test_measuring_gives_a_speed():
+    """Some nanoseconds: a contact point's step takes hundreds of instructions, and eight walls share them."""
+    assert 0.01 < speed._measure(1) < 1e4 and speed.python_seconds() > 0
+
+
+def test_a_wrong_study_is_refused(tmp_path):
+    (tmp_path / "s.toml").write_text("name = 1\n")
+    done = run_command("./run_all.sh", tmp_path / "s.toml", "--dry-run")
+    assert done.returncode == 2 and "error: " in done.stderr
