@@ -33,10 +33,10 @@ class Fault(NamedTuple):
 
 
 FAULTS = [*starmap(Fault, (
-    ("wall", "every second course starts with the wrong half", "damage/wall/courses.py",
-     'starts_half = (course % 2 == 1) != (', 'starts_half = (course % 2 == 1) == (', "test_layout"),
+    ("wall", "every second course starts with the wrong half", "damage/wall/plan.py",
+     'if (course % 2 == 1) != (', 'if (course % 2 == 1) == (', "test_layout"),
     ("wall", "inertia of a brick by m (l^2 + h^2) / 6", "damage/wall/layout.py",
-     "inertia = mass * (length**2 + height**2) / 12", "inertia = mass * (length**2 + height**2) / 6", "test_layout"),
+     "mass * (length**2 + height**2) / 12", "mass * (length**2 + height**2) / 6", "test_layout"),
     ("wall", "a whole brick in series with a base joint", "damage/wall/compliance.py",
      "distance[first < 0] = brick.height / 2", "distance[first < 0] = brick.height", "test_layout test_modes"),
     ("wall", "strengths that scatter have a mean above one", "damage/wall/contact_points.py",

@@ -11,7 +11,6 @@ import damage
 from damage.errors import InputError
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
-from damage.wall.courses import built_runs
 from damage.wall.data import wall_from
 from damage.wall.kinds import BED, CUT, GROUND, HEAD
 from damage.wall.layout import lay_out
@@ -103,7 +102,7 @@ def test_bodies_do_not_overlap_and_cover_what_is_drawn(table):
     assert apart[~np.eye(n, dtype=bool)].min() > -1e-9
     area = np.sum(length * height)
     assert_allclose(area, wall.brick.height * sum(
-        right - left for course in range(wall.courses) for left, right in built_runs(wall, course))
+        right - left for runs in layout.plan.runs for left, right in runs)
         + np.sum((length * height)[layout.n_bricks:]), rtol=1e-9)
     if not wall.outline:
         holes = sum(opening.width * wall.brick.height * (above - first) for opening in wall.openings

@@ -14,11 +14,12 @@ from damage.html.charts import states_legend
 from damage.html.packing import unpack_arrays
 from damage.html.report import page
 from damage.measure.summary import summarise
-from damage.wall.as_built import describe_openings, warn_of_courses
+from damage.wall.as_built import describe_lintels, describe_openings, warn_of_courses
 from damage.wall.floors import Floor
-from damage.wall.layout import describe_lintels, lay_out
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Lintel, Opening, Wall, nearest
+from damage.wall.plan import plan_of
 
 BLOCKS = Wall("blocks", 3.6, 2.8, (Opening(1.2, 1.2, 0.6, 0.9),), 0.1e6, brick=Brick(0.4, 0.2, 0.2))
 
@@ -61,17 +62,17 @@ def test_two_windows_of_one_size_are_built_alike():
 
 
 def test_lines_and_warnings_of_what_is_built():
-    assert describe_openings(BLOCKS) == [
+    assert describe_openings(plan_of(BLOCKS)) == [
         "opening 1 built 1.2 x 0.6 m, z = 1 to 1.6 m; given 1.2 x 0.6 m, z = 0.9 to 1.5 m"]
-    (line,) = warn_of_courses(BLOCKS)
+    (line,) = warn_of_courses(plan_of(BLOCKS))
     assert line.startswith("whole courses of 0.2 m leave differences above 0.25 of a course or 5 %: opening 1 built")
-    near = with_opening(0.61, 0.82)  # 2 and 3 cm from where they are
+    near = plan_of(with_opening(0.61, 0.82))  # 2 and 3 cm from where they are
     assert len(describe_openings(near)) == 1 and warn_of_courses(near) == []
     exact = with_opening(0.6, 0.8)
-    assert describe_openings(exact) == warn_of_courses(exact) == []
-    (line,) = warn_of_courses(with_opening(0.56, 0.82))  # 7 % in height, 2 cm at both edges
+    assert describe_openings(plan_of(exact)) == warn_of_courses(plan_of(exact)) == []
+    (line,) = warn_of_courses(plan_of(with_opening(0.56, 0.82)))  # 7 % in height, 2 cm at both edges
     assert "given 1.2 x 0.56 m" in line
-    (line,) = warn_of_courses(replace(exact, height=2.89, floors=(Floor(2.47, 500.0),)))
+    (line,) = warn_of_courses(plan_of(replace(exact, height=2.89, floors=(Floor(2.47, 500.0),))))
     assert "wall built 2.8 m high, z = 0 to 2.8 m; given 2.89 m" in line and "floor 1 built 2.4 m high" in line
 
 
@@ -92,7 +93,7 @@ def test_runs_modes_and_pictures_say_it(tmp_path, capsys):
 
 
 def test_no_wall_that_ships_is_built_otherwise(shipped_wall):
-    assert describe_openings(shipped_wall) == warn_of_courses(shipped_wall) == []
+    assert describe_openings(plan_of(shipped_wall)) == warn_of_courses(plan_of(shipped_wall)) == []
 
 
 # --- lintels ------------------------------------------------------------------------------------------
@@ -105,14 +106,14 @@ def test_a_kind_of_lintel_by_option_is_that_of_a_wall_file(kind):
     for name in ("x", "z", "first", "second", "elastic", "normal_stiffness"):
         assert np.array_equal(getattr(asked.contacts, name), getattr(given.contacts, name)), name
     assert np.array_equal(asked.bodies.mass, given.bodies.mass)
-    assert describe_lintels(asked) == describe_lintels(given)
-    assert len(describe_lintels(asked)) == (kind != "courses")
+    assert describe_lintels(asked.plan) == describe_lintels(given.plan)
+    assert len(describe_lintels(asked.plan)) == (kind != "courses")
 
 
 def test_a_kind_by_option_takes_the_place_of_all_others():
     wall = Wall("w", 4.0, 2.4, (Opening(0.5, 0.8, 1.2, lintel=Lintel("steel")), Opening(2.4, 0.8, 1.2)))
     layouts = lay_out(wall), lay_out(wall, ModelOptions(lintel="timber"))
-    kinds = [[line.split()[0] for line in describe_lintels(layout)] for layout in layouts]
+    kinds = [[line.split()[0] for line in describe_lintels(layout.plan)] for layout in layouts]
     assert kinds == [["steel", "concrete"], ["timber", "timber"]]
 
 

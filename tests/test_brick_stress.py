@@ -50,7 +50,7 @@ def test_a_bent_brick_has_the_mean_moment_of_beam_theory(order):
     kept = replace(contacts, **{one.name: getattr(contacts, one.name)[used] for one in fields(contacts)})
     kept = replace(kept, shear_stiffness=1e-6 * kept.shear_stiffness)  # next to no membrane force
     layout = replace(layout, contacts=kept, n_joints=int(np.sum(kept.kind != CAP)),
-                     strain=strain_of(wall, layout.options, layout.bodies, kept, layout.n_bricks))
+                     strain=strain_of(wall.brick, layout.options, layout.bodies, kept, layout.n_bricks))
     solver = ReferenceSolver(layout, 0.1 * natural_modes(layout, 1).critical_time_step_s)
     solver.add_static_displacement()
     (stress, _), load = np.einsum("bpsm,bm->bps", stress_by_modes(layout), solver.system.place[:-1, 3:]), \

@@ -14,12 +14,14 @@ from damage.errors import InputError
 from damage.measure.storeys import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
-from damage.wall.floors import SLAB_COURSE, Floor, describe_floors
+from damage.wall.as_built import describe_floors
+from damage.wall.floors import SLAB_COURSE, Floor
 from damage.wall.kinds import BED, CAP, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
 from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.plan import plan_of
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
 TIMBER, SLAB = Floor(1.0, 800.0, 0.4, 1.6), Floor(2.0, 1500.0, kind="concrete", depth=0.2)
@@ -83,7 +85,7 @@ def test_a_slab_takes_the_place_of_courses_and_is_joined_above_and_below():
     """Two courses of 2 m go, with two and a half bed joints' worth of heads; the slab has one bed below, one above."""
     bare, layout = (lay_out(wall(*floors)) for floors in ((), (SLAB,)))
     slab = layout.n_bricks
-    assert layout.n_slabs == 1 and len(layout.bodies) == slab + 1
+    assert len(layout.plan.slabs) == 1 and len(layout.bodies) == slab + 1
     assert layout.n_bricks == bare.n_bricks - (10 + 11)
     assert_allclose([layout.bodies.z[slab], layout.bodies.height[slab], layout.bodies.mass[slab]], [1.9, 0.2, 1500.0])
     contacts = layout.contacts
@@ -129,8 +131,8 @@ def test_two_storeys_have_the_periods_of_a_shear_cantilever():
 
 
 def test_floors_are_described_where_a_run_begins():
-    assert describe_floors(wall(SLAB, TIMBER)) == ["timber floor at 1 m, x = 0.4 to 1.6 m: 0.8 t",
-                                                   "concrete floor at 2 m, x = 0 to 2 m: 1.5 t"]
+    assert describe_floors(plan_of(wall(SLAB, TIMBER))) == ["timber floor at 1 m, x = 0.4 to 1.6 m: 0.8 t",
+                                                             "concrete floor at 2 m, x = 0 to 2 m: 1.5 t"]
 
 
 @pytest.mark.parametrize(("floors", "message"), [

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
-from damage.wall.caps import describe_top
+from damage.wall.as_built import describe_top
 from damage.wall.kinds import BED, CAP, GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -66,7 +66,7 @@ STOREYS = Wall("door-below-window", 4.0, 5.4, (Opening(0.5, 1.5, 2.1), Opening(2
 ], ids=lambda value: getattr(value, "name", ""))
 def test_the_top_storeys_piers_carry_the_top(wall, piers):
     layout = lay_out(wall)
-    assert_allclose(layout.piers, piers, atol=1e-12)
+    assert_allclose(layout.plan.piers, piers, atol=1e-12)
     caps = slice(layout.n_below_caps, None)
     assert_allclose(layout.bodies.x[caps], np.mean(piers, axis=1))
     assert_allclose(layout.bodies.length[caps], np.diff(piers).ravel())
@@ -123,7 +123,7 @@ def test_no_bed_joint_is_lost_whatever_the_size_of_the_bricks(share):
 
 
 def test_piers_of_the_perforated_walls(shipped_wall):
-    widths = np.diff(lay_out(shipped_wall).piers, axis=1).ravel() / BRICK
+    widths = np.diff(lay_out(shipped_wall).plan.piers, axis=1).ravel() / BRICK
     assert_allclose(widths, {"solid": [18], "symmetric": [4.5, 4.5], "asymmetric": [2.5, 6.5]}[shipped_wall.name])
 
 
@@ -292,7 +292,7 @@ def test_what_members_share_is_laid_out_once_and_is_of_each_its_own(brick, monke
     for array in first:
         array[:] = 0
     with monkeypatch.context() as done:
-        done.setattr("damage.wall.layout._find_piers", None)  # what lays out anew would call it
+        done.setattr("damage.wall.layout.plan_of", None)  # what lays out anew would call it
         other, layout = laid_out(2)
         assert [array.tobytes() for array in laid_out(1)[0]] == wanted
     differ = [a.tobytes() != b for a, b in zip(other, wanted)]

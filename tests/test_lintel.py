@@ -19,7 +19,7 @@ from damage.run.options import parse_run
 from damage.run.report import describe
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
-from damage.wall.lintel import LARGE_SHARE, elastic_share, warn_of_share
+from damage.wall.lintels import LARGE_SHARE, elastic_share, warn_of_share
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Opening, Wall
@@ -32,7 +32,7 @@ FACADE = Wall("facade", 6.0, 3.0, precompression=0.1e6, lintel="courses", openin
 
 def share_of(wall, **options):
     layout = lay_out(wall, ModelOptions(**options))
-    return elastic_share(wall, joint_table(layout), body_table(layout))
+    return elastic_share(layout.plan, joint_table(layout), body_table(layout))
 
 
 def test_the_share_of_a_door_by_hand():

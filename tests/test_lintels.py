@@ -14,7 +14,6 @@ from damage.draw.preview import wall_preview
 from damage.run.opening import opening_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY
-from damage.wall.courses import built_runs, lintel_places
 from damage.wall.data import wall_from
 from damage.wall.floors import Floor
 from damage.wall.geometry import body_table, joint_table
@@ -24,6 +23,7 @@ from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, USUAL, Lintel
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
 from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.plan import plan_of
 from verification.collapse import settled_wall
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
@@ -101,7 +101,7 @@ class TestArch:
 
     def test_it_stands_4_percent_above_the_least_thickness(self):
         layout = self.layout(5, 8)
-        assert 5 / 8 == pytest.approx(1.05 * 0.6, rel=0.01) and layout.n_lintels == 24
+        assert 5 / 8 == pytest.approx(1.05 * 0.6, rel=0.01) and layout.plan.lintels[0].parts == 24
         wall = settled_wall(layout)
         middle = layout.n_bricks + 12
         assert -1e-3 < wall.displacement[middle, 1] < 0
@@ -117,12 +117,12 @@ class TestPlaces:
 
     def spans(self, *openings, **more):
         return [(round(place.left, 9), round(place.right, 9), place.first, place.above)
-                for place in lintel_places(wall(openings, **more))]
+                for place in plan_of(wall(openings, **more)).lintels]
 
     def test_a_lintel_takes_its_courses_and_its_bearing(self):
         assert self.spans(replace(DOOR, lintel=Lintel("stone", 0.2, 0.15, 2e10))) == [(0.65, 1.75, 8, 10)]
         assert self.spans(replace(DOOR, lintel=Lintel("arch", bearing=0.0))) == [(0.8, 1.6, 8, 10)]
-        assert built_runs(wall((DOOR,)), 8) == [(0.0, pytest.approx(0.7)), (pytest.approx(1.7), 2.4)]
+        assert plan_of(wall((DOOR,))).runs[8] == ((0.0, pytest.approx(0.7)), (pytest.approx(1.7), 2.4))
 
     def test_it_ends_with_the_wall_or_meets_another_where_less_than_half_a_brick_would_be_left(self):
         assert self.spans(Opening(0.1, 1.0, 0.8)) == [(0.0, 1.2, 8, 9)]
@@ -140,10 +140,10 @@ class TestPlaces:
         """As many metres of bed joints above and below as the lintel is long, where it has bearing, and of head joints
         as it is high at each end; an arch of 10 bricks has nine joints more."""
         layout = lay_out(wall((replace(DOOR, lintel=lintel),)), ModelOptions(contacts=contacts))
-        (place,), bodies, contact = lintel_places(layout.wall), layout.bodies, layout.contacts
+        (place,), bodies, contact = layout.plan.lintels, layout.bodies, layout.contacts
         parts = np.flatnonzero(bodies.course < 0)
         assert_allclose(np.sum(bodies.length * bodies.height), 2.4 * 1.2 - 0.8 * 0.8)
-        assert layout.n_lintels == len(parts) == place.parts
+        assert layout.n_below_caps - layout.n_bricks == len(parts) == place.parts
         of = np.isin(contact.first, parts), np.isin(contact.second, parts)
         high = (place.above - place.first) * 0.1
         joints = contact.kind != CUT
@@ -177,8 +177,8 @@ class TestOptions:
         for option in ("1", "none"):
             one, other = (lay_out(of, ModelOptions(lintel=option)) for of in (made, plain))
             assert np.array_equal(one.contacts.elastic, other.contacts.elastic)
-            assert np.array_equal(one.bodies.mass, other.bodies.mass) and one.n_lintels == 0
-        assert lay_out(made).n_lintels > 0 == lay_out(plain).n_lintels
+            assert np.array_equal(one.bodies.mass, other.bodies.mass) and not one.plan.lintels
+        assert lay_out(made).plan.lintels and not lay_out(plain).plan.lintels
 
     def test_bricks_that_deform_and_cells_lie_on_lintels(self):
         periods = [natural_modes(lay_out(wall((DOOR,)), ModelOptions(**options))).period_s[0] for options in (
@@ -194,7 +194,7 @@ class TestOptions:
 
     def test_the_preview_draws_them(self):
         layout = lay_out(wall((DOOR,)))
-        figure = wall_preview(layout.wall, body_table(layout), joint_table(layout))
+        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout))
         assert [text.get_text() for text in figure.legends[0].get_texts()] == ["bricks", "support", "lintels"]
 
     def test_they_step_in_both_widths(self):
@@ -225,7 +225,7 @@ class TestData:
     def test_the_paper_s_walls_keep_their_courses(self, name):
         made = damage.load_wall(name)
         assert made.lintel.kind == "courses" and "lintel" not in made.as_dict()
-        assert lay_out(made).n_lintels == 0
+        assert not lay_out(made).plan.lintels
 
     @pytest.mark.parametrize(("make", "message"), [
         (lambda: Lintel("wood"), "expected one of concrete, steel, timber, stone, arch, courses"),

@@ -28,7 +28,7 @@ from damage.run.settings import RESTS_BELOW_M_S
 from damage.run.watch import fastest_fallen
 from damage.wall.geometry import body_corners, body_table, joint_gaps
 from damage.wall.layout import lay_out
-from damage.wall.lintel import ElasticShare
+from damage.wall.lintels import ElasticShare
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Opening, Wall

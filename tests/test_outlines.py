@@ -10,7 +10,6 @@ from scipy.linalg import eigh
 import damage
 from damage.errors import InputError
 from damage.laboratory.pushed import describe, pushed_report
-from damage.wall.courses import built_runs, drift_course
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
@@ -39,7 +38,7 @@ class TestByHand:
     def test_a_lower_wing(self):
         """Four courses of 1.2 m on the left 0.6 m, two on the rest: beds 1.2 + 1.2 + 0.6 + 0.6; heads 5, 6, 2 and 3."""
         layout = lay_out(wall(1.2, ((0.0, 0.4), (0.6, 0.4), (0.6, 0.2), (1.2, 0.2))))
-        assert [len(built_runs(layout.wall, course)) for course in range(4)] == [1, 1, 1, 1]
+        assert [len(runs) for runs in layout.plan.runs] == [1, 1, 1, 1]
         assert layout.n_bricks == 6 + 7 + 3 + 4
         assert_allclose(layout.total_joint_length, 3.6 + 0.1 * (5 + 6 + 2 + 3), rtol=1e-12)
 
@@ -47,8 +46,8 @@ class TestByHand:
         """Over two courses of 0.8 m the slopes take 0.05 m a side of the third course and 0.1 m more of each next:
         beds 0.8 + 0.8 + 0.7 + 0.5 + 0.3 + 0.1; heads 3, 4, and one of each whole brick's end inside the others."""
         layout = lay_out(wall(0.8, ((0.0, 0.2), (0.4, 0.6), (0.8, 0.2))))
-        runs = [built_runs(layout.wall, course) for course in range(6)]
-        assert_allclose([right - left for run in runs for left, right in run], [0.8, 0.8, 0.7, 0.5, 0.3, 0.1])
+        lengths = [right - left for runs in layout.plan.runs for left, right in runs]
+        assert_allclose(lengths, [0.8, 0.8, 0.7, 0.5, 0.3, 0.1])
         # third course, 0.05 to 0.75: joints at 0.2, 0.4, 0.6; fourth, 0.15 to 0.65: at 0.3 and 0.5, no sliver's at 0.1;
         # fifth, 0.25 to 0.55: at 0.4; sixth, 0.35 to 0.45: none at the quarter's edge but at its middle
         heads = 3 + 4 + 3 + 2 + 1 + 0
@@ -59,7 +58,7 @@ class TestByHand:
         layout = lay_out(Wall("w", 1.2, 0.4, (Opening(0.4, 0.4, 0.2, 0.2),), precompression=0.0, brick=BRICK))
         beds, heads = 1.2 + 1.2 + 0.8 + 0.8, 0.1 * (5 + 6 + (1 + 1) + (2 + 2))
         assert_allclose(layout.total_joint_length, beds + heads, rtol=1e-12)
-        assert layout.piers == ((0.0, 0.4), (0.8, 1.2))
+        assert layout.plan.piers == ((0.0, 0.4), (0.8, 1.2))
 
     def test_a_gable_keeps_its_area(self):
         for run in (1.6, 2.4, 3.2):
@@ -71,8 +70,8 @@ class TestByHand:
         """A door below and a window whose right upper corner the slope cuts: what is right of it is less than half a
         brick, and nothing lies on it."""
         made = lay_out(wall(1.6, GABLE, openings=(Opening(0.6, 0.4, 0.3),), lintel="courses"))
-        assert built_runs(made.wall, 1) == [(0.0, 0.6), (1.0, 1.6)]
-        assert built_runs(made.wall, 3) == [(0.0, 1.6)]
+        assert made.plan.runs[1] == ((0.0, 0.6), (1.0, 1.6))
+        assert made.plan.runs[3] == ((0.0, 1.6),)
         with pytest.raises(InputError, match="course 9 .* nothing below"):
             wall(1.6, GABLE, openings=(Opening(0.7, 0.5, 0.2, 0.6),), lintel="courses")
 
@@ -87,7 +86,7 @@ class TestDrift:
     ])
     def test_it_is_of_the_highest_course_half_as_long_as_the_wall(self, outline, course):
         layout = lay_out(wall(1.6, outline))
-        assert drift_course(layout.wall) == course
+        assert layout.plan.drift_course == course
         assert_allclose(layout.drift_height, 0.1 * course + 0.05)
         assert set(layout.bodies.course[layout.drift_bodies]) == {course}
 

@@ -27,11 +27,10 @@ from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
 from damage.run.turns import take_turns
 from damage.units import GRAVITY
-from damage.wall.layout import lay_out
+from damage.wall.layout import Supports, lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Opening, Wall
-from damage.wall.supports import Supports
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
 PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=STRONG)

@@ -180,7 +180,7 @@ class TestMaterials:
 class TestPreview:
     def test_it_names_piers_and_spandrels_and_weighs_floors(self):
         layout = lay_out(HOUSE, ModelOptions(lintel="1"))
-        figure = wall_preview(HOUSE, body_table(layout), joint_table(layout))
+        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout))
         said = [text.get_text() for text in figure.axes[0].texts]
         assert said == ["0.9 t (8.83 kN)", "0.88 x 2.1", "P1", "P2", "S1"]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -189,14 +189,14 @@ class TestPreview:
     def test_it_sizes_openings_as_built(self):
         blocks = Wall("blocks", 3.6, 2.8, [Opening(1.2, 1.2, 0.55, 0.9)], brick=Brick(length=0.4, height=0.2))
         layout = lay_out(blocks)
-        figure = wall_preview(blocks, body_table(layout), joint_table(layout))
+        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout))
         assert "1.2 x 0.6\nsill 0.8" in [text.get_text() for text in figure.axes[0].texts]
 
     @pytest.mark.parametrize("name", ["terrace_end", "symmetric", "shop_front"])
     def test_the_label_of_its_axis_stands_above_the_legend(self, name):
         wall = load_wall(name)
         layout = lay_out(wall)
-        figure = wall_preview(wall, body_table(layout), joint_table(layout))
+        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout))
         figure.draw_without_rendering()  # once, as when it is written
         label, legend = figure.axes[0].xaxis.label.get_window_extent(), figure.legends[0].get_window_extent()
         assert label.y0 > legend.y1

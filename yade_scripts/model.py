@@ -23,8 +23,7 @@ from yade import O, Vector3, utils
 
 from damage.units import GRAVITY
 from damage.wall.joint_law import friction_left, material_of
-from damage.wall.kinds import GROUND
-from damage.wall.supports import rows
+from damage.wall.kinds import GROUND, rows
 from yade_scripts.friction_work import FrictionWork
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape
 

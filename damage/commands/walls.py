@@ -23,10 +23,8 @@ def _materials(asked):
                add_accept),
          JSON, out("folder for a picture of the shapes", required=False))
 def _modes(asked):
-    from damage.wall.as_built import describe_openings
-    from damage.wall.caps import describe_top
-    from damage.wall.floors import describe_floors
-    from damage.wall.layout import describe_lintels, lay_out
+    from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
+    from damage.wall.layout import lay_out
     from damage.wall.modes import natural_modes
 
     layout = lay_out(_plausible_wall(asked), model_of(asked))
@@ -40,8 +38,8 @@ def _modes(asked):
         print(json_text({"period_s": periods, "critical_time_step_s": modes.critical_time_step_s,
                           "pier_stress_pa": layout.pier_stress}))
         return
-    wall = layout.wall
-    print(*describe_top(layout), *describe_openings(wall), *describe_floors(wall), *describe_lintels(layout), sep="\n")
+    plan = layout.plan
+    print(*describe_top(layout), *describe_openings(plan), *describe_floors(plan), *describe_lintels(plan), sep="\n")
     for number, period in enumerate(periods, start=1):
         print(f"mode {number}: {period:.5f} s")
     print(f"critical time step: {modes.critical_time_step_s:.4g} s")
@@ -62,7 +60,7 @@ def _draw(asked):
     wall = _plausible_wall(asked)
     layout = lay_out(wall, model_of(asked))
     supports = tuple(zip(layout.supports.left, layout.supports.right))
-    figure = wall_preview(wall.with_lintels(layout.options.lintel), body_table(layout), joint_table(layout), supports)
+    figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
     print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), f"wall {shown_path(asked.wall)}"))
 
 
@@ -70,12 +68,13 @@ def _plausible_wall(asked):
     """The wall of a command's options, its values checked unless the user accepts all."""
     from damage.wall.as_built import warn_of_courses
     from damage.wall.file import load_wall
+    from damage.wall.plan import plan_of
     from damage.wall.plausible import check_plausible
 
     wall = load_wall(asked.wall)
     if not asked.accept_implausible:
         check_plausible(wall)
-    warn(*warn_of_courses(wall))
+    warn(*warn_of_courses(plan_of(wall)))
     return wall
 
 

@@ -9,9 +9,7 @@ from matplotlib.patches import Patch, Rectangle
 from damage.draw import style
 from damage.units import GRAVITY
 from damage.wall.as_built import openings_as_built
-from damage.wall.courses import built_runs
 from damage.wall.geometry import body_corners, kinds_of_bodies, tributary_ends
-from damage.wall.lintel import lintel_courses
 
 TONNE, KILO = 1e3, 1e3
 GROUND_DEPTH = 0.06  # of the wall's height, drawn
@@ -22,13 +20,13 @@ _LABELS = 0.45  # [inch] that ticks and labels take beside and below
 
 
 @style.styled
-def wall_preview(wall, bodies, joints, supports=()):
+def wall_preview(plan, bodies, joints, supports=()):
     """Figure of a wall in true scale.
 
-    wall: damage.Wall; bodies, joints: tables as of a Layout or a History (`damage.wall.geometry`); supports: (left,
-    right) [m] of the parts of the base that carry by themselves, none for one below all.
+    plan: its damage.wall.plan.Plan; bodies, joints: tables as of a Layout or a History (`damage.wall.geometry`);
+    supports: (left, right) [m] of the parts of the base that carry by themselves, none for one below all.
     """
-    figure, ax = style.new_figure(1.0)
+    wall, (figure, ax) = plan.wall, style.new_figure(1.0)
     corners, kinds = body_corners(bodies, np.zeros((len(bodies), 3))), kinds_of_bodies(bodies["course"])
     elastic = joints["elastic"].to_numpy(bool) & (joints["kind"] != "brick").to_numpy()
     for kind, face in style.BODY_COLOURS.items():
@@ -45,10 +43,10 @@ def wall_preview(wall, bodies, joints, supports=()):
     if wall.outline:
         ax.plot(*zip(*wall.outline), color=style.PURPLE, lw=0.8, ls="--")
         handles.append(Line2D([], [], color=style.PURPLE, lw=0.8, ls="--", label="outline"))
-    handles += _draw_floors(ax, wall)
+    handles += _draw_floors(ax, plan)
     _draw_ground(ax, wall, supports or ((0.0, wall.length),))
-    _size_openings(ax, wall)
-    _name_parts(ax, wall)
+    _size_openings(ax, plan)
+    _name_parts(ax, plan)
     points = np.vstack([corners.reshape(-1, 2), *([wall.outline] if wall.outline else [])])
     highest, margin = points[:, 1].max(), 0.03 * max(wall.length, points[:, 1].max())
     ax.set(xlim=(-margin, wall.length + margin), ylim=(-GROUND_DEPTH * wall.built_height, highest + 1.5 * margin),
@@ -82,52 +80,51 @@ def _draw_ground(ax, wall, supports):
         ax.add_patch(_box(left, -depth, right, 0.0, style.GROUND_COLOUR))
 
 
-def _draw_floors(ax, wall):
+def _draw_floors(ax, plan):
     """Timber floors as lines with their masses, the masses of slabs; returns the legend's handles."""
-    for floor in wall.floors:
-        left, right = floor.span(wall)
-        level = floor.courses(wall)[1] * wall.brick.height
-        if floor.kind == "timber":
+    for floor, left, right, _, above in plan.floors:
+        level = above * plan.wall.brick.height
+        if not floor.is_body:
             ax.plot([left, right], [level, level], color=style.VERMILLION, lw=1.6, solid_capstyle="butt")
         ax.text((left + right) / 2, level, f"{floor.mass / TONNE:.3g} t ({floor.mass * GRAVITY / KILO:.3g} kN)",
                 color=style.VERMILLION, fontsize=5.5, ha="center", va="bottom", bbox=_PAPER)
-    timber = any(floor.kind == "timber" for floor in wall.floors)
+    timber = len(plan.floors) > len(plan.slabs)
     return [Line2D([], [], color=style.VERMILLION, lw=1.6, label="timber floors")] if timber else []
 
 
-def _size_openings(ax, wall):
+def _size_openings(ax, plan):
     """Width, height and, above the base, the sill of each opening as built [m]."""
-    for opening, part in zip(wall.openings, openings_as_built(wall)):
+    for opening, part in zip(plan.openings, openings_as_built(plan)):
         low, high = part.built
         sill = f"\nsill {low:.4g}" if low else ""
-        upright = opening.width < min(NARROW * wall.length, high - low)
-        ax.text((opening.left + opening.right) / 2, (low + high) / 2, f"{opening.width:.4g} x {high - low:.4g}{sill}",
+        upright = part.length < min(NARROW * plan.wall.length, high - low)
+        ax.text((opening.left + opening.right) / 2, (low + high) / 2, f"{part.length:.4g} x {high - low:.4g}{sill}",
                 color=style.DARK, fontsize=5.5, ha="center", va="center", rotation=90 * upright, bbox=_PAPER)
 
 
-def _name_parts(ax, wall):
+def _name_parts(ax, plan):
     """P1, P2 ... on the piers of each row of openings, from the base upwards, S1, S2 ... on the spandrels above."""
-    h, named = wall.brick.height, {"color": style.BLUE, "fontsize": 7, "ha": "center", "va": "center",
+    h, named = plan.wall.brick.height, {"color": style.BLUE, "fontsize": 7, "ha": "center", "va": "center",
                                    "fontweight": "bold", "bbox": _PAPER}
-    piers = [(course, run) for course in _pier_courses(wall) for run in built_runs(wall, course)]
+    piers = [(course, run) for course in _pier_courses(plan) for run in plan.runs[course]]
     for number, (course, (left, right)) in enumerate(piers, start=1):
         ax.text((left + right) / 2, (course + 0.5) * h, f"P{number}", **named)
-    above = sorted((*lintel_courses(wall, "elastic", one), one.left, one.right) for one in wall.openings)
+    above = sorted((one.above, one.spandrel, one.left, one.right) for one in plan.openings)
     spandrels = [one for one in above if one[1] > one[0]]
     for number, (first, last, left, right) in enumerate(spandrels, start=1):
         ax.text((left + right) / 2, (first + min(last, first + HIGHEST_NAME)) / 2 * h, f"S{number}", **named)
 
 
-def _pier_courses(wall):
+def _pier_courses(plan):
     """A course in the middle of each row of openings, upwards; openings of a row have courses in common.  The wall's
     middle course where it has none."""
     rows = []
-    for first, above in sorted(map(wall.opening_courses, wall.openings)):
+    for first, above in sorted((one.first, one.above) for one in plan.openings):
         if rows and first < rows[-1][1]:
             rows[-1] = first, min(above, rows[-1][1])
         else:
             rows.append((first, above))
-    return [(first + above - 1) // 2 for first, above in rows or [(0, wall.courses)]]
+    return [(first + above - 1) // 2 for first, above in rows or [(0, len(plan.runs))]]
 
 
 def _box(left, bottom, right, top, colour):

@@ -20,7 +20,7 @@ from damage.history.moments import joint_states, nearest_snapshot, support_motio
 from damage.history.reader import History
 from damage.measure.brick_stress import principal_stresses
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
-from damage.wall.supports import rows
+from damage.wall.kinds import rows
 
 HEXAHEDRON, LINE = 12, 3
 """VTK's codes of the cells."""

@@ -7,7 +7,7 @@ from damage.history.head import read_head
 from damage.history.reader import read_history
 from damage.motion.intensity import APPLIED
 from damage.provenance import UNKNOWN, shown_path
-from damage.wall.caps import caps, describe_cap
+from damage.wall.as_built import caps, describe_cap
 
 WHOLE, UNSEALED, ENDED_EARLY, OPEN, DAMAGED = "whole", "unsealed", "ended early", "open", "damaged"
 WORTH = {

@@ -37,6 +37,7 @@ from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
+from damage.wall.plan import plan_of
 
 
 class ActiveContacts(NamedTuple):
@@ -183,6 +184,11 @@ class History:
     def masonry_wall(self):
         """The `damage.Wall` as it was laid out."""
         return Wall.from_dict(self.parameters["wall"])
+
+    @cached_property
+    def plan(self):
+        """The `damage.wall.plan.Plan` of this wall under its `model`."""
+        return plan_of(self.masonry_wall, self.model)
 
     @cached_property
     def joint_length_m(self):

@@ -66,7 +66,7 @@ def preview(history):
     """The wall as it was built, with its masses, elastic joints and names of piers and spandrels, as a picture."""
     base = support_motion(history, None)
     supports = tuple(zip(base.left, base.right)) if len(base.left) > 1 else ()
-    return as_png(wall_preview(history.masonry_wall, history.bodies, history.joints, supports))
+    return as_png(wall_preview(history.plan, history.bodies, history.joints, supports))
 
 
 def said_first(history, warnings=()):

@@ -7,7 +7,7 @@ from damage.history.info import flat, given
 from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN
 from damage.measure.energy import DISSIPATED, STORED, imbalance
 from damage.units import rounded
-from damage.wall.caps import describe_cap
+from damage.wall.as_built import describe_cap
 
 SECTIONS = {**MEASURES, "Run and parameters": RUN | PARAMETERS, "Provenance": MADE_BY}
 DIGITS, GIVEN_DIGITS = 3, 5

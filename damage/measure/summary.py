@@ -16,7 +16,7 @@ from damage.measure.pushed import first_loading
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.measure.vibration import period_of
 from damage.measure.warnings import balance_error, warnings_of, with_bond
-from damage.wall.lintel import elastic_share
+from damage.wall.lintels import elastic_share
 
 
 def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM):
@@ -41,7 +41,7 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
         over_time = history.index(threshold, drift_limit, criterion)[list(COMPONENTS)]
         index |= {f"max{ending}": over_time.max().to_dict(),
                   f"residual{ending}": over_time.iloc[-1].to_dict() if history.complete else None}
-    elastic = elastic_share(history.masonry_wall, history.joints, history.bodies)
+    elastic = elastic_share(history.plan, history.joints, history.bodies)
     max_drift_ratio = float(np.abs(series["drift_ratio"]).max())
     cracks = psi_summary(history, psi_from)
     failures = history.events["kind"]

@@ -6,7 +6,7 @@ from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.energy import energy_error_of
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.as_built import warn_of_courses
-from damage.wall.lintel import elastic_share, warn_of_share
+from damage.wall.lintels import elastic_share, warn_of_share
 
 UNKNOWN = object()
 AT_REST = 1e-5
@@ -23,16 +23,16 @@ is the entire input.
 def warnings_of(history, energy_error=UNKNOWN, share=None):
     """All warnings of a History, a list of str; of one without a sample those of its static stage.
 
-    energy_error: its `balance_error` [-] or None, and share: its `damage.wall.lintel.ElasticShare`, where they are
+    energy_error: its `balance_error` [-] or None, and share: its `damage.wall.lintels.ElasticShare`, where they are
     known.
     """
     if len(history.series) == 0:
         return static_warnings(history)
     energy_error = balance_error(history) if energy_error is UNKNOWN else energy_error
-    share = share or elastic_share(history.masonry_wall, history.joints, history.bodies)
+    share = share or elastic_share(history.plan, history.joints, history.bodies)
     return [*static_warnings(history), *energy_warnings(energy_error), *offset_warnings(history),
             *normal_warnings(history), *warn_of_share(share), *warn_of_ends(history),
-            *warn_of_splitting(history), *warn_of_courses(history.masonry_wall)]
+            *warn_of_splitting(history), *warn_of_courses(history.plan)]
 
 
 def balance_error(history):

@@ -5,10 +5,9 @@ import numpy as np
 from damage.mechanics.loose import Touch, make_loose, stiffness_for
 from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, Strain, make_tables, system_of, table
 from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
-from damage.wall.kinds import CUT
+from damage.wall.kinds import CUT, rows
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
 from damage.wall.soil import radiation_times
-from damage.wall.supports import rows
 
 CAPACITY = 100_000
 """Largest number of events between two calls that empty the log."""

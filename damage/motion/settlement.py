@@ -78,7 +78,7 @@ class Settlement:
         return deflection - self.distortion * half if self.profile == "hogging" else -deflection
 
     def displacement(self, time_s, supports):
-        """Displacement of damage.wall.supports.Supports (n, n_supports, 3) [m, m, rad] at times (n,) [s] since its
+        """Displacement of damage.wall.layout.Supports (n, n_supports, 3) [m, m, rad] at times (n,) [s] since its
         begin; each support follows the chord of the profile over its part of the base."""
         left, right, length = supports.left, supports.right, supports.right[-1]
         time_s = np.clip(np.asarray(time_s, float) / self.moving_s(length), 0.0, 1.0)

@@ -3,33 +3,30 @@
 import math
 
 from damage.motion.record import FINER
-from damage.wall.as_built import describe_openings
-from damage.wall.caps import describe_top
-from damage.wall.floors import describe_floors
+from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
 from damage.wall.geometry import body_table, joint_table
-from damage.wall.layout import describe_lintels
-from damage.wall.lintel import describe_share, elastic_share
+from damage.wall.lintels import describe_share, elastic_share
 
 MEGA, TONNE = 1e6, 1e3
 
 
 def opening_lines(layout, loading, modes, time_step):
     """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step [s]."""
-    wall, options = layout.wall, layout.options
-    lintels = describe_lintels(layout)
+    wall, plan, options = layout.wall, layout.plan, layout.options
+    lintels = describe_lintels(plan)
     bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
         f"wall {wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.courses} courses, "
         f"{layout.n_bricks} bricks ({bricks_kg / TONNE:.3g} t together), {layout.n_joints} "
         f"contact points on {layout.total_joint_length:.2f} m of joints",
         *describe_top(layout),
-        *describe_openings(wall),
-        *describe_floors(wall),
+        *describe_openings(plan),
+        *describe_floors(plan),
         describe_joint(wall.joint, options.strength_cov),
         describe_brick(wall.brick, options),
         *lintels,
         f"lintel{'s of their own' if lintels else f' {options.lintel}'}: "
-        f"{describe_share(elastic_share(wall, joint_table(layout), body_table(layout)))}",
+        f"{describe_share(elastic_share(plan, joint_table(layout), body_table(layout)))}",
         f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
         f"({time_step / modes.critical_time_step_s:.2f} of the critical)",
         f"motion: {loading.name}",

@@ -8,7 +8,7 @@ from damage.measure.tables import shocks_table
 from damage.measure.warnings import static_warnings
 from damage.run.options import pictures_folder
 from damage.units import rounded
-from damage.wall.lintel import ElasticShare, describe_share
+from damage.wall.lintels import ElasticShare, describe_share
 
 
 def report(history, pictures=True):

@@ -1,6 +1,9 @@
-"""What of a wall is built otherwise than given, since courses are whole: its height, openings, levels of floors."""
+"""A wall as it is built, in lines for people: what differs from what is given, since courses are whole, its rigid top
+masses (caps) and the stress below them, its floors and lintels."""
 
 from typing import NamedTuple
+
+from damage.units import GRAVITY
 
 _SAME = 1e-4  # [m], sizes and places closer than this are as given
 WARN_COURSE, WARN_HEIGHT = 0.25, 0.05
@@ -38,26 +41,81 @@ def _sized(edges, length):
     return f"{size}, z = {low:.4g} to {high:.4g} m"
 
 
-def openings_as_built(wall):
-    """The openings of a damage.Wall, a list of Part in their order."""
-    course = wall.brick.height
-    return [Part(f"opening {number}", (one.sill, one.sill + one.height),
-                 tuple(course * edge for edge in wall.opening_courses(one)), one.width)
-            for number, one in enumerate(wall.openings, start=1)]
+def openings_as_built(plan):
+    """The openings of a damage.wall.plan.Plan, a list of Part in their order."""
+    course = plan.wall.brick.height
+    return [Part(f"opening {number}", (one.sill, one.sill + one.height), (course * place.first, course * place.above),
+                 one.width) for number, (one, place) in enumerate(zip(plan.wall.openings, plan.openings), start=1)]
 
 
-def describe_openings(wall):
-    """Lines on the openings of a wall that are built otherwise than given."""
-    return [one.describe() for one in openings_as_built(wall) if one.differs]
+def describe_openings(plan):
+    """Lines on the openings of a Plan that are built otherwise than given."""
+    return [one.describe() for one in openings_as_built(plan) if one.differs]
 
 
-def warn_of_courses(wall):
-    """Warnings of parts of a wall that are built far from what is given: a list of at most one line."""
-    course = wall.brick.height
-    levels = [Part(f"floor {number}", (0.0, one.level), (0.0, course * one.courses(wall)[1]))
-              for number, one in enumerate(wall.floors, start=1)]
+def warn_of_courses(plan):
+    """Warnings of parts of a Plan's wall that are built far from what is given: a list of at most one line."""
+    wall, course = plan.wall, plan.wall.brick.height
+    levels = [Part(f"floor {number}", (0.0, place.floor.level), (0.0, course * place.above))
+              for number, place in enumerate(plan.floors, start=1)]
     whole = Part("wall", (0.0, wall.height), (0.0, wall.built_height))
-    far = [one.describe() for one in (whole, *openings_as_built(wall), *levels) if one.far(course)]
+    far = [one.describe() for one in (whole, *openings_as_built(plan), *levels) if one.far(course)]
     return [f"whole courses of {course:.4g} m leave differences above {WARN_COURSE:g} of a course or "
             f"{100 * WARN_HEIGHT:g} %: {'. '.join(far)}. Give multiples of a course, or look at the picture of "
             "python3 -m damage draw"] if far else []
+
+
+def describe_floors(plan):
+    """Lines on the floors of a Plan, upwards: kind, level and length as laid, mass."""
+    return [f"{floor.kind} floor at {above * plan.wall.brick.height:.4g} m, x = {left:.4g} to {right:.4g} m: "
+            f"{floor.mass / 1e3:.3g} t"
+            for floor, left, right, _, above in sorted(plan.floors, key=lambda place: place.floor.level)]
+
+
+def describe_lintels(plan):
+    """Lines on the lintels of a Plan that are bodies, from left to right: kind, place as laid, and section or number of
+    bricks."""
+    course, lines = plan.wall.brick.height, []
+    for place in plan.lintels:
+        what = f"{place.parts} bricks on end, {place.height:.3g} m high" if place.lintel.kind == "arch" else (
+            f"{place.width:.3g} x {place.height:.3g} m, modulus {place.lintel.of('modulus') / 1e9:.3g} GPa")
+        lines.append(f"{place.lintel.kind} lintel at {place.first * course:.4g} m, x = {place.left:.4g} to "
+                     f"{place.right:.4g} m: {what}")
+    return lines
+
+
+def caps(x, length, mass, thickness):
+    """[{"left_m", "right_m", "mass_kg", "stress_pa"}] of caps by their centres [m], lengths [m] and masses [kg].
+
+    thickness [m]: of the wall; stress: that of their weight on what lies under them.
+
+    >>> caps([0.5], [1.0], [1000.0], 0.1)
+    [{'left_m': 0.0, 'right_m': 1.0, 'mass_kg': 1000.0, 'stress_pa': 98100.0}]
+    """
+    return [{"left_m": float(place - long / 2), "right_m": float(place + long / 2), "mass_kg": float(heavy),
+             "stress_pa": float(heavy * GRAVITY / (long * thickness))} for place, long, heavy in zip(x, length, mass)]
+
+
+def describe_cap(cap):
+    """A cap in one line.
+
+    >>> describe_cap({"left_m": 0.0, "right_m": 1.0125, "mass_kg": 6350.0, "stress_pa": 6e5})
+    'rigid top mass from x = 0 to 1.0125 m: 6.35 t, 0.6 MPa below it'
+    """
+    left, right = cap["left_m"], cap["right_m"]
+    return (f"rigid top mass from x = {left:.5g} to {right:.5g} m: {cap['mass_kg'] / 1e3:.3g} t, "
+            f"{cap['stress_pa'] / 1e6:.3g} MPa below it")
+
+
+def describe_top(layout):
+    """Lines on a damage.wall.layout.Layout: the stress in its piers by the load on top, and each cap."""
+    of, bodies, wall = layout.options, layout.bodies, layout.wall
+    if layout.top_mass == 0:
+        return ["no mass on top: no precompression"]
+    on_top = slice(layout.n_below_caps, None)
+    over = "the length of the wall" if of.load == "length" else "the piers alone"
+    places = ", ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.plan.piers)
+    return [f"top: {layout.top_mass / 1e3:.3g} t ({wall.precompression / 1e6:g} MPa over {over}), "
+            f"{layout.pier_stress / 1e6:.3g} MPa in the piers below, x = {places}",
+            *map(describe_cap, caps(bodies.x[on_top], bodies.length[on_top], bodies.mass[on_top],
+                                    wall.brick.thickness))]

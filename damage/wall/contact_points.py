@@ -17,11 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damage.wall.compliance import contact_stiffness
-from damage.wall.courses import lintel_places
-from damage.wall.floors import slabs
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
-from damage.wall.lintel import in_lintel
-from damage.wall.lintels import cut_places, cut_stiffness
+from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
 from damage.wall.split import cuts_of
 
 TINY = 1e-6  # [m], two positions closer than this are the same
@@ -79,25 +76,26 @@ def segments_of(options):
         options.contacts]
 
 
-def make_contacts(wall, options, bodies, n_bricks, cells, breaks):
-    """All contact points: joints first, then the caps' glue."""
-    pairs = _bed_pairs(wall, bodies, n_bricks, cells, breaks) + _head_pairs(bodies, n_bricks, cells)
-    joints = [tuple(_part_of(wall, bodies, cells, cell) for cell in pair[1:]) for pair in pairs]
+def make_contacts(plan, options, bodies, cells, breaks):
+    """All contact points of a damage.wall.plan.Plan: joints first, then the caps' glue."""
+    wall = plan.wall
+    pairs = _bed_pairs(plan, bodies, cells, breaks) + _head_pairs(bodies, plan.n_bricks, cells)
+    joints = [tuple(_part_of(wall.brick, bodies, cells, cell) for cell in pair[1:]) for pair in pairs]
     shared = Counter(joints)
     rows = [row for pair, joint in zip(pairs, joints) if pair[0] != CAP for row in _contact_rows(
         options, bodies, cells, *pair, alone=shared[joint] == 1)]
-    beside, cuts = _lintel_rows(wall, options, bodies, n_bricks, cells)
+    beside, cuts = _lintel_rows(plan, options, bodies, cells)
     rows += beside + [row for _, row in cuts]
     rows += [row for pair in pairs if pair[0] == CAP for row in _contact_rows(options, bodies, cells, *pair)]
     kind, first, second, first_cell, second_cell, x, z, length = (
         np.array(column) for column in zip(*rows))
     normal, shear = contact_stiffness(wall, options, bodies, kind, first, second)
     for index, (place, row) in zip(np.flatnonzero(kind == CUT), cuts):
-        normal[index], shear[index] = cut_stiffness(wall, place, row[5])
+        normal[index], shear[index] = cut_stiffness(wall.brick, place, row[5])
     head = kind == HEAD
     middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
     middle_z = np.where(head, bodies.z[second], z)  # points at a joint's ends lie at the boundaries of its courses
-    elastic = (kind == CAP) | (kind == CUT) | in_lintel(wall, options.lintel, middle_x, middle_z)
+    elastic = (kind == CAP) | (kind == CUT) | in_lintel(plan, options.lintel, middle_x, middle_z)
     strengths = [np.where(elastic, np.inf, strength) for strength in (
         wall.joint.tensile_strength, wall.joint.cohesion, wall.joint.compressive_strength or np.inf)]
     return Contacts(kind, first, second, x, z, length, length * wall.brick.thickness,
@@ -113,16 +111,15 @@ def scattered(wall, contacts, *scatters):
                                 for name in ("tensile_strength", "cohesion")})
 
 
-def _bed_pairs(wall, bodies, n_bricks, cells, breaks):
+def _bed_pairs(plan, bodies, cells, breaks):
     """(kind, cell below or GROUND, cell above) of every bed joint, base joint and cap.
 
     Facing cells lie between the same two breaks.
     """
     column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
-    first, last = (course[cells.body] for course in courses_of(wall, bodies, n_bricks))
-    n_below_caps = n_bricks + len(slabs(wall)) + _n_lintels(wall)
-    below = {}
-    pairs = []
+    below, pairs, n_below_caps = {}, [], plan.taken.shape[1]
+    of_caps = np.full(len(bodies) - n_below_caps, len(plan.runs))  # the course above the wall
+    first, last = (np.append(course, of_caps)[cells.body] for course in plan.taken)
     for index in np.lexsort((cells.left, first)):
         under = below.get((first[index] - 1, column[index]))
         below[last[index], column[index]] = index
@@ -134,30 +131,14 @@ def _bed_pairs(wall, bodies, n_bricks, cells, breaks):
     return pairs
 
 
-def courses_of(wall, bodies, n_bricks):
-    """First and last course that each body takes, of caps the one above the wall: two arrays (n_bodies,)."""
-    first, last = bodies.course.copy(), bodies.course.copy()
-    first[n_bricks:] = last[n_bricks:] = wall.courses
-    places = [(floor.courses(wall), 1) for floor in slabs(wall)] + [
-        ((place.first, place.above), place.parts) for place in lintel_places(wall)]
-    taken = np.array([courses for courses, parts in places for _ in range(parts)], int).reshape(-1, 2)
-    these = slice(n_bricks, n_bricks + len(taken))
-    first[these], last[these] = taken[:, 0], taken[:, 1] - 1
-    return first, last
-
-
-def _n_lintels(wall):
-    """Number of bodies that are parts of lintels."""
-    return sum(place.parts for place in lintel_places(wall))
-
-
-def _lintel_rows(wall, options, bodies, n_bricks, cells):
+def _lintel_rows(plan, options, bodies, cells):
     """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and (Place,
     row) of those on the cuts through beams."""
-    places, number = lintel_places(wall), n_bricks + len(slabs(wall))
+    number = plan.n_bricks + len(plan.slabs)
     left_cell, right_cell = ({body: cell for cell, body in order} for order in (
         reversed(list(enumerate(cells.body))), enumerate(cells.body)))
-    of_part = {number + k: place for k, place in enumerate(place for place in places for _ in range(place.parts))}
+    of_part = {number + k: place for k, place in enumerate(
+        place for place in plan.lintels for _ in range(place.parts))}
     ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
     beside, cuts, least = [], [], 2 // len(PLACES[options.contacts])
     for one, other in _touching(of_part, ends, bodies.z - half, bodies.z + half):
@@ -169,7 +150,7 @@ def _lintel_rows(wall, options, bodies, n_bricks, cells):
             cuts += [(place, (CUT, one, other, cell, facing, x, bodies.z[one] + by, length)) for by in up]
             continue
         both_lintels = place is not None and of_part.get(other)
-        segments = round(segments_of(options) * (top - bottom) / (wall.brick.length / 2))
+        segments = round(segments_of(options) * (top - bottom) / (plan.wall.brick.length / 2))
         parts = max(least, segments) if both_lintels else 1
         size, at = (top - bottom) / parts, PLACES[options.contacts]
         beside += [(HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
@@ -199,13 +180,13 @@ def _head_pairs(bodies, n_bricks, cells):
     return pairs
 
 
-def _part_of(wall, bodies, cells, cell):
+def _part_of(brick, bodies, cells, cell):
     """The body of a cell, or GROUND, and whether the cell is of the right half of a brick that can split."""
     if cell == GROUND:
         return GROUND, False
     body, middle = cells.body[cell], (cells.left[cell] + cells.right[cell]) / 2
     half = bodies.length[body] / 2
-    return body, any(middle > cut for cut in cuts_of(wall, 0, bodies.x[body] - half, bodies.x[body] + half))
+    return body, any(middle > cut for cut in cuts_of(brick, 0, bodies.x[body] - half, bodies.x[body] + half))
 
 
 def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alone=False):

@@ -7,6 +7,7 @@ the bricks beside them.  Both have their weight.
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,6 +43,11 @@ class Floor:
             check_range("Floor.right", self.right, 0, 1000)
         check_choice("Floor.kind", self.kind, KINDS_OF_FLOORS)
 
+    @property
+    def is_body(self):
+        """Whether it is a body of its own, a slab."""
+        return self.kind == "concrete"
+
     def span(self, wall):
         """Left and right end on a wall [m]."""
         return self.left, wall.length if self.right is None else self.right
@@ -49,48 +55,56 @@ class Floor:
     def courses(self, wall):
         """The first course that it rests in or on, and the first above it."""
         above = round(self.level / wall.brick.height)
-        return above - (max(1, round(self.depth / wall.brick.height)) if self.kind == "concrete" else 1), above
+        return above - (max(1, round(self.depth / wall.brick.height)) if self.is_body else 1), above
+
+
+class FloorPlace(NamedTuple):
+    """A floor in a wall: its ends [m], the first course that it rests in or on, and the first above it."""
+
+    floor: Floor
+    left: float
+    right: float
+    first: int
+    above: int
+
+
+def floor_places(wall):
+    """The FloorPlace of every floor of a wall, in their order."""
+    return tuple(FloorPlace(floor, *floor.span(wall), *floor.courses(wall)) for floor in wall.floors)
 
 
 def check_floors(wall):
     """Raise InputError for floors outside the wall, over each other, or with nothing below them."""
-    for number, floor in enumerate(wall.floors, start=1):
-        (left, right), (first, above) = floor.span(wall), floor.courses(wall)
+    places = floor_places(wall)
+    for number, place in enumerate(places, start=1):
+        floor, left, right, first, above = place
         what = f"wall {wall.name}, floor {number} (x {left:g} to {right:g} m, level {floor.level:g} m)"
-        if first < (floor.kind == "concrete") or above > wall.courses:
+        if first < floor.is_body or above > wall.courses:
             raise InputError(f"{what} takes courses {first + 1} to {above} of {wall.courses}: expected a level with a "
                              "course below it and not above the wall; correct the level")
         if right > wall.length + _TINY or right - left < wall.brick.length / 2 - _TINY:
             raise InputError(f"{what}: expected half a brick ({wall.brick.length / 2:g} m) or more inside the wall of "
                              f"{wall.length:g} m; correct left and right")
-        for other in wall.floors[:number - 1]:
-            if "concrete" in (floor.kind, other.kind) and _overlap(wall, floor, other):
+        for other in places[:number - 1]:
+            if (floor.is_body or other.floor.is_body) and _overlap(place, other):
                 raise InputError(f"{what} lies in the same courses as another floor, and one of them is concrete: "
                                  "expected floors apart; move one, or join them")
 
 
-def _overlap(wall, floor, other):
-    """Whether two floors share courses and length."""
-    (left, right), (first, above) = floor.span(wall), floor.courses(wall)
-    (other_left, other_right), (other_first, other_above) = other.span(wall), other.courses(wall)
-    return (min(right, other_right) - max(left, other_left) > _TINY
-            and min(above, other_above) - max(first, other_first) > 0)
+def _overlap(one, other):
+    """Whether two FloorPlaces share courses and length."""
+    return (min(one.right, other.right) - max(one.left, other.left) > _TINY
+            and min(one.above, other.above) - max(one.first, other.first) > 0)
 
 
-def slabs(wall):
-    """The concrete floors of a wall, a list."""
-    return [floor for floor in wall.floors if floor.kind == "concrete"]
-
-
-def with_timber_floors(wall, bodies, first, last):
-    """Bodies with the masses of timber floors on their bricks and lintels, inertia growing with mass; first, last:
-    courses that each takes (n_bodies,)."""
-    more = np.zeros(len(bodies))
-    for floor in wall.floors:
-        if floor.kind == "timber":
-            course = floor.courses(wall)[0]
+def with_timber_floors(plan, bodies):
+    """Bodies below the caps of a damage.wall.plan.Plan with the masses of timber floors on bricks and lintels, inertia
+    growing with mass."""
+    more, (first, last) = np.zeros(len(bodies)), plan.taken
+    for floor, left, right, course, _ in plan.floors:
+        if not floor.is_body:
             on = (first <= course) & (course <= last) & (bodies.course != SLAB_COURSE)
-            more[on] += floor.mass * _shares(bodies.x[on], bodies.length[on], *floor.span(wall))
+            more[on] += floor.mass * _shares(bodies.x[on], bodies.length[on], left, right)
     if not more.any():  # bit for bit as without
         return bodies
     factor = 1 + more / bodies.mass
@@ -106,22 +120,3 @@ def _shares(x, length, left, right):
     middle, away = share @ x, share @ ((start + end) / 2 - x)
     spread = share @ (x - middle)**2
     return share * (1 + away / spread * (x - middle)) if spread > _TINY**2 else share
-
-
-def slab_bodies(wall):
-    """{field: values} of the slabs of a wall as bodies, in the order of the floors."""
-    found = [(*floor.span(wall), *floor.courses(wall), floor.mass) for floor in slabs(wall)]
-    left, right, first, above, mass = np.array(found, dtype=float).reshape(-1, 5).T
-    length, height = right - left, (above - first) * wall.brick.height
-    return {"x": (left + right) / 2, "z": (first + above) / 2 * wall.brick.height, "length": length, "height": height,
-            "mass": mass, "inertia": mass * (length**2 + height**2) / 12, "course": np.full(len(mass), SLAB_COURSE)}
-
-
-def describe_floors(wall):
-    """Lines on the floors of a wall, upwards: kind, level and length as laid, mass."""
-    lines = []
-    for floor in sorted(wall.floors, key=lambda one: one.level):
-        left, right = floor.span(wall)
-        lines.append(f"{floor.kind} floor at {floor.courses(wall)[1] * wall.brick.height:.4g} m, x = {left:.4g} to "
-                     f"{right:.4g} m: {floor.mass / 1e3:.3g} t")
-    return lines

@@ -6,10 +6,9 @@ import numpy as np
 import pandas as pd
 
 from damage.wall.floors import SLAB_COURSE
-from damage.wall.kinds import KINDS
+from damage.wall.kinds import KINDS, rows
 from damage.wall.kinematics import rigid_displacement
 from damage.wall.lintels import LINTEL_COURSE
-from damage.wall.supports import rows
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]

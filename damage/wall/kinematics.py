@@ -6,7 +6,7 @@ shear are measured along the joint's axes turned by the mean rotation of the two
 
 import numpy as np
 
-from damage.wall.supports import rows
+from damage.wall.kinds import rows
 
 CORNER_RADIUS = 0.01
 """Radius of a loose brick's corners over the length of a whole brick [-]."""

@@ -1,9 +1,10 @@
 """From a wall's parameters to bodies, cells and contact points: the one layout of every solver.
 
 Bodies are the bricks, course by course from the base and left to right, then slabs (`damage.wall.floors`), the parts of
-lintels (`damage.wall.lintels`), and the caps that carry the top mass.  The supports below them are bodies -1, -2, ...
-(`damage.wall.supports`).  A brick's cells break at every head joint of the wall, so that facing cells of two courses
-match.  `damage.wall.contact_points` places the contact points between them.
+lintels (`damage.wall.lintels`), and the caps that carry the top mass.  The supports below them are bodies -1, -2, ...:
+support k is body `damage.wall.kinds.GROUND - k` of contact points, and in tables of all bodies they follow the caps
+(`damage.wall.kinds.rows`).  A brick's cells break at every head joint of the wall, so that facing cells of two courses
+match.  `damage.wall.plan` says what is built where; `damage.wall.contact_points` places the contact points.
 """
 
 from copy import deepcopy
@@ -14,18 +15,17 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.units import GRAVITY
-from damage.wall.contact_points import PLACES, TINY, Contacts, courses_of, make_contacts, scattered, segments_of
-from damage.wall.courses import built_runs, drift_course, lay_course, lintel_places
+from damage.wall.contact_points import PLACES, TINY, Contacts, make_contacts, scattered, segments_of
 from damage.wall.fibres import Fibres, split_into_fibres
-from damage.wall.floors import SLAB_COURSE, slab_bodies, slabs, with_timber_floors
+from damage.wall.floors import SLAB_COURSE, with_timber_floors
 from damage.wall.kinds import CAP, CUT
-from damage.wall.lintels import describe_place, lintel_bodies
+from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, mass_per_length
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
+from damage.wall.plan import Plan, plan_of
 from damage.wall.soil import on_soil
 from damage.wall.split import CUT_POINTS, cut_bricks, cuts_of
 from damage.wall.strain import Strain, strain_of
-from damage.wall.supports import Supports, supports_below
 
 MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
@@ -62,19 +62,37 @@ class Cells:
 
 
 @dataclass(frozen=True)
+class Supports:
+    """The ground below the base as bodies whose motion is prescribed, with reference points at z = 0; left, right [m]:
+    the part of the base that each carries, (n_supports,)."""
+
+    left: np.ndarray
+    right: np.ndarray
+
+    def __len__(self):
+        return len(self.left)
+
+    @property
+    def x(self):
+        """Reference points along the wall, (n_supports,) [m]."""
+        return (self.left + self.right) / 2
+
+
+@dataclass(frozen=True)
 class Layout:
     """A wall laid out under given options.
 
+    wall: as given; plan: of what is built.
     n_joints: the first n_joints contacts are joints, behind them the cuts where bricks can split; the rest is the
         caps' glue.
-    drift_bodies: bricks of the top course, or of the one that `damage.wall.courses.drift_course` names, whose centres
-        stand over piers; drift_height [m] of them.
-    piers: (left, right) [m] of each pier, the parts of the length that carry the top; supports: below the base.
+    n_bricks: bodies that are bricks, or parts of them (`damage.wall.split`); those of slabs and lintels follow.
+    drift_bodies: bricks of the plan's drift course whose centres stand over piers; drift_height [m] of them.
+    supports: below the base.
     fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where they deform, else None.
-    n_slabs, n_lintels: bodies behind the bricks that are floors, and behind these parts of lintels.
     """
 
     wall: Wall
+    plan: Plan
     options: ModelOptions
     bodies: Bodies
     cells: Cells
@@ -83,17 +101,14 @@ class Layout:
     n_joints: int
     drift_bodies: np.ndarray
     drift_height: float
-    piers: tuple[tuple[float, float], ...]
     supports: Supports
     fibres: Fibres | None = None
     strain: Strain | None = None
-    n_slabs: int = 0
-    n_lintels: int = 0
 
     @property
     def n_below_caps(self):
         """Number of bricks, slabs and parts of lintels."""
-        return self.n_bricks + self.n_slabs + self.n_lintels
+        return self.n_bricks - self.plan.n_bricks + self.plan.taken.shape[1]  # bricks that are cut are more here
 
     @property
     def total_joint_length(self):
@@ -120,12 +135,12 @@ class Layout:
     @property
     def top_mass(self):
         """Mass of the precompression [kg]."""
-        return _top_mass(self.wall, self.options, self.piers)
+        return _top_mass(self.plan, self.options)
 
     @property
     def pier_stress(self):
         """Vertical stress in the piers by that mass [Pa], without the bricks above."""
-        return self.top_mass * GRAVITY / (_length(self.piers) * self.wall.brick.thickness)
+        return self.top_mass * GRAVITY / (_length(self.plan.piers) * self.wall.brick.thickness)
 
     @property
     def total_mass(self):
@@ -141,7 +156,8 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     Raises InputError where the openings' edges leave cells too narrow to compute with, or there are too many.
     """
     options = options or ModelOptions()
-    layout = deepcopy(_lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0, fibres=0)))
+    alike = _lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0, fibres=0))
+    layout = deepcopy(alike, {id(alike.plan): alike.plan})  # a plan never changes
     layout = replace(layout, wall=wall, options=options, contacts=scattered(
         wall, layout.contacts, (options.strength_cov, options.strength_seed), (scatter, (seed, 1))))
     layout = on_soil(layout)
@@ -151,146 +167,109 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
                    if options.fibres else None)
 
 
-def describe_lintels(layout):
-    """Lines on the lintels of a Layout that are bodies of their own, from left to right."""
-    wall = layout.wall.with_lintels(layout.options.lintel)
-    return [describe_place(wall, place) for place in lintel_places(wall)]
-
-
 @lru_cache(maxsize=4)
 def _lay_out_alike(wall, options):
     """The Layout of whole bricks whose joints are all as strong as the wall says: what members of an ensemble share."""
-    wall = wall.with_lintels(options.lintel)
-    courses = [lay_course(wall, course) for course in range(wall.courses)]
-    piers = _find_piers(wall)
-    bodies, n_bricks = _make_bodies(wall, options, courses, piers)
-    breaks = _cell_breaks(wall, options, courses)
+    plan = plan_of(wall, options)
+    bodies, n_bricks = _make_bodies(plan, options), plan.n_bricks
+    breaks = _cell_breaks(plan, options)
     cells = _make_cells(bodies, breaks)
     points = (len(cells.body) + n_bricks) * len(PLACES[options.contacts])
     points += CUT_POINTS * n_bricks * (wall.brick.splits * (not options.has_modes) + options.brick_cells)
     if points > MOST_CONTACTS:
         raise InputError(f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact "
                          f"points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall")
-    contacts = make_contacts(wall, options, bodies, n_bricks, cells, breaks)
-    drift_bodies = _find_drift_bodies(wall, bodies, n_bricks, piers)
+    contacts, drift_bodies = make_contacts(plan, options, bodies, cells, breaks), _find_drift_bodies(plan, bodies)
     return Layout(
-        wall=wall, options=options, bodies=bodies, cells=cells, contacts=contacts,
+        wall=wall, plan=plan, options=options, bodies=bodies, cells=cells, contacts=contacts,
         n_bricks=n_bricks, n_joints=int(np.sum(contacts.kind != CAP)), drift_bodies=drift_bodies,
-        drift_height=float(bodies.z[drift_bodies].mean()), piers=piers,
-        supports=supports_below(bodies, wall, options.supports),
-        strain=strain_of(wall, options, bodies, contacts, n_bricks) if options.has_modes else None,
-        n_slabs=len(slabs(wall)), n_lintels=sum(place.parts for place in lintel_places(wall)))
+        drift_height=float(bodies.z[drift_bodies].mean()),
+        supports=_supports_below(bodies, wall.length, options.supports),
+        strain=strain_of(wall.brick, options, bodies, contacts, n_bricks) if options.has_modes else None)
 
 
 # --- bricks -------------------------------------------------------------------------------------
-
-def _find_piers(wall):
-    """Piers that carry the top: parts of the length without an opening of the top storey, left to right."""
-    piers, start = [], 0.0
-    for opening in sorted(_top_storey(wall), key=lambda o: o.left):
-        if opening.left > start + TINY:
-            piers.append((start, opening.left))
-        start = max(start, opening.right)
-    if start < wall.length - TINY:
-        piers.append((start, wall.length))
-    return tuple(piers)
-
-
-def _top_storey(wall):
-    """The openings between the top and the first full course below an opening.
-
-    Over those farther down stands a pier, or a full course and all above it, which carry.
-    """
-    storey, sill = [], 0
-    for opening in sorted(wall.openings, key=lambda o: -wall.opening_courses(o)[1]):
-        first, above = wall.opening_courses(opening)
-        if storey and above < sill:
-            break
-        sill = min(sill, first) if storey else first
-        storey.append(opening)
-    return storey
-
 
 def _length(spans):
     """Length of all spans (left, right) together [m]."""
     return sum(right - left for left, right in spans)
 
 
-def _top_mass(wall, options, piers):
+def _top_mass(plan, options):
     """Mass of the precompression over the length, or over the piers [kg]."""
-    return wall.top_mass * (_length(piers) / wall.length if options.load == "piers" else 1.0)
+    return plan.wall.top_mass * (_length(plan.piers) / plan.wall.length if options.load == "piers" else 1.0)
 
 
-def _make_bodies(wall, options, courses, piers):
-    """Bricks and lintels, with the masses that are spread over them, slabs, and caps for a top mass that is not
+def _make_bodies(plan, options):
+    """Bricks, slabs and lintels, with the masses that are spread over them, and caps for a top mass that is not
     spread."""
-    height, thickness = wall.brick.height, wall.brick.thickness
-    edges = np.array([edge for course in courses for edge in course])
-    course = np.repeat(np.arange(wall.courses), [len(c) for c in courses])
-    length = edges[:, 1] - edges[:, 0]
-    mass = wall.brick.density * length * height * thickness
-    inertia = mass * (length**2 + height**2) / 12
-    bricks = Bodies(edges.mean(axis=1), (course + 0.5) * height, length,
-                    np.full(len(length), height), mass, inertia, course)
-    n_bricks = len(bricks)
-    bodies = _with_more(_with_more(bricks, slab_bodies(wall)), lintel_bodies(wall, lintel_places(wall)))
-    bodies = with_timber_floors(wall, bodies, *courses_of(wall, bodies, n_bricks))
-    top_mass = _top_mass(wall, options, piers)
+    brick, top_mass, (first, last), n = plan.wall.brick, _top_mass(plan, options), plan.taken, plan.n_bricks
+    length, height = plan.ends[1] - plan.ends[0], (last + 1 - first) * brick.height
+    mass, course, behind = brick.density * length * height * brick.thickness, first.copy(), n + len(plan.slabs)
+    mass[n:behind], course[n:behind] = [slab.floor.mass for slab in plan.slabs], SLAB_COURSE
+    parts = [place for place in plan.lintels for _ in range(place.parts)]
+    mass[behind:] = np.array([mass_per_length(brick, place) for place in parts]) * length[behind:]
+    course[behind:] = [ARCH_COURSE if place.lintel.kind == "arch" else LINTEL_COURSE for place in parts]
+    bodies = with_timber_floors(plan, Bodies(plan.ends.mean(axis=0), (first + last + 1) / 2 * brick.height, length,
+                                             height, mass, mass * (length**2 + height**2) / 12, course))
     if top_mass and options.top == "uniform":
-        bodies = _with_spread_mass(bodies, wall, n_bricks, top_mass)
-    if top_mass and options.top != "uniform":
-        spans = piers if options.top == "piers" else ((0.0, wall.length),)
-        bodies = _with_more(bodies, _cap_bodies(wall, np.array(spans), top_mass))
-    return bodies, n_bricks
+        return _with_spread_mass(plan, bodies, top_mass)
+    spans = plan.piers if options.top == "piers" else ((0.0, plan.wall.length),)
+    return _with_caps(bodies, plan.wall.built_height, np.array(spans), top_mass) if top_mass else bodies
 
 
-def _with_spread_mass(bodies, wall, n_bricks, top_mass):
+def _with_spread_mass(plan, bodies, top_mass):
     """The top mass added to bricks and lintels of the top course in proportion to length, inertia growing with mass;
     to its slabs where they are all of it."""
-    in_course = courses_of(wall, bodies, n_bricks)[1] == wall.courses - 1
+    in_course = plan.taken[1] == len(plan.runs) - 1
     top = in_course & (bodies.course != SLAB_COURSE)
     top = top if top.any() else in_course
-    carrying = _length(built_runs(wall, wall.courses - 1)) + bodies.length[n_bricks:][top[n_bricks:]].sum()
+    carrying = _length(plan.runs[-1]) + bodies.length[plan.n_bricks:][top[plan.n_bricks:]].sum()
     factor = np.where(top, 1 + top_mass * bodies.length / carrying / bodies.mass, 1.0)
     return replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)
 
 
-def _cap_bodies(wall, spans, top_mass):
-    """{field: values} of one rigid cap a span, mass shared by length, I = m (w^2 + h^2) / 12."""
+def _with_caps(bodies, bottom, spans, top_mass):
+    """Bodies, and behind them one rigid cap a span above z = bottom, mass shared by length, I = m (w^2 + h^2) / 12."""
     width = spans[:, 1] - spans[:, 0]
     mass, n = top_mass * width / width.sum(), len(width)
-    return {"x": spans.mean(axis=1), "z": np.full(n, wall.built_height + CAP_HEIGHT / 2), "length": width,
-            "height": np.full(n, CAP_HEIGHT), "mass": mass, "inertia": mass * (width**2 + CAP_HEIGHT**2) / 12,
-            "course": np.full(n, -1)}
+    caps = Bodies(spans.mean(axis=1), np.full(n, bottom + CAP_HEIGHT / 2), width, np.full(n, CAP_HEIGHT), mass,
+                  mass * (width**2 + CAP_HEIGHT**2) / 12, np.full(n, -1))
+    return Bodies(*map(np.append, vars(bodies).values(), vars(caps).values()))
 
 
-def _with_more(bodies, more):
-    """Bodies with {field: values} of others behind them."""
-    return replace(bodies, **{name: np.append(getattr(bodies, name), values) for name, values in more.items()})
-
-
-def _find_drift_bodies(wall, bodies, n_bricks, piers):
+def _find_drift_bodies(plan, bodies):
     """Bricks of the drift course with their centre inside a pier, one on a pier's very edge left out; a slab where it
     takes the course's place."""
-    top = np.flatnonzero(bodies.course[:n_bricks] == drift_course(wall))
+    top = np.flatnonzero(bodies.course[:plan.n_bricks] == plan.drift_course)
     if not len(top):
-        return np.flatnonzero(courses_of(wall, bodies, n_bricks)[1] == drift_course(wall))
-    over = [any(left + TINY < x < right - TINY for left, right in piers) for x in bodies.x[top]]
+        return np.flatnonzero(plan.taken[1] == plan.drift_course)
+    over = [any(left + TINY < x < right - TINY for left, right in plan.piers) for x in bodies.x[top]]
     return top[over] if any(over) else top
+
+
+def _supports_below(bodies, length, kind):
+    """The Supports of a wall of this length [m]: "one" below all of it, or "bricks": one below each brick of the
+    base."""
+    if kind == "one":
+        return Supports(np.array([0.0]), np.array([float(length)]))
+    base = bodies.course == 0
+    half = bodies.length[base] / 2
+    return Supports(bodies.x[base] - half, bodies.x[base] + half)
 
 
 # --- cells --------------------------------------------------------------------------------------
 
-def _cell_breaks(wall, options, courses):
+def _cell_breaks(plan, options):
     """Sorted positions x [m] at which every brick that spans them is divided.
 
     Corner contacts lie at both ends of a segment, so one segment less gives as many points; of Gauss points there are
     two in each, so that half as many do.
     """
-    segments = segments_of(options)
-    of_bricks = [x for course in courses for brick in course for x in (
-        *brick, *(cuts_of(wall, options.brick_cells, *brick) if options.brick_cells else ()))]
-    edges = np.unique(np.round([*of_bricks, *(x for place in lintel_places(wall) for x in place.edges)], 9))
+    segments, wall = segments_of(options), plan.wall
+    of_bricks = [x for course in plan.bricks for brick in course for x in (
+        *brick, *(cuts_of(wall.brick, options.brick_cells, *brick) if options.brick_cells else ()))]
+    edges = np.unique(np.round([*of_bricks, *(x for place in plan.lintels for x in place.edges)], 9))
     breaks = [edges[0]]
     for left, right in zip(edges[:-1], edges[1:]):
         width = right - left

@@ -1,4 +1,4 @@
-"""Lintels of their own over openings: beams, and arches of bricks; `damage.wall.lintel` has those of elastic courses.
+"""Lintels over openings: beams and arches of bricks, bodies of their own; and courses whose joints stay elastic.
 
 A beam is a chain of rigid segments, half a brick long, in place of the courses that its height takes.  Its cuts stay
 elastic: of two segments whose centres lie d apart, two Gauss points over the height h give
@@ -159,22 +159,11 @@ def edges_of(lintel, brick, left, right, near):
     return (left, *inner, right)
 
 
-def lintel_bodies(wall, places):
-    """{field: values} of all parts of lintels as bodies, place by place, left to right."""
-    brick = wall.brick
-    rows = []
-    for place in places:
-        z, height = (place.first + place.above) / 2 * brick.height, (place.above - place.first) * brick.height
-        arch = place.lintel.kind == "arch"
-        per_length = brick.density * brick.thickness * height if arch else (
-            place.lintel.of("density") * place.width * place.height)
-        for left, right in zip(place.edges[:-1], place.edges[1:]):
-            mass = per_length * (right - left)
-            rows.append(((left + right) / 2, z, right - left, height, mass, mass * ((right - left)**2 + height**2) / 12,
-                         ARCH_COURSE if arch else LINTEL_COURSE))
-    columns = np.array(rows, dtype=float).reshape(-1, 7).T
-    names = ("x", "z", "length", "height", "mass", "inertia", "course")
-    return dict(zip(names, columns)) | {"course": columns[6].astype(int)}
+def mass_per_length(brick, place):
+    """Mass of a lintel along its length [kg/m], in a wall of these bricks."""
+    if place.lintel.kind == "arch":
+        return brick.density * brick.thickness * ((place.above - place.first) * brick.height)
+    return place.lintel.of("density") * place.width * place.height
 
 
 def cut_places(place):
@@ -182,17 +171,78 @@ def cut_places(place):
     return _GAUSS * place.height, place.height / 2
 
 
-def cut_stiffness(wall, place, x):
+def cut_stiffness(brick, place, x):
     """Normal and shear stiffness [Pa/m] of the cut at x [m] through a beam, of contact points as wide as the wall."""
     cut = int(np.abs(np.array(place.edges) - x).argmin())
     distance = (place.edges[cut + 1] - place.edges[cut - 1]) / 2
-    modulus = place.lintel.of("modulus") * place.width / wall.brick.thickness
+    modulus = place.lintel.of("modulus") * place.width / brick.thickness
     return modulus / distance, SHEAR_SHARE * modulus / USUAL[place.lintel.kind].shear_ratio / distance
 
 
-def describe_place(wall, place):
-    """A lintel in a line: kind, place as laid, and section or number of bricks."""
-    what = f"{place.parts} bricks on end, {place.height:.3g} m high" if place.lintel.kind == "arch" else (
-        f"{place.width:.3g} x {place.height:.3g} m, modulus {place.lintel.of('modulus') / 1e9:.3g} GPa")
-    return (f"{place.lintel.kind} lintel at {place.first * wall.brick.height:.4g} m, x = {place.left:.4g} to "
-            f"{place.right:.4g} m: {what}")
+LARGE_SHARE = 0.15
+"""Share of the joint length that is elastic [-] above which a run is warned of: half as much again as in the façades of
+the paper, 0.10, in which alone elastic lintels were compared with published results."""
+
+
+class ElasticShare(NamedTuple):
+    """Length of joints that are elastic and cannot fail, over the length of all joints [-]; and the same of the courses
+    above openings, along the whole wall, None of a wall without."""
+
+    of_all: float
+    above_openings: float | None
+
+
+def in_lintel(plan, lintel, x, z):
+    """Which joints lie strictly inside a lintel of courses: in those over an opening, or the lowest of them, one brick
+    of bearing on each side; the bed joints under the bearing and over the highest of these courses are not inside.
+
+    lintel: as of ModelOptions, of which a number is of courses, and "none" none; x, z: middles of the joints' parts
+    between two bricks [m].  Openings with a lintel of their own have none of these.
+    """
+    brick, inside = plan.wall.brick, np.zeros(len(x), dtype=bool)
+    most = 0 if lintel == "none" else int(lintel) if lintel.isdigit() else len(plan.runs)
+    for place in (one for one in plan.openings if not one.lintel.is_body):
+        inside |= ((x > place.left - brick.length + _TINY) & (x < place.right + brick.length - _TINY)
+                   & _within(place.above, min(place.spandrel, place.above + most), brick.height, z))
+    return inside
+
+
+def _within(first, above, course, z):
+    """Which heights z [m] lie strictly inside the courses from the first up to the one above, by a course's height."""
+    return (z > first * course + _TINY) & (z < above * course - _TINY)
+
+
+def elastic_share(plan, joints, bodies):
+    """The ElasticShare of a damage.wall.plan.Plan; joints, bodies: as of a History, or of `damage.wall.geometry`."""
+    kind = joints["kind"].to_numpy()
+    length = np.where(kind == "brick", 0.0, joints["length_m"])
+    elastic = length * joints["elastic"].to_numpy()
+    # A contact point at the end of a head joint lies at the boundary of its course: the brick beside it lies inside.
+    z = np.where(kind == "head", bodies["z_m"].to_numpy()[joints["second_body"]], joints["z_m"])
+    above = np.zeros(len(z), bool)
+    for place in plan.openings:
+        above |= _within(place.above, place.spandrel, plan.wall.brick.height, z)
+    return ElasticShare(float(elastic.sum() / length.sum()),
+                        float(elastic[above].sum() / length[above].sum()) if length[above].any() else None)
+
+
+def describe_share(share):
+    """An ElasticShare in a line for people.
+
+    >>> describe_share(ElasticShare(0.3312, 0.784))
+    '33 % of the joint length (78 % above the openings) is elastic and cannot fail'
+    >>> describe_share(ElasticShare(0.0, None))
+    'no joint is elastic, all can fail'
+    """
+    if share.of_all == 0:
+        return "no joint is elastic, all can fail"
+    above = "" if share.above_openings is None else f" ({100 * share.above_openings:.2g} % above the openings)"
+    return f"{100 * share.of_all:.2g} % of the joint length{above} is elastic and cannot fail"
+
+
+def warn_of_share(share):
+    """Warnings of an ElasticShare: a list of at most one line."""
+    if share.of_all <= LARGE_SHARE:
+        return []
+    return [f"{describe_share(share)}: above {100 * LARGE_SHARE:g} % the choice of the lintel may decide the result; "
+            "compare with --lintel 1 (docs/guides/own-wall.md)"]

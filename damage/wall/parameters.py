@@ -11,9 +11,9 @@ from dataclasses import asdict, dataclass, field, replace
 from damage.checks import check_choice, check_not_negative, check_range, record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
-from damage.wall.courses import check_bearing, check_outline
 from damage.wall.floors import Floor, check_floors
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel, lintel_of
+from damage.wall.plan import check_bearing, check_outline, plan_of
 from damage.wall.plausible import check_record, implausible_sizes
 
 LONGEST_M, LONGEST_NAME, MOST_BRICKS, MOST_PARTS = 1000.0, 100, 20_000, 1000
@@ -234,7 +234,7 @@ class Wall:
         piers alone, as `ModelOptions.load` says.
     base_course: the base course starts on the left with a "whole" or a "half" brick.
     outline: points (x, z) [m] of its top edge from (0, z) to (length, z), its highest at the height; none for a
-        rectangular wall.  `damage.wall.courses` says how bricks follow it.
+        rectangular wall.  `damage.wall.plan` says how bricks follow it.
     floors: of `damage.wall.floors.Floor`.
     lintel: of openings that have none of their own, a `damage.wall.lintels.Lintel` or its kind; "courses" in the
         paper's walls, where `ModelOptions.lintel` says which joints stay elastic.
@@ -271,7 +271,7 @@ class Wall:
             check_outline(self)
         _check_openings(self)
         check_floors(self)
-        check_bearing(self)
+        check_bearing(plan_of(self))
 
     @property
     def courses(self):

@@ -46,13 +46,13 @@ def cut_strengths(brick):
     return brick.tensile_strength * CUT_POINTS / (CUT_POINTS + 1), cohesion
 
 
-def cuts_of(wall, brick_cells, left, right):
-    """Positions [m] of the cuts through a brick with these edges, from left to right; brick_cells: of a whole brick, 0
-    where it is not made of cells."""
-    middle = [(left + right) / 2] if wall.brick.splits and _is_whole(wall, right - left) else []
+def cuts_of(unit, brick_cells, left, right):
+    """Positions [m] of the cuts through a brick with these edges, from left to right; unit: the damage.Brick that it is
+    or was cut from; brick_cells: of a whole brick, 0 where it is not made of cells."""
+    middle = [(left + right) / 2] if unit.splits and _is_whole(unit, right - left) else []
     if not brick_cells:
         return middle
-    cell = wall.brick.length / brick_cells
+    cell = unit.length / brick_cells
     first, last = np.ceil((left + cell / 2 - _TINY) / cell), np.floor((right - cell / 2 + _TINY) / cell)
     return [k * cell for k in range(int(first), int(last) + 1)]
 
@@ -64,7 +64,7 @@ def cut_bricks(layout):
     """
     old, n, wall = layout.bodies, layout.n_bricks, layout.wall
     half = old.length / 2
-    cuts = [cuts_of(wall, layout.options.brick_cells, *edges) if brick < n else [] for brick, edges in enumerate(
+    cuts = [cuts_of(wall.brick, layout.options.brick_cells, *edges) if brick < n else [] for brick, edges in enumerate(
         zip(old.x - half, old.x + half))]
     counts = np.array([len(positions) for positions in cuts])
     added = int(counts.sum())
@@ -72,7 +72,7 @@ def cut_bricks(layout):
     behind = n + np.cumsum(counts) - counts  # number of each brick's second part
     cells = _on_parts(layout.cells, cuts, number, behind)
     bodies, contacts = _parts(old, cuts, n), _under_new_numbers(layout.contacts, cells, number)
-    rows = _cuts(wall, old, cuts, number, behind, cells)
+    rows = _cuts(wall.brick, old, cuts, number, behind, cells)
     glue = int(np.sum(contacts.kind != CAP))
     contacts = _with(contacts, np.full(len(rows["x"]), glue), rows)
     sheared = 2 if layout.options.brick_cells else 1
@@ -88,8 +88,8 @@ def cut_bricks(layout):
         drift_bodies=np.concatenate([number[layout.drift_bodies], np.array(others, int)]))
 
 
-def _is_whole(wall, length):
-    return abs(length - wall.brick.length) < _TINY
+def _is_whole(brick, length):
+    return abs(length - brick.length) < _TINY
 
 
 def _with(table, places, added):
@@ -129,9 +129,8 @@ def _under_new_numbers(contacts, cells, number):
     return replace(contacts, **bodies)
 
 
-def _cuts(wall, old, cuts, number, behind, cells):
+def _cuts(brick, old, cuts, number, behind, cells):
     """{field: values} of the cuts' contact points, upwards in each cut."""
-    brick = wall.brick
     last, first = ({body: cell for cell, body in order} for order in (
         enumerate(cells.body), reversed(list(enumerate(cells.body)))))
     splitting = (np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5, False, *(
@@ -140,7 +139,7 @@ def _cuts(wall, old, cuts, number, behind, cells):
     rows = []
     for body, k in ((body, k) for body, positions in enumerate(cuts) for k in range(len(positions))):
         x = cuts[body][k]
-        splits = brick.splits and _is_whole(wall, old.length[body]) and abs(x - old.x[body]) < _TINY
+        splits = brick.splits and _is_whole(brick, old.length[body]) and abs(x - old.x[body]) < _TINY
         places, elastic, tensile_strength, cohesion = splitting if splits else glued
         one, other = number[body] if k == 0 else behind[body] + k - 1, behind[body] + k
         length = brick.height / len(places)

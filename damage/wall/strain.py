@@ -126,16 +126,16 @@ def elasticity_of(brick, plane):
     return np.array([[normal, ratio * normal, 0.0], [ratio * normal, normal, 0.0], [0.0, 0.0, shear]])
 
 
-def strain_of(wall, options, bodies, contacts, n_bricks):
-    """The Strain of a wall's bricks by its ModelOptions; bodies, contacts: tables of a Layout.
+def strain_of(brick, options, bodies, contacts, n_bricks):
+    """The Strain of bricks of a damage.Brick by ModelOptions; bodies, contacts: tables of a Layout.
 
     Bricks with a tensile strength stay whole; `damage.measure.brick_stress` tells where they would split.
     """
-    modes = [brick_modes(wall.brick, round(float(length), 12), options.brick_order, options.plane)
+    modes = [brick_modes(brick, round(float(length), 12), options.brick_order, options.plane)
              for length in bodies.length[:n_bricks]]
     frequency = np.zeros((len(bodies), len(modes[0].frequency)))
     frequency[:n_bricks] = [of.frequency for of in modes]
-    own_mass = wall.brick.density * wall.brick.thickness * bodies.length * bodies.height
+    own_mass = brick.density * brick.thickness * bodies.length * bodies.height
     # Where the top course carries mass, all of a brick is heavier alike: the modes stay, at lower frequencies.
     mass = np.where(frequency > 0, options.brick_mass * (bodies.mass / own_mass)[:, None], 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
