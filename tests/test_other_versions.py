@@ -199,10 +199,11 @@ def test_every_module_of_the_model_changes_its_digest(solver, tmp_path, monkeypa
 def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
     """What `summary_row` imports counts in it or is named here, with why it need not."""
     elsewhere = {
-        "checks": "refuses", "errors": "words", "files": "reads, writes", "version": "words", "provenance": "digests",
+        "checks": "refuses", "csv_table": "reads, writes", "errors": "words", "files": "reads, writes", "version": "words", "provenance": "digests",
         "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/schema": "names",
         "history/shown": "words", "history/structure": "refuses", "history/values": "refuses",
-        "measure/columns": "words", "measure/evidence": "words", "measure/warnings": "words", **dict.fromkeys(
+        "measure/columns": "words", "measure/evidence": "words", "measure/warnings": "words", "wall/as_built": "words",
+        "wall/plausible": "words", **dict.fromkeys(
             ("motion/drive", "motion/loading", "motion/record", *(f"wall/{name}" for name in (
                 "caps", "compliance", "contact_points", "courses", "fibres", "floors", "kinds", "kinematics", "layout",
                 "lintel", "lintels", "model_options", "parameters", "soil", "split", "strain", "supports"))),
@@ -227,4 +228,16 @@ def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
     index.write_text(text.replace('"""The damage index', '"""Of the damage index'))
     assert measures_digest.__wrapped__() == measures_digest()
     index.write_text(text.replace("DRIFT_LIMIT = 0.02", "DRIFT_LIMIT = 0.01"))
+    assert measures_digest.__wrapped__() != measures_digest()
+
+
+def test_the_digest_of_measures_follows_names_of_columns_and_not_what_is_said_of_them(tmp_path, monkeypatch):
+    package = tmp_path / "damage"
+    shutil.copytree(REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("data", "__pycache__", "page"))
+    monkeypatch.setattr("damage.provenance.HERE", package)
+    module = package / "measure" / "vibration.py"
+    text = module.read_text()
+    module.write_text(text.replace("natural period of a run in free vibration", "period of a free vibration"))
+    assert module.read_text() != text and measures_digest.__wrapped__() == measures_digest()
+    module.write_text(text.replace('"period_s": Column', '"natural_period_s": Column'))
     assert measures_digest.__wrapped__() != measures_digest()

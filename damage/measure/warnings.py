@@ -3,7 +3,8 @@
 import numpy as np
 
 from damage.measure.brick_stress import warn_of_splitting
-from damage.measure.energy import energy_error_of
+from damage.measure.energy import balance_error
+from damage.measure.joints import with_bond
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.as_built import warn_of_courses
 from damage.wall.lintel import elastic_share, warn_of_share
@@ -35,12 +36,6 @@ def warnings_of(history, energy_error=UNKNOWN, share=None):
             *warn_of_splitting(history), *warn_of_courses(history.masonry_wall)]
 
 
-def balance_error(history):
-    """Energy balance error of a History [-] (`damage.measure.energy.energy_error_of`); None for quasi-static runs of
-    YADE, whose damping energy is computed from the balance."""
-    return None if history.solver == "yade" and history.loading.drive.quasi_static else energy_error_of(history)
-
-
 def static_warnings(history):
     """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at rest."""
     static, found = history.static, []
@@ -59,12 +54,6 @@ def _without_bond(history):
     if len(history.series) == 0:
         return 0
     return int(np.sum(history.states.broken[0] & ~with_bond(history)[history.states.joints]))
-
-
-def with_bond(history):
-    """Flags (n_joints,) of the contact points of a History that started with a bond."""
-    joints = history.joints
-    return ((joints["tensile_strength_pa"] > 0) | (joints["cohesion_pa"] > 0)).to_numpy()
 
 
 def energy_warnings(error):
