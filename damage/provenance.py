@@ -17,7 +17,8 @@ DECIDES_NOTHING = {
     "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py",
                                  "history", "mechanics/cache.py"),
     "words": ("provenance.py", "version.py", "run/opening.py", "run/plausible.py", "run/progress.py", "run/report.py",
-              "measure/columns.py", "motion/plausible.py", "wall/plausible.py", "wall/as_built.py", "wall/caps.py"),
+              "measure/columns.py", "motion/plausible.py", "wall/fields.py", "wall/plausible.py", "wall/as_built.py",
+              "wall/caps.py"),
     "options, whose values are inputs of a run": ("run/options.py",),
     "makes numbers out of a history": tuple(f"measure/{name}.py" for name in (
         "cycles", "damage_index", "ground", "joints", "limits", "members", "motion", "pushed", "register", "storeys",
@@ -28,6 +29,7 @@ MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "
                 "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joints", "limits", "motion",
                 "pushed", "register", "storeys", "summary", "tables", "validity", "vibration")))
 """What of the package makes the numbers of tables out of a history."""
+_SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"
 
 
@@ -151,10 +153,11 @@ def _tree_of(text):
 
 def _drop_docstrings(node):
     """Take constants that stand alone out of a node of a syntax tree, and out of all that hold statements in it; of its
-    decorators what they say of a Column."""
-    for call in (one for decorator in getattr(node, "decorator_list", ()) for one in ast.walk(decorator)):
-        if isinstance(call, ast.Call) and getattr(call.func, "id", None) == "Column":
-            call.args.clear()
+    decorators and fields what they only say of a column or a field: unit, limits, words."""
+    said = getattr(node, "decorator_list", []) + [node] * isinstance(node, ast.AnnAssign)
+    for call in (one for inside in said for one in ast.walk(inside)):
+        if isinstance(call, ast.Call) and getattr(call.func, "id", None) in _SAYING:
+            call.args, call.keywords = [], [one for one in call.keywords if one.arg == "default"]
     if hasattr(node, "body"):
         node.body = [one for one in node.body
                      if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]

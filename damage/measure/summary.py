@@ -65,7 +65,8 @@ def flat_summary(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="di
     for function in (one for functions in REGISTER.values() for one in functions):
         known = numbers | asked
         numbers |= function(**{name: known[name] for name in function.arguments})
-    return with_evidence(history, numbers)
+    found = evidence_for(facts(history.masonry_wall, history.parameters, numbers))
+    return numbers | {"evidence": found, "outside_validity": "; ".join(outside(found)) or None}
 
 
 def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM):
@@ -88,10 +89,3 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     index |= {kind: None for kind in index if kind.startswith("residual") and not history.complete}
     share = ElasticShare(numbers["elastic_joint_share"], numbers["elastic_joint_share_above_openings"])
     return numbers | index | {"warnings": warnings_of(history, numbers["energy_error_fraction"], share)}
-
-
-def with_evidence(history, numbers):
-    """The numbers of a History with its `evidence` (`damage.measure.evidence.evidence_for`) and, in words, the
-    quantities that are `outside_validity`."""
-    found = evidence_for(facts(history.masonry_wall, history.parameters, numbers))
-    return numbers | {"evidence": found, "outside_validity": "; ".join(outside(found)) or None}
