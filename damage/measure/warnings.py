@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damage.errors import Warned
 from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.energy import balance_error
 from damage.measure.joints import with_bond
@@ -22,18 +23,20 @@ is the entire input.
 
 
 def warnings_of(history, energy_error=UNKNOWN, share=None):
-    """All warnings of a History, a list of str; of one without a sample those of its static stage.
+    """All warnings of a History, a list of Warned: texts with codes; of one without a sample those of its static stage.
 
     energy_error: its `balance_error` [-] or None, and share: its `damage.wall.lintel.ElasticShare`, where they are
     known.
     """
     if len(history.series) == 0:
-        return static_warnings(history)
+        return [Warned("static_stage", text) for text in static_warnings(history)]
     energy_error = balance_error(history) if energy_error is UNKNOWN else energy_error
     share = share or elastic_share(history.masonry_wall, history.joints, history.bodies)
-    return [*static_warnings(history), *energy_warnings(energy_error), *offset_warnings(history),
-            *normal_warnings(history), *warn_of_share(share), *warn_of_ends(history),
-            *warn_of_splitting(history), *warn_of_courses(history.masonry_wall)]
+    found = {"static_stage": static_warnings(history), "energy_balance": energy_warnings(energy_error),
+             "no_offsets": offset_warnings(history), "joint_normals": normal_warnings(history),
+             "elastic_share": warn_of_share(share), "ended_joints": warn_of_ends(history),
+             "splitting": warn_of_splitting(history), "courses": warn_of_courses(history.masonry_wall)}
+    return [Warned(code, text) for code, texts in found.items() for text in texts]
 
 
 def static_warnings(history):
