@@ -39,12 +39,6 @@ def check_whole(what, value, least=0, most=math.inf):
         raise InputError(f"{what} = {value!r}: expected a whole number, {least} {upper}; correct it")
 
 
-def check_fields(record, **ranges):
-    """Raise InputError unless every named field of a record is a number from the first to the second of its range."""
-    for name, (least, most) in ranges.items():
-        check_range(f"{type(record).__name__}.{name}", getattr(record, name), least, most)
-
-
 def check_choice(what, value, choices):
     """Raise InputError unless `value` is one of `choices`."""
     if value not in choices:

@@ -33,6 +33,22 @@ def did_you_mean(word, known):
     return f"; did you mean {near[0]}?" if near else ""
 
 
+class Warned(str):  # noqa: FURB189, printed and written as any text
+    """The text of a warning; code: a word by which programs know it (docs/reference/ranges.md).
+
+    >>> Warned("courses", "a height of 0.3 m"), Warned("courses", "a height of 0.3 m").code
+    ('a height of 0.3 m', 'courses')
+    """
+
+    def __new__(cls, code, text):
+        made = super().__new__(cls, text)
+        made.code = code
+        return made
+
+    def __getnewargs__(self):  # of copies and other processes
+        return self.code, str(self)
+
+
 _HEARD = ContextVar("heard", default=None)
 
 
@@ -47,10 +63,13 @@ def heard():
         _HEARD.reset(before)
 
 
-def warn(*texts):
-    """Print warnings, a line each; where standard error takes nothing, as on a full disk, nothing ends for it."""
+def warn(*texts, code="run"):
+    """Print warnings, a line each; where standard error takes nothing, as on a full disk, nothing ends for it.
+
+    code: of those that are not Warned.
+    """
     if _HEARD.get() is not None:
-        _HEARD.get().extend(texts)
+        _HEARD.get().extend(text if isinstance(text, Warned) else Warned(code, text) for text in texts)
         return
     with suppress(OSError):
         for text in texts:

@@ -17,16 +17,18 @@ DECIDES_NOTHING = {
     "refuses, reads or writes": ("checks.py", "errors.py", "files.py", "memory.py", "start.py", "toml_file.py",
                                  "history", "mechanics/cache.py"),
     "words": ("provenance.py", "version.py", "run/opening.py", "run/plausible.py", "run/progress.py", "run/report.py",
-              "measure/columns.py", "motion/plausible.py", "wall/plausible.py", "wall/as_built.py"),
+              "measure/columns.py", "motion/plausible.py", "wall/fields.py", "wall/plausible.py", "wall/as_built.py"),
     "options, whose values are inputs of a run": ("run/options.py",),
     "makes numbers out of a history": tuple(f"measure/{name}.py" for name in (
-        "cycles", "ground", "limits", "members", "motion", "pushed", "storeys", "summary", "tables", "vibration"))}
+        "cycles", "damage_index", "ground", "joints", "limits", "members", "motion", "pushed", "register", "storeys",
+        "summary", "tables", "vibration"))}
 """{why: modules and folders of the package that a run imports and that decide none of its values}."""
 MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py",
             "wall/geometry.py", *(f"measure/{name}.py" for name in (
-                "brick_stress", "cracks", "cycles", "energy", "ground", "limits", "motion", "pushed", "storeys",
-                "summary", "tables", "validity", "vibration")))
+                "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joints", "limits", "motion",
+                "pushed", "register", "storeys", "summary", "tables", "validity", "vibration")))
 """What of the package makes the numbers of tables out of a history."""
+_SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"
 
 
@@ -114,7 +116,8 @@ def _imported(path):
 
 @cache
 def measures_digest():
-    """Twelve hexadecimal digits of the code of index and measures; comments and docstrings do not count."""
+    """Twelve hexadecimal digits of the code of index and measures; comments, docstrings and the words of columns do not
+    count."""
     return _digest_of([HERE / name for name in MEASURES])
 
 
@@ -148,7 +151,12 @@ def _tree_of(text):
 
 
 def _drop_docstrings(node):
-    """Take constants that stand alone out of a node of a syntax tree, and out of all that hold statements in it."""
+    """Take constants that stand alone out of a node of a syntax tree, and out of all that hold statements in it; of its
+    decorators and fields what they only say of a column or a field: unit, limits, words."""
+    said = getattr(node, "decorator_list", []) + [node] * isinstance(node, ast.AnnAssign)
+    for call in (one for inside in said for one in ast.walk(inside)):
+        if isinstance(call, ast.Call) and getattr(call.func, "id", None) in _SAYING:
+            call.args, call.keywords = [], [one for one in call.keywords if one.arg == "default"]
     if hasattr(node, "body"):
         node.body = [one for one in node.body
                      if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]

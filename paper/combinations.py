@@ -11,7 +11,7 @@ from itertools import combinations, product
 import numpy as np
 
 from damage.errors import InputError
-from damage.measure.columns import CRITERIA
+from damage.measure.damage_index import CRITERIA
 from paper.evidence import Evidence, comparable, exactly, gather, load_runs
 from paper.readings import SOLVER, holding
 from paper.verdict import HOLDS, UNJUDGED, judge_with, shipped_records

@@ -10,8 +10,8 @@ from matplotlib.patches import Patch
 
 from damage.draw import panels
 from damage.draw.style import BLACK, BLUE, LIGHT, ORANGE, PURPLE, SKY, VERMILLION, shade_settling, styled
-from damage.measure.columns import CRITERIA
 from damage.measure.cycles import drift_cycles
+from damage.measure.damage_index import CRITERIA
 from damage.motion.loading import Harmonic
 from damage.units import GRAVITY
 from paper.results import REFERENCE, Missing

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from damage.draw import panels
 from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
-from damage.measure.columns import CRITERIA
+from damage.measure.damage_index import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.units import GRAVITY

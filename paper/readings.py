@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from damage.errors import InputError
-from damage.measure.columns import CRITERIA
+from damage.measure.damage_index import CRITERIA
 from paper.evidence import ANY_STEP, SOFTENS, Evidence, comparable, exactly, gather, load_runs
 from paper.verdict import DIFFERS, HOLDS, UNJUDGED, judge_with, shipped_records
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.measure.columns import CRITERIA
+from damage.measure.damage_index import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
 from paper import criteria

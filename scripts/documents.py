@@ -21,7 +21,8 @@ from damage.errors import InputError
 from damage.files import write_text
 from damage.history.schema import TABLES, markdown
 from damage.measure import evidence
-from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, read_table
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN, read_table
+from damage.measure.summary import MEASURES
 from damage.run import plausible as motions
 from damage.studies.definition import load_study
 from damage.studies.members import most_members

@@ -18,7 +18,8 @@ sys.path.insert(0, str(REPOSITORY))
 
 from damage.errors import InputError
 from damage.files import write_text
-from damage.measure.columns import CRITERIA, read_table
+from damage.measure.columns import read_table
+from damage.measure.damage_index import CRITERIA
 from paper.evidence import MODELS, Fell, NotThere, Point, comparable, load_runs
 
 KEY = ["point", "solver"]

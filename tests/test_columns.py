@@ -8,11 +8,13 @@ from small_history import make_history
 
 from damage.history.schema import OPTIONAL, TABLES, markdown
 from damage.measure import columns
+from damage.measure.register import names
+from damage.measure.summary import MEASURES
 from damage.measure.tables import summary_row
 from damage.studies.fragility import LEVELS, load_runs
 from damage.studies.tables import points_of
 
-SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": columns.MADE_BY, **columns.MEASURES}
+SUMMARY = {"parameters": columns.PARAMETERS, "run": columns.RUN, "made by": columns.MADE_BY, **MEASURES}
 
 
 @pytest.mark.parametrize("section", SUMMARY)
@@ -27,13 +29,13 @@ def test_the_schema_document_shows_the_table(group):
 
 def test_a_summary_has_these_columns_and_no_others(tmp_path):
     row = summary_row(make_history(tmp_path / "a.h5"))
-    known = [name for table in SUMMARY.values() for name in columns.names(table)]
+    known = [name for table in SUMMARY.values() for name in names(table)]
     assert sorted(row) == sorted(known)
 
 
 def test_a_point_begins_with_what_its_runs_share(tmp_path):
     runs = pd.DataFrame([summary_row(make_history(tmp_path / "a.h5"))])
-    assert list(points_of(runs).columns)[:len(columns.names(columns.PARAMETERS))] == columns.names(columns.PARAMETERS)
+    assert list(points_of(runs).columns)[:len(names(columns.PARAMETERS))] == names(columns.PARAMETERS)
 
 
 def test_a_history_has_these_datasets_with_their_units(tmp_path):

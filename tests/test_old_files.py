@@ -17,7 +17,8 @@ from conftest import REPOSITORY
 import damage
 from damage.history.info import UNSEALED, check
 from damage.index import THRESHOLD
-from damage.measure.columns import MADE_BY, names, read_table
+from damage.measure.columns import MADE_BY, read_table
+from damage.measure.register import names
 from damage.measure.summary import summarise
 from damage.measure.tables import index_table, summary_row
 from damage.provenance import UNKNOWN

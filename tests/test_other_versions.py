@@ -199,11 +199,12 @@ def test_every_module_of_the_model_changes_its_digest(solver, tmp_path, monkeypa
 def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
     """What `summary_row` imports counts in it or is named here, with why it need not."""
     elsewhere = {
-        "checks": "refuses", "csv_table": "reads", "errors": "words", "files": "reads, writes", "version": "words", "provenance": "digests",
+        "checks": "refuses", "csv_table": "reads, writes", "errors": "words", "files": "reads, writes",
+        "version": "words", "provenance": "digests",
         "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/schema": "names",
         "history/shown": "words", "history/structure": "refuses", "history/values": "refuses",
-        "measure/columns": "words", "measure/evidence": "words", "measure/warnings": "words",
-        "wall/as_built": "words", "wall/plausible": "refuses", **dict.fromkeys(
+        "measure/columns": "words", "measure/evidence": "words", "measure/warnings": "words", "wall/as_built": "words",
+        "wall/fields": "refuses", **dict.fromkeys(
             ("motion/drive", "motion/loading", "motion/record", *(f"wall/{name}" for name in (
                 "compliance", "contact_points", "fibres", "floors", "kinds", "kinematics", "layout", "lintels",
                 "model_options", "parameters", "plan", "soil", "split", "strain"))), "of the model's digest")}
@@ -228,3 +229,19 @@ def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
     assert measures_digest.__wrapped__() == measures_digest()
     index.write_text(text.replace("DRIFT_LIMIT = 0.02", "DRIFT_LIMIT = 0.01"))
     assert measures_digest.__wrapped__() != measures_digest()
+
+
+@pytest.mark.parametrize("module, said, decides", [
+    ("measure/vibration.py", ("natural period of a run in free vibration", "period of a free vibration"),
+     ('"period_s": Column', '"natural_period_s": Column')),
+    ("wall/parameters.py", ("a brick of a scale model; a historical wall", "some brick"),
+     ("default=0.1025", "default=0.1")),
+    ("wall/model_options.py", ("contact points per half brick", "points of half a brick"),
+     ("1, 16, whole=True, default=2", "1, 16, whole=True, default=3")),
+])
+def test_a_digest_follows_names_and_defaults_and_not_what_is_said_of_them(module, said, decides, tmp_path):
+    text, copy, code = (REPOSITORY / "damage" / module).read_text(), tmp_path / "copy.py", []
+    for version in (text, text.replace(*said), text.replace(*decides)):
+        copy.write_text(version)
+        code.append(code_of(copy))
+    assert said[0] in text and code[0] == code[1] != code[2]

@@ -8,7 +8,7 @@ import pytest
 from conftest import REPOSITORY
 
 from damage.index import COMPONENTS
-from damage.measure.columns import CRITERIA
+from damage.measure.damage_index import CRITERIA
 from damage.studies.tables import points_of
 from paper import report
 from paper.__main__ import main

@@ -1,5 +1,7 @@
 """Warnings of a run: the same from the command line and from Python."""
 
+import json
+import pickle
 import warnings
 
 import pytest
@@ -20,6 +22,9 @@ def test_python_warns_of_an_energy_balance_error_where_it_was_called(tmp_path):
         history = damage.run(DRY, **FREE, out=tmp_path / "a.h5")
     assert {one.filename for one in caught} == {__file__}
     assert [str(one.message) for one in caught] == history.warnings == read_history(tmp_path / "a.h5").warnings
+    assert "energy_balance" in [one.code for one in history.warnings]
+    assert {type(text) for text in json.loads(json.dumps(history.warnings))} == {str}
+    assert [one.code for one in pickle.loads(pickle.dumps(history.warnings))] == [one.code for one in history.warnings]
 
 
 def test_the_command_line_warns_alike(tmp_path, capsys):
@@ -45,6 +50,7 @@ def test_warnings_before_the_run_are_among_them(capsys):
     with pytest.warns(damage.RunWarning, match="deformable with brittle joints"):
         history = damage.run(pier, harmonic=(0.05, 0.01), cycles=1, rest=0, bricks="deformable", contacts="gauss")
     assert any("deformable with brittle joints" in text for text in history.warnings)
+    assert history.warnings[0].code == "deformable_bricks"
     assert "warning" not in capsys.readouterr().err
 
 

@@ -14,7 +14,7 @@ from damage.errors import InputError, RunError
 from damage.history.reader import read_history
 from damage.measure.compare import compare, describe
 from damage.measure.energy import energy_error_of
-from damage.measure.ground import distortion, ground_measures
+from damage.measure.ground import distortion, settlement_measures
 from damage.measure.pushed import first_loading
 from damage.motion.loading import AtRest
 from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
@@ -223,7 +223,7 @@ def test_the_ground_settles_before_time_zero_and_rests_then(cracked):
 
 
 def test_cracks_of_the_settlement_stay(cracked):
-    found = ground_measures(cracked)
+    found = settlement_measures(cracked)
     assert found["settled_crack_width_mm"] > 0.1 and found["settled_psi"] > 1
     assert found["angular_distortion"] == pytest.approx(1 / 500, rel=0.1)
     last = np.flatnonzero(cracked.series["stage"] == "settlement")[-1]

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 import damage
 from damage.measure.compare import compare_drift
 from damage.measure.energy import energy_error_of
-from damage.measure.ground import ground_measures
+from damage.measure.ground import settlement_measures
 from damage.measure.patterns import compare_patterns
 
 pytestmark = pytest.mark.yade
@@ -45,7 +45,7 @@ def test_a_wall_with_softening_joints_settles_and_is_shaken_alike(tmp_path, yade
     """The reference solver's members have all the same cracks; reactions differ by 16 parallel elements in YADE."""
     histories = both(tmp_path, yade_command, damage_command, SOFT, "--settle", "hogging", "--distortion", "1/300",
                      "--lintel", 2, "--harmonic", 0.06, 0.2, "--rest", 0.1)
-    found = [ground_measures(history) for history in histories]
+    found = [settlement_measures(history) for history in histories]
     for name, tolerance in (("settled_crack_width_mm", 0.02), ("settled_psi", 0.02)):
         assert_allclose(found[0][name], found[1][name], rtol=tolerance)
     patterns = compare_patterns(*histories)

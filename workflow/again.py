@@ -10,7 +10,8 @@ from versions import CODE
 
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.measure.columns import MADE_BY, names
+from damage.measure.columns import MADE_BY
+from damage.measure.register import names
 from damage.measure.tables import summary_row
 from damage.provenance import measures_digest, model_digest
 from damage.studies.inputs import inputs_of

@@ -2,7 +2,7 @@
 
 `python3 -m damage dictionary --out docs/reference` writes dictionary.csv and dictionary.md.  Columns that have their
 definition elsewhere are taken from there: those of histories from `damage.history.schema`, those of summaries from
-`damage.measure.columns`.
+`damage.measure.columns` and `damage.measure.summary`.
 """
 
 from pathlib import Path
@@ -16,8 +16,9 @@ from damage.index import COMPONENTS
 from damage.life.comparison import CHOICES, READINGS
 from damage.life.results import COLUMNS as LIVES
 from damage.life.results import CONTRIBUTIONS, YEARLY
-from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN, each
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN, each
 from damage.measure.cycles import BY_OTHERS
+from damage.measure.summary import MEASURES
 from damage.measure.tables import write_table
 from damage.studies.after_damage import BEFORE
 from damage.studies.fragility import OVER

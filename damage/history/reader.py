@@ -275,7 +275,7 @@ class History:
 
     @cached_property
     def warnings(self):
-        """Conditions under which the results are doubtful, a list of str (`damage.measure.warnings`)."""
+        """Conditions under which the results are doubtful, a list of str with a `code` (`damage.measure.warnings`)."""
         return _measure("warnings").warnings_of(self)
 
     @property

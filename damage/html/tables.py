@@ -4,8 +4,9 @@ import math
 from numbers import Number
 
 from damage.history.info import flat, given
-from damage.measure.columns import MADE_BY, MEASURES, PARAMETERS, RUN
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN
 from damage.measure.energy import DISSIPATED, STORED, imbalance
+from damage.measure.summary import MEASURES
 from damage.units import rounded
 from damage.wall.as_built import describe_cap
 

@@ -124,7 +124,8 @@ def history_report(path, moments, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, 
             f"{moments_s} s", f"joints whose width reaches {least / MILLIMETRE:g} mm; docs/reference/crack-format.md"])
     return {"wall": history.wall, "source": "simulation", "threshold_mm": threshold / MILLIMETRE,
             "psi_from_mm": psi_from / MILLIMETRE, "total_joint_length_m": total, "levels": levels,
-            "max": largest(levels), "run": psi_summary(history, psi_from), "notes": offset_warnings(history)}
+            "max": largest(levels), "run": psi_summary(history, psi_from) | {
+                "psi_from_mm": psi_from / MILLIMETRE}, "notes": offset_warnings(history)}
 
 
 def history_drawn(path, moments, threshold=THRESHOLD):

@@ -10,6 +10,9 @@ The bricks of such a run stay whole: the measure shows where they would not.
 
 import numpy as np
 
+from damage.history.schema import Column
+from damage.measure.register import measure
+
 PLACES = ("lower edge", "centre", "upper edge")
 """Of the middle section."""
 _WEIGHTS = np.array([[0, 0.5, 0.5, 0, 0], [1, 0, 0, 0, 0], [0, 0, 0, 0.5, 0.5]])  # of the places of a history
@@ -51,18 +54,19 @@ def bricks_table(history):
         splits_at_s=np.where(above.any(axis=0), times[above.argmax(axis=0)], np.nan))
 
 
+@measure({
+    "max_brick_tension_pa, max_brick_compression_pa": Column(
+        "Pa", "of deformable bricks: largest and smallest principal stress in their middle sections, at snapshots; "
+        "empty where bricks are rigid"),
+    "bricks_above_strength": Column("1", "deformable bricks whose principal tension exceeded their tensile strength; "
+                                    "empty where they have none")})
 def stress_measures(history):
-    """Largest principal stresses in the middle sections of deformable bricks, a dictionary; all None for rigid bricks.
-
-    max_brick_tension_pa, max_brick_compression_pa [Pa]; bricks_above_strength: number of bricks whose tensile strength
-    is exceeded, None where they have none.
-    """
-    names = ("max_brick_tension_pa", "max_brick_compression_pa", "bricks_above_strength")
+    """Largest principal stresses of deformable bricks [Pa], and the number of bricks whose strength is exceeded."""
     if not has_stresses(history):
-        return dict.fromkeys(names)
+        return None
     table = bricks_table(history)
     above = int(table["splits_at_s"].notna().sum()) if history.masonry_wall.brick.splits else None
-    return dict(zip(names, (float(table["max_tension_pa"].max()), float(table["max_compression_pa"].min()), above)))
+    return float(table["max_tension_pa"].max()), float(table["max_compression_pa"].min()), above
 
 
 def warn_of_splitting(history):

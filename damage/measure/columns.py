@@ -1,7 +1,7 @@
-"""Columns of summary.csv and points.csv: name, unit and meaning.
+"""Columns of summary.csv and points.csv that say which run it was: name, unit and meaning; reading such tables.
 
-They are the tables of `docs/reference/measures.md`.  `damage.measure.tables.summary_row` computes their values, and
-`damage.studies.tables` the medians and ranges of a point.
+They are tables of `docs/reference/measures.md`, as `damage.measure.summary.MEASURES`.  `damage.measure.tables` computes
+their values, and `damage.studies.tables` the medians and ranges of a point.
 """
 
 import math
@@ -17,12 +17,9 @@ from damage.errors import InputError
 from damage.files import LONGEST_LINE
 from damage.history.schema import Column
 from damage.index import COMPONENTS, THRESHOLD
-from damage.measure.limits import LIMITS
+from damage.measure.damage_index import CRITERIA
 from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
-
-CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
-"""{slip criterion: prefix of a component's name in its columns}."""
 
 MOST_MB, MOST_CELLS = 500, 2 * 10**7
 """Largest size of a table that is read: about 100 000 runs."""
@@ -37,10 +34,6 @@ def made_by_words(table):
 
 def _model(seeds):
     return {one.name: Column("", one.metadata["help"]) for one in fields(ModelOptions) if one.metadata["seed"] == seeds}
-
-
-def _index(kind, slip):
-    return ", ".join(f"{kind}_{CRITERIA[slip]}{name}" for name in COMPONENTS)
 
 
 def slip_criteria(table):
@@ -111,79 +104,6 @@ MADE_BY = {
                               "compared"),
 }
 """{name: Column} of the origin of a run; in points.csv of all its runs."""
-MEASURES = {
-    "Index, drift": {
-        _index("max", "displacement"): Column("1", "each its own maximum over the run, slip by displacement"),
-        _index("residual", "displacement"): Column("1", "the last state of the settling stage, or of a collapse"),
-        _index("max", "accumulated"): Column("1", "the same with slip accumulated"),
-        _index("residual", "accumulated"): Column("1", "the same with slip accumulated"),
-        _index("max", "shear-limit"): Column("1", "the same with slip by the shear limit"),
-        _index("residual", "shear-limit"): Column("1", "the same with slip by the shear limit"),
-        "max_drift_ratio, residual_drift_ratio": Column("1", "largest absolute drift ratio; drift ratio at the end, "
-                                                        "with its sign"),
-    },
-    "Forces": {
-        "peak_base_shear_n": Column("N", "largest absolute horizontal force of the wall on the ground"),
-        "peak_force_n, drift_at_peak_force": Column("N, 1", "of a pushed wall: largest base shear, the drift there"),
-        "initial_stiffness_n_per_m, secant_stiffness_n_per_m": Column(
-            "N/m", "of a pushed wall: base shear over top displacement at 0.15 and 0.7 of the peak, on first loading"),
-    },
-    "Cycles and period": {
-        "last_cycle_s": Column("s", "length of the last cycle that begins while the base moves; it may end in free "
-                               "vibration"),
-        "first_free_cycle_s": Column("s", "length of the first cycle that begins after the base has come to rest"),
-        "period_elongation": Column("1", "`first_free_cycle_s` over `eigen_period_s`"),
-        "period_s": Column("s", "natural period of a run in free vibration"),
-    },
-    "Cracks": {
-        "max_crack_width_mm, residual_crack_width_mm": Column(
-            "mm", "width of the widest crack, sqrt(opening² + slip²), where it reaches `psi_from_mm`; largest over the "
-            "run, and at its end"),
-        "max_psi, residual_psi": Column("1", "Korswagen's damage parameter Psi = 2 n^0.15 c_w^0.3 of the cracks from "
-                                        "`psi_from_mm` on"),
-        "max_opening_mm, max_slip_mm": Column("mm", "largest opening and accumulated slip of any contact point"),
-        "max_offset_mm": Column("mm", "largest offset of any contact point, empty of a history without offsets"),
-        "max_offset_over_overlap": Column("1", "largest offset of any contact point over that at which the faces of "
-                                          "its joint no longer overlap, where the joint ends"),
-        "ended_joints": Column("1", "joints that had ended by the run's end, all contact points between two bodies as "
-                               "one"),
-        "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
-        "crushed_length_m": Column("m", "length of joints that has been crushed, at the run's end"),
-        "split_length_m": Column("m", "length of the cuts through bricks that has split, at the run's end"),
-        "max_brick_tension_pa, max_brick_compression_pa": Column(
-            "Pa", "of deformable bricks: largest and smallest principal stress in their middle sections, at snapshots; "
-            "empty where bricks are rigid"),
-        "bricks_above_strength": Column("1", "deformable bricks whose principal tension exceeded their tensile "
-                                        "strength; empty where they have none"),
-    },
-    "Ground": {
-        "angular_distortion, deflection_ratio": Column(
-            "1", "of the settled ground: largest distance from the chord between the wall's ends over the shorter part "
-            "beside it, and over the length, positive in sagging (Burland and Wroth 1974); empty without a "
-            "settlement"),
-        "relative_settlement_mm, ground_tilt": Column("mm, 1", "difference between the highest and the lowest place of "
-                                                      "the settled ground; slope of the chord"),
-        "settled_DI, settled_psi, settled_crack_width_mm": Column(
-            "1, 1, mm", "damage index, Psi and widest crack at the end of the settlement stage"),
-        "max_base_translation_mm, max_base_rotation_rad": Column(
-            "mm, rad", "largest rigid motion of the base course where the ground moves, which the drift leaves out"),
-    },
-    "Energy": {
-        "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),
-        "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost as bonds soften and break and "
-                                                       "as joints crush, up to the run's end"),
-        "dissipated_energy_j": Column("J", "their sum"),
-        "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
-        "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out"),
-    },
-    "Classes by published limits": {one.name: Column("", one.description) for one in LIMITS},
-}
-"""{section of the document: {names: Column}} of the results."""
-
-
-def names(columns):
-    """Single names of {"name, name": Column}, a list of str."""
-    return [name for several in columns for name in several.split(", ")]
 
 
 def each(columns):
@@ -212,16 +132,6 @@ def bounds_of(name):
         return 0.0, 1.0
     is_size = name.startswith(("max_", "peak_")) and not name.endswith("_pa")
     return (0.0 if is_size else -math.inf), math.inf
-
-
-def unit_in(name):
-    """Unit of a column of summary.csv; "" for text and for unknown columns.
-
-    >>> unit_in("max_crack_width_mm"), unit_in("max_DI"), unit_in("wall")
-    ('mm', '1', '')
-    """
-    known = [each(table).get(name) for table in (PARAMETERS, RUN, *MEASURES.values())]
-    return next((column.unit for column in known if column), "")
 
 
 def one_spelling(table):

@@ -21,7 +21,9 @@ from scipy.sparse.csgraph import connected_components
 
 from damage.checks import check_positive
 from damage.errors import InputError
+from damage.history.schema import Column
 from damage.index import THRESHOLD
+from damage.measure.register import measure
 from damage.units import MILLIMETRE
 from damage.wall.geometry import tributary_ends
 
@@ -180,14 +182,17 @@ def count_cracks(is_cracked, pairs):
     return np.bincount(sample_of, minlength=len(states))[np.cumsum(changed) - 1]
 
 
-def psi_summary(history, threshold=PSI_FROM):
-    """Psi and crack widths of a History, a plain dictionary; threshold: width from which a crack counts [m].
+@measure({
+    "max_crack_width_mm, residual_crack_width_mm": Column(
+        "mm", "width of the widest crack, sqrt(opening² + slip²), where it reaches `psi_from_mm`; largest over the "
+        "run, and at its end"),
+    "max_psi, residual_psi": Column("1", "Korswagen's damage parameter Psi = 2 n^0.15 c_w^0.3 of the cracks from "
+                                    "`psi_from_mm` on")})
+def psi_summary(history, psi_from=PSI_FROM):
+    """Psi and crack widths of a History; psi_from: width from which a crack counts [m].
 
-    max_psi [-], max_crack_width_mm: maxima over the run; residual_psi, residual_crack_width_mm: at its end, None where
-    the run is not complete (`damage.measure.summary.summarise`); psi_from_mm: the threshold [mm].
+    Those at its end are None where the run is not complete (`damage.measure.summary.summarise`).
     """
-    over_time = psi_history(history, threshold)
-    measures = {"psi": over_time["psi"], "crack_width_mm": over_time["max_width_m"] / MILLIMETRE}
-    return ({f"max_{name}": float(values.max()) for name, values in measures.items()}
-            | {f"residual_{name}": float(values.iloc[-1]) if history.complete else None
-               for name, values in measures.items()} | {"psi_from_mm": threshold / MILLIMETRE})
+    over_time = psi_history(history, psi_from)
+    return [value for values in (over_time["max_width_m"] / MILLIMETRE, over_time["psi"])
+            for value in (float(values.max()), float(values.iloc[-1]) if history.complete else None)]

@@ -4,28 +4,32 @@ import numpy as np
 import pandas as pd
 
 from damage.history.moments import moving
+from damage.history.schema import Column
 from damage.index import COMPONENTS
-from damage.measure.columns import CRITERIA
+from damage.measure.damage_index import CRITERIA
+from damage.measure.register import measure
 from damage.measure.vibration import upward_crossings
 
 # --- cycles of the drift ----------------------------------------------------------------------------
 
 
+@measure({
+    "last_cycle_s": Column("s", "length of the last cycle that begins while the base moves; it may end in free "
+                           "vibration"),
+    "first_free_cycle_s": Column("s", "length of the first cycle that begins after the base has come to rest"),
+    "period_elongation": Column("1", "`first_free_cycle_s` over `eigen_period_s`")})
 def cycle_measures(history):
-    """Durations of the last driven and the first free cycle in the last event of a History, a plain dictionary.
+    """Durations of the last driven and the first free cycle in the last event of a History.
 
-    A cycle lasts from one upward zero crossing of the drift ratio to the next.  last_cycle_s: duration of the last
-    cycle that begins while the base moves [s]; first_free_cycle_s: of the first cycle that begins afterwards [s];
-    period_elongation: first_free_cycle_s over the period of the intact wall [-], since driven cycles have the period of
-    the motion.  None where there is no such cycle, and in quasi-static runs.
+    A cycle lasts from one upward zero crossing of the drift ratio to the next.  Driven cycles have the period of the
+    motion, so that the elongation is of the free one.  None where there is no such cycle, and in quasi-static runs.
     """
-    names = ("last_cycle_s", "first_free_cycle_s", "period_elongation")
     if history.loading.drive.base is None:
-        return dict.fromkeys(names)
+        return None
     driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
     last, free = driven[-1] if driven else None, free[0] if free else None
     eigen_period = history.eigen_period_s
-    return dict(zip(names, (last, free, free / eigen_period if free and eigen_period else None)))
+    return last, free, free / eigen_period if free and eigen_period else None
 
 
 def drift_cycles(history):

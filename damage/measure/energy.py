@@ -3,6 +3,8 @@
 import numpy as np
 
 from damage.history.moments import is_moving
+from damage.history.schema import Column
+from damage.measure.register import measure
 from damage.units import GRAVITY
 
 STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
@@ -53,6 +55,12 @@ def energy_error_of(history):
     return energy_error(history.series, noise_j(history.bodies["mass_kg"].sum(), history.attributes["height_m"]))
 
 
+def balance_error(history):
+    """Energy balance error of a History [-] (`energy_error_of`); None for quasi-static runs of YADE, whose damping
+    energy is computed from the balance."""
+    return None if history.solver == "yade" and history.loading.drive.quasi_static else energy_error_of(history)
+
+
 def energy_scale(series):
     """Reference energy of the imbalance [J]: the largest |input|, or the first kinetic energy if that is larger."""
     return max(np.abs(series["input_energy_j"]).max(), series["kinetic_energy_j"].iloc[0])
@@ -79,15 +87,18 @@ class Balance:
         return self._largest / self._scale if self._n > 1 and self._scale > self._noise else None
 
 
+@measure({
+    "input_energy_j": Column("J", "work of the base's inertia forces up to the run's end"),
+    "friction_energy_j, fracture_energy_j": Column("J", "taken by sliding, and lost as bonds soften and break and as "
+                                                   "joints crush, up to the run's end"),
+    "dissipated_energy_j": Column("J", "their sum"),
+    "damping_energy_j": Column("J", "taken by viscous damping, settling stages left out; zero without `--beta`"),
+    "energy_error_fraction": Column("1", "largest imbalance over the largest input, settling stages left out")})
 def energy_measures(history):
-    """Energies at the end of a History, a plain dictionary [J]: input, friction, fracture, their sum, and damping.
-
-    dissipated_energy_j: friction and fracture.  damping_energy_j: without the settling stages, whose damping is a
-    numerical means and not part of the model.
-    """
+    """Energies at the end of a History [J], and its `balance_error`.  The damping of settling stages is a numerical
+    means and not part of the model."""
     series = history.series
     friction, fracture, given = (float(series[name].iloc[-1]) for name in (
         "friction_energy_j", "fracture_energy_j", "input_energy_j"))
     damping = float(np.diff(series["damping_energy_j"], prepend=0.0)[is_moving(series)].sum())
-    return {"input_energy_j": given, "friction_energy_j": friction, "fracture_energy_j": fracture,
-            "dissipated_energy_j": friction + fracture, "damping_energy_j": damping}
+    return given, friction, fracture, friction + fracture, damping, balance_error(history)

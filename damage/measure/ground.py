@@ -2,34 +2,40 @@
 
 import numpy as np
 
+from damage.history.schema import Column
 from damage.measure.cracks import PSI_FROM, psi_history
+from damage.measure.register import measure
 from damage.units import MILLIMETRE
 
-SETTLEMENT = ("angular_distortion", "deflection_ratio", "relative_settlement_mm", "ground_tilt")
-SETTLED = ("settled_DI", "settled_psi", "settled_crack_width_mm")
 _EQUALLY = 0.999
-BASE = ("max_base_translation_mm", "max_base_rotation_rad")
 
 
-def ground_measures(history, psi_from=PSI_FROM):
-    """Measures of a History whose ground moves, {column: value}; None where they do not apply.
-
-    Columns: SETTLEMENT, of the supports, and SETTLED, the damage, both at the end of the settlement stage; BASE, the
-    largest rigid motion of the base course over the run.
-
-    psi_from: width from which a crack counts in Psi [m].
-    """
-    found = dict.fromkeys((*SETTLEMENT, *SETTLED, *BASE))
+@measure({
+    "angular_distortion, deflection_ratio": Column(
+        "1", "of the settled ground: largest distance from the chord between the wall's ends over the shorter part "
+        "beside it, and over the length, positive in sagging (Burland and Wroth 1974); empty without a settlement"),
+    "relative_settlement_mm, ground_tilt": Column("mm, 1", "difference between the highest and the lowest place of the "
+                                                  "settled ground; slope of the chord"),
+    "settled_DI, settled_psi, settled_crack_width_mm": Column(
+        "1, 1, mm", "damage index, Psi and widest crack at the end of the settlement stage")})
+def settlement_measures(history, psi_from=PSI_FROM):
+    """Settlement and damage of a History at the end of the settlement stage; psi_from: width from which a crack counts
+    in Psi [m]."""
     settlement = np.flatnonzero(history.series["stage"] == "settlement")
-    if len(settlement):
-        last, cracks = settlement[-1], psi_history(history, psi_from)
-        found |= zip(SETTLEMENT, distortion(*edges_of(history, last)))
-        found |= zip(SETTLED, map(float, (history.index()["DI"].iloc[last], cracks["psi"].iloc[last],
-                                          cracks["max_width_m"].iloc[last] / MILLIMETRE)))
-    for name, column, factor in zip(BASE, ("base_translation_m", "base_rotation_rad"), (1 / MILLIMETRE, 1.0)):
-        largest = np.abs(history.series[column]).max()
-        found[name] = None if np.isnan(largest) else float(factor * largest)
-    return found
+    if not len(settlement):
+        return None
+    last, cracks = settlement[-1], psi_history(history, psi_from)
+    return *distortion(*edges_of(history, last)), *map(float, (
+        history.index()["DI"].iloc[last], cracks["psi"].iloc[last], cracks["max_width_m"].iloc[last] / MILLIMETRE))
+
+
+@measure({"max_base_translation_mm, max_base_rotation_rad": Column(
+    "mm, rad", "largest rigid motion of the base course where the ground moves, which the drift leaves out")})
+def base_measures(history):
+    """Largest rigid motion of the base course of a History over the run."""
+    largest = [np.abs(history.series[name]).max() for name in ("base_translation_m", "base_rotation_rad")]
+    return [None if np.isnan(value) else float(factor * value)
+            for value, factor in zip(largest, (1 / MILLIMETRE, 1.0))]
 
 
 def edges_of(history, sample):
@@ -44,7 +50,8 @@ def edges_of(history, sample):
 
 
 def distortion(x, up):
-    """Values of SETTLEMENT of the ground's displacement upwards `up` (n,) at x (n,) [m], the ends first and last.
+    """Angular distortion, deflection ratio, relative settlement and tilt of the ground's displacement upwards `up` (n,)
+    at x (n,) [m], the ends first and last.
 
     The tilt is the slope of the chord between the ends [-].  The deflection ratio is the largest distance from that
     chord over the length L, positive in sagging; the angular distortion is that distance over the length of the

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from damage.history.schema import Column
+from damage.measure.register import measure
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -71,7 +74,8 @@ def bound(name, number):
     return next(limits for limits in LIMITS if limits.name == name).bounds[number]
 
 
-def classes(max_drift_ratio, max_psi, max_width_mm):
-    """{name: class} of a maximum drift ratio [-], a maximum Psi [-] and a widest crack [mm] by all LIMITS."""
-    values = {"drift": max_drift_ratio, "psi": max_psi, "width": max_width_mm}
-    return {limits.name: limits.classify(values[limits.measure]) for limits in LIMITS}
+@measure({one.name: Column("", one.description) for one in LIMITS})
+def classes(max_drift_ratio, max_psi, max_crack_width_mm):
+    """Classes of a maximum drift ratio [-], a maximum Psi [-] and a widest crack [mm] by all LIMITS."""
+    values = {"drift": max_drift_ratio, "psi": max_psi, "width": max_crack_width_mm}
+    return [limits.classify(values[limits.measure]) for limits in LIMITS]

@@ -1,4 +1,4 @@
-"""Measures of a pushed wall, from its History: envelope, cycles and failure mode.
+"""Measures of a pushed wall, from its History: envelope, cycles and failure mode; the peak base shear of any run.
 
 Force is the base shear and displacement that of the top course, as measured in a laboratory.
 """
@@ -8,7 +8,9 @@ import pandas as pd
 import scipy  # integrate where it is used: it starts slowly
 
 from damage.errors import InputError
+from damage.history.schema import Column
 from damage.index import COMPONENTS, THRESHOLD
+from damage.measure.register import measure
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
 from damage.wall.layout import CAP_HEIGHT
@@ -57,17 +59,24 @@ INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
 """Shares of the peak force at which the initial and the secant stiffness are taken, on first loading."""
 
 
-def first_loading(history):
-    """Peak force and stiffnesses of a pushed History, a plain dictionary; all None for another loading.
+@measure({"peak_base_shear_n": Column("N", "largest absolute horizontal force of the wall on the ground")})
+def peak_base_shear(history):
+    """Largest |base shear| of a History under any loading [N]."""
+    return float(np.abs(history.series["base_shear_n"]).max())
 
-    peak_force_n: largest |base shear|; drift_at_peak_force: |drift ratio| there [-]; initial_stiffness_n_per_m,
-    secant_stiffness_n_per_m: base shear over top displacement where |base shear| first reaches INITIAL_SHARE and
-    SECANT_SHARE of the peak.  They are of the entire run, in whichever direction each is reached first; `bilinear` uses
-    the envelope in one direction.
+
+@measure({
+    "peak_force_n, drift_at_peak_force": Column("N, 1", "of a pushed wall: largest base shear, the drift there"),
+    "initial_stiffness_n_per_m, secant_stiffness_n_per_m": Column(
+        "N/m", "of a pushed wall: base shear over top displacement at 0.15 and 0.7 of the peak, on first loading")})
+def first_loading(history):
+    """Peak force and stiffnesses of a pushed History.
+
+    The stiffnesses are taken where |base shear| first reaches INITIAL_SHARE and SECANT_SHARE of the peak.  They are of
+    the entire run, in whichever direction each is reached first; `bilinear` uses the envelope in one direction.
     """
-    names = ("peak_force_n", "drift_at_peak_force", "initial_stiffness_n_per_m", "secant_stiffness_n_per_m")
     if history.loading.drive.top is None:
-        return dict.fromkeys(names)
+        return None
     # The base shear in place of the force at the top: the two differ by inertia and damping only, and the steps of a
     # prescribed velocity excite the base shear less.
     force, drift = _force_and_drift(history)
@@ -77,7 +86,7 @@ def first_loading(history):
     for share in (INITIAL_SHARE, SECANT_SHARE):
         first = int(np.argmax(np.abs(force) >= share * values[0]))
         values.append(float(force[first] / displacement[first]) if displacement[first] != 0 else None)
-    return dict(zip(names, values))
+    return values
 
 
 # --- the envelope ---------------------------------------------------------------------------------

@@ -5,7 +5,6 @@ sequence _shocks.csv, for a wall with floors _storeys.csv, of deformable bricks 
 origin.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.
 """
 
-import re
 from dataclasses import asdict
 from pathlib import Path
 
@@ -24,7 +23,7 @@ from damage.measure.cracks import psi_history
 from damage.measure.cycles import cycles_table, index_by_all
 from damage.measure.motion import motion_measures
 from damage.measure.storeys import storeys_table
-from damage.measure.summary import summarise
+from damage.measure.summary import flat_summary
 from damage.motion.intensity import APPLIED
 from damage.provenance import measures_digest
 from damage.units import GRAVITY, MILLIMETRE
@@ -34,12 +33,12 @@ def summary_row(history, run="", point=""):
     """Summary of a History as a flat dictionary, a row of summary.csv; columns: `damage.measure.columns`.
 
     run: name of the row, by default the stem of the file; point: of a study, by default the run.  Loading and model
-    options come first, then `damage.measure.summary.summarise`, with a column for each component (max_DI_open).  None
-    where a column does not apply.  Raises InputError where the history has no sample.
+    options come first, then the measures (`damage.measure.summary.MEASURES`).  None where a column does not apply.
+    Raises InputError where the history has no sample.
     """
     row = {"run": run or history.path.stem, "point": point or run or history.path.stem}
-    numbers = summarise(history)
-    for key in ("complete", "warnings", "evidence", "lost_by_lines", *APPLIED):
+    numbers = flat_summary(history)
+    for key in ("complete", "evidence", "lost_by_lines", *APPLIED):
         del numbers[key]  # status and the columns say it
     for key in ("wall", "solver", "motion", "record_unit", "status", "collapsed_at_s"):
         row[key] = numbers.pop(key)
@@ -51,13 +50,7 @@ def summary_row(history, run="", point=""):
     joint = history.masonry_wall.joint
     row |= {f"{name}_j_m2": getattr(joint, name) or 0.0
             for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}
-    row |= made_by(history) | {"measures_digest": measures_digest()}
-    for key, value in numbers.items():
-        if re.fullmatch(r"(max|residual)(_accumulated|_shear_limit)?", key):
-            row |= {f"{key}_{name}": value[name] if value else None for name in COMPONENTS}
-        else:
-            row[key] = value
-    return row
+    return row | made_by(history) | {"measures_digest": measures_digest()} | numbers
 
 
 def _motion_columns(history):

@@ -2,6 +2,9 @@
 
 import numpy as np
 
+from damage.history.schema import Column
+from damage.measure.register import measure
+
 REARM = 0.02
 """Share of the largest |drift| [-] below zero that the drift must reach before its next upward crossing counts, so that
 ripples around zero are not counted as cycles."""
@@ -30,6 +33,7 @@ def upward_crossings(time_s, value, rearm=REARM):
     return time_s[up] + share * (time_s[up + 1] - time_s[up])
 
 
+@measure({"period_s": Column("s", "natural period of a run in free vibration")})
 def period_of(history):
     """Natural period of a History of free vibration [s]; None for another loading."""
     if not history.loading.drive.first_mode_m_s:

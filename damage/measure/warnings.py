@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from damage.errors import Warned
 from damage.measure.brick_stress import warn_of_splitting
-from damage.measure.energy import energy_error_of
+from damage.measure.energy import balance_error
+from damage.measure.joints import with_bond
 from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.as_built import warn_of_courses
 from damage.wall.lintels import elastic_share, warn_of_share
@@ -21,24 +23,20 @@ is the entire input.
 
 
 def warnings_of(history, energy_error=UNKNOWN, share=None):
-    """All warnings of a History, a list of str; of one without a sample those of its static stage.
+    """All warnings of a History, a list of Warned: texts with codes; of one without a sample those of its static stage.
 
     energy_error: its `balance_error` [-] or None, and share: its `damage.wall.lintels.ElasticShare`, where they are
     known.
     """
     if len(history.series) == 0:
-        return static_warnings(history)
+        return [Warned("static_stage", text) for text in static_warnings(history)]
     energy_error = balance_error(history) if energy_error is UNKNOWN else energy_error
     share = share or elastic_share(history.plan, history.joints, history.bodies)
-    return [*static_warnings(history), *energy_warnings(energy_error), *offset_warnings(history),
-            *normal_warnings(history), *warn_of_share(share), *warn_of_ends(history),
-            *warn_of_splitting(history), *warn_of_courses(history.plan)]
-
-
-def balance_error(history):
-    """Energy balance error of a History [-] (`damage.measure.energy.energy_error_of`); None for quasi-static runs of
-    YADE, whose damping energy is computed from the balance."""
-    return None if history.solver == "yade" and history.loading.drive.quasi_static else energy_error_of(history)
+    found = {"static_stage": static_warnings(history), "energy_balance": energy_warnings(energy_error),
+             "no_offsets": offset_warnings(history), "joint_normals": normal_warnings(history),
+             "elastic_share": warn_of_share(share), "ended_joints": warn_of_ends(history),
+             "splitting": warn_of_splitting(history), "courses": warn_of_courses(history.plan)}
+    return [Warned(code, text) for code, texts in found.items() for text in texts]
 
 
 def static_warnings(history):
@@ -59,12 +57,6 @@ def _without_bond(history):
     if len(history.series) == 0:
         return 0
     return int(np.sum(history.states.broken[0] & ~with_bond(history)[history.states.joints]))
-
-
-def with_bond(history):
-    """Flags (n_joints,) of the contact points of a History that started with a bond."""
-    joints = history.joints
-    return ((joints["tensile_strength_pa"] > 0) | (joints["cohesion_pa"] > 0)).to_numpy()
 
 
 def energy_warnings(error):

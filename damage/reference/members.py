@@ -8,8 +8,9 @@ from pathlib import Path
 
 from damage.errors import warn
 from damage.history.in_memory import HistoryInMemory, HistoryKept
+from damage.measure.energy import balance_error
 from damage.measure.members import members_path, write_members
-from damage.measure.warnings import balance_error, energy_warnings
+from damage.measure.warnings import energy_warnings
 from damage.reference.ensembles import Ensemble
 from damage.reference.lanes import MOST_LANES
 from damage.run.options import free_name

@@ -6,7 +6,8 @@ rest is no result; a factor of a sequence may be zero, a pause.
 
 from damage.motion.loading import Harmonic, Recorded, TopDisplacement
 from damage.units import GRAVITY
-from damage.wall.plausible import Range, message_of, rows
+from damage.wall.fields import Range, message_of
+from damage.wall.plausible import rows
 
 RANGES = {
     "--harmonic PERIOD_S": Range(0.01, 10, "s", {"ms": 1e-3}, "machines; a hundred times the period of a house's wall"),

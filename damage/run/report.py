@@ -5,7 +5,6 @@ from damage.measure.evidence import describe as describe_evidence
 from damage.measure.members import describe_spread, members_of, spread
 from damage.measure.summary import summarise
 from damage.measure.tables import shocks_table
-from damage.measure.warnings import static_warnings
 from damage.run.options import pictures_folder
 from damage.units import rounded
 from damage.wall.lintels import ElasticShare, describe_share
@@ -18,7 +17,7 @@ def report(history, pictures=True):
     """
     path = history.path
     if len(history.series) == 0:
-        warn(*static_warnings(history))
+        warn(*history.warnings)
         print(f"{history.status}: no sample was written")
         return
     summary = with_members(summarise(history), history)

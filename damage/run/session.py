@@ -192,13 +192,14 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
-    warn(*deformable_warnings(settings.model, wall))
+    warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     if settings.recorded:
-        warn(*faint_warnings(settings.peak_g))
+        warn(*faint_warnings(settings.peak_g), code="faint_motion")
     if isinstance(settings.loading, Recorded) and not settings.events:
-        warn(*end_warnings(settings.loading.applied()))
+        warn(*end_warnings(settings.loading.applied()), code="end_velocity")
     if wall.joint.softens:
-        warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening))
+        warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening),
+             code="softening_step")
     made_by = versions(backend.code) | backend.versions
     state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
     print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),

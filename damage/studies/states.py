@@ -13,7 +13,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from damage.errors import InputError
-from damage.measure.columns import unit_in
+from damage.measure.summary import unit_in
 from damage.toml_file import read_toml
 
 LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}

@@ -19,7 +19,8 @@ from damage.errors import InputError
 from damage.files import whole_or_nothing, write_text
 from damage.history.apart import apart
 from damage.history.reader import read_history
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, names, slip_criteria
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, slip_criteria
+from damage.measure.register import names
 from damage.measure.tables import summary_row, write_table
 from damage.studies.records import TABLES, all_records, is_of_today
 

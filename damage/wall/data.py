@@ -25,10 +25,10 @@ from dataclasses import MISSING, fields
 from damage.checks import check_range
 from damage.errors import InputError, did_you_mean
 from damage.toml_file import read_toml
-from damage.wall.floors import KINDS_OF_FLOORS, Floor
+from damage.wall.floors import Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
-from damage.wall.parameters import ENERGIES, RULE, Brick, Joint, Opening, Wall, brick_of_masonry
+from damage.wall.parameters import Brick, Joint, Opening, Wall, brick_of_masonry
 
 MOST_MB = 1
 MASONRY_KEYS = {"material": "name of a material", "format": "name of a brick format", "mortar": "of joints [m]",
@@ -129,25 +129,30 @@ def wall_schema():
     chosen = {"material": {"enum": list(MATERIALS)}, "format": {"enum": list(FORMATS)}, "mortar": {"type": "number"},
               "wythes": {"type": "integer"}, "density": {"type": "number"}, "young_modulus": {"type": "number"}}
     special = {
-        "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,100}$"}, "base_course": {"enum": ["whole", "half"]},
+        "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,100}$"},
         "outline": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2,
                                                "maxItems": 2}},
         "masonry": {"type": "object", "additionalProperties": False,
                     "anyOf": [{"required": ["material", "format"]},
                               {"required": ["young_modulus"], "maxProperties": 1}],
                     "properties": {key: one | {"description": MASONRY_KEYS[key]} for key, one in chosen.items()}},
-        "kind": {"enum": list(KINDS_OF_FLOORS)},
-        "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)},
-                             _object(Lintel, {"kind": {"enum": list(KINDS_OF_LINTELS)}})]},
-        **{name: {"anyOf": [{"type": "number"}, {"const": RULE}]} for name in ENERGIES}}
-    special |= {"brick": _object(Brick, {}), "joint": _object(Joint, special, FRICTION)}
+        "lintel": {"anyOf": [{"enum": list(KINDS_OF_LINTELS)}, _object(Lintel, {})]},
+        "brick": _object(Brick, {}), "joint": _object(Joint, {}, FRICTION)}
     special |= {name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()}
     return {"$schema": DRAFT, "title": "A wall of masonry-damage"} | _object(Wall, special, "masonry")
 
 
 def _object(kind, special, *more):
-    """Schema of a record: numbers but for what is special; more: keys besides its fields."""
+    """Schema of a record: as its fields say, but for what is special; more: keys of numbers besides its fields."""
     required = [one.name for one in fields(kind) if one.default is MISSING and one.default_factory is MISSING]
-    keys = [*(one.name for one in fields(kind)), *more]
+    found = {one.name: special.get(one.name) or _schema_of(one.metadata) for one in fields(kind)}
     return {"type": "object", "additionalProperties": False, "required": required,
-            "properties": {key: special.get(key, {"type": "number"}) for key in keys}}
+            "properties": found | {key: special.get(key, {"type": "number"}) for key in more}}
+
+
+def _schema_of(said):
+    """Schema of a field by its metadata (`damage.wall.fields`)."""
+    if said["choices"]:
+        return {"enum": list(said["choices"])}
+    words = [{"const": word} for word in said["words"]]
+    return {"anyOf": [{"type": "number"}, *words]} if words else {"type": "number"}

@@ -11,9 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.checks import check_choice, check_range
 from damage.errors import InputError
-from damage.wall.plausible import check_record
+from damage.wall.fields import check_fields, choice, quantity
 
 KINDS_OF_FLOORS = ("timber", "concrete")
 SLAB_COURSE = -2
@@ -30,18 +29,15 @@ class Floor:
     "concrete" (`damage.wall.floors`); depth [m]: of a concrete slab, laid to whole courses.
     """
 
-    level: float
-    mass: float
-    left: float = 0.0
-    right: float | None = None
-    kind: str = "timber"
-    depth: float = 0.15
+    level: float = quantity("m", 1e-3, 1000.0, (0.03, 50), "on the base course; a tower")
+    mass: float = quantity("kg", 1e-3, 1e8, (1, 1e6), "a shelf; the floor of a hall")
+    left: float = quantity("m", 0.0, 1000.0, default=0.0)
+    right: float | None = quantity("m", 0.0, 1000.0, default=None)
+    kind: str = choice(KINDS_OF_FLOORS, default="timber")
+    depth: float = quantity("m", 1e-3, 10.0, (0.01, 2), "a screed; a transfer slab", default=0.15)
 
     def __post_init__(self):
-        check_record(self, level=(1e-3, 1000.0), mass=(1e-3, 1e8), left=(0.0, 1000.0), depth=(1e-3, 10.0))
-        if self.right is not None:
-            check_range("Floor.right", self.right, 0, 1000)
-        check_choice("Floor.kind", self.kind, KINDS_OF_FLOORS)
+        check_fields(self)
 
     @property
     def is_body(self):

@@ -20,8 +20,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.checks import check_choice, check_range
+from damage.checks import check_range
 from damage.errors import InputError
+from damage.wall.fields import MODULI, check_fields, choice, quantity
 
 LINTEL_COURSE, ARCH_COURSE = -3, -4
 """`course` of the segments of a beam and of the bricks of an arch, beside -1 of a top mass and -2 of a slab."""
@@ -65,20 +66,19 @@ class Lintel:
     thickness.  None: as `USUAL` and `BEARING` say, the bearing of an arch a brick's height.
     """
 
-    kind: str = "concrete"
-    height: float | None = None
-    bearing: float | None = None
-    modulus: float | None = None
-    density: float | None = None
-    width: float | None = None
+    kind: str = choice(KINDS_OF_LINTELS, default="concrete")
+    height: float | None = quantity("m", 1e-3, 10.0, (0.01, 3), "a steel plate; a transfer beam", default=None)
+    bearing: float | None = quantity("m", 0.0, 10.0, (0.02, 5), "a steel angle; a beam to the next opening", zero=True,
+                                     default=None)
+    modulus: float | None = quantity("Pa", 1e-3, 1e13, (1e8, 1e12), "soft wood; steel has 2.1e11", others=MODULI,
+                                     default=None)
+    density: float | None = quantity("kg/m3", 1e-3, 1e5, (100, 2e4), "soft wood; steel has 7850", default=None)
+    width: float | None = quantity("m", 1e-3, 10.0, (0.001, 3), "the web of a section; a historical wall", default=None)
 
     def __post_init__(self):
-        check_choice("Lintel.kind", self.kind, KINDS_OF_LINTELS)
-        for name, most in (("height", 10.0), ("modulus", 1e13), ("density", 1e5), ("width", 10.0)):
-            if getattr(self, name) is not None:
-                check_range(f"Lintel.{name}", getattr(self, name), 1e-3, most)
-        if self.bearing is not None:
-            check_range("Lintel.bearing", self.bearing, 0.0 if self.kind == "arch" else 0.01, 10.0)
+        check_fields(self)
+        if self.bearing is not None and self.kind != "arch":
+            check_range("Lintel.bearing", self.bearing, 0.01, 10.0)
         of_beams = [name for name in ("modulus", "density", "width") if getattr(self, name) is not None]
         if self.kind in ("arch", "courses") and of_beams:
             raise InputError(f"Lintel({self.kind!r}, {of_beams[0]}=...): expected of a beam alone; leave it out")

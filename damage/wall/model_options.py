@@ -1,9 +1,10 @@
 """Modelling choices that the paper leaves open, the same in every solver; each is checked once, when it is made."""
 
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, fields
 
-from damage.checks import check_choice, check_range, check_whole
+from damage.checks import check_range, check_whole
 from damage.errors import InputError
+from damage.wall.fields import check_fields, choice, quantity, text
 from damage.wall.lintels import KINDS_OF_LINTELS
 from damage.wall.parameters import MOST_BRICKS, MOST_SEED
 
@@ -15,19 +16,14 @@ SOIL_VELOCITIES = (20, 2000)
 
 _KINDS = tuple(kind for kind in KINDS_OF_LINTELS if kind != "stone")
 """Of lintels that are whole by their name."""
-
-
-def _option(default, help_, **more):
-    """A field of ModelOptions and all that the command line, file names and tables need of it.
-
-    help_: for people; metavar: of a number; choices: of a word; tag: what a history's file is
-    called where the option is not the default, a template of the options; seed: it only draws one of many alike.
-    """
-    return field(default=default, metadata={"help": help_, "metavar": None, "choices": None, "tag": None,
-                                            "seed": False, **more})
-
-
 _OF_MODES = ("brick_order", "plane", "brick_mass", "brick_damping")
+_OF_SOIL = ("soil_shear", "footing", "soil_velocity")
+
+
+def _option(_, one, unit=True):
+    """The option of a field, with its unit."""
+    return f"--{one.name.replace('_', '-')}" + f" [{one.metadata['unit']}]" * bool(
+        unit and one.metadata["unit"] not in (None, "1"))
 
 
 @dataclass(frozen=True)
@@ -61,73 +57,64 @@ class ModelOptions:
         modes, which YADE does not have: there 4.
     """
 
-    lintel: str = _option("elastic", "over an opening: its own lintel, or else all joints elastic; instead, joints "
-                          "able to fail like any other (none), elastic in the N lowest courses, or lintels of a kind "
-                          f"({', '.join(_KINDS)})", metavar="elastic|none|N|KIND", tag="lintel-{lintel}")
-    top: str = _option("piers", "distribution of the mass that gives the precompression",
-                       choices=("piers", "uniform", "beam"), tag="top-{top}")
-    load: str = _option("length", "where the precompression is the mean stress: over the whole length, or in the piers",
-                        choices=("length", "piers"), tag="load-{load}")
-    cells: int = _option(2, "contact points per half brick", metavar="N")
-    contacts: str = _option("interior", "position of the contact points in a joint",
-                            choices=("interior", "corners", "gauss"), tag="{contacts}")
-    strength_cov: float = _option(0.0, "lognormal scatter of the joints' strengths: coefficient of variation",
-                                  metavar="COV", tag="strength-{strength_cov:g}-{strength_seed}")
-    strength_seed: int = _option(0, "seed of the joints' strengths", metavar="N", seed=True)
-    supports: str = _option("one", "one support below the wall, or one below each brick of the base, with reactions of "
-                            "its own in the history", choices=("one", "bricks"), tag="supports-{supports}")
-    soil: str = _option("rigid", "soil below the base: rigid, or its vertical modulus of subgrade reaction, springs "
-                        "without tension", metavar="rigid|N_M3", tag="soil-{soil}")
-    soil_shear: float = _option(0.5, "soil: horizontal stiffness over the vertical one", metavar="SHARE",
-                                tag="soil-shear-{soil_shear:g}")
-    footing: float = _option(0.45, "soil: width of the footing [m]", metavar="M", tag="footing-{footing:g}")
-    soil_velocity: float = _option(0.0, "soil: shear-wave velocity, for radiation damping (reference solver); 0: "
-                                   "none", metavar="M_S", tag="soil-velocity-{soil_velocity:g}")
-    fibres: int = _option(0, "number of parallel brittle elements of a softening joint; 0: one smooth law, in YADE 16 "
-                          "elements",
-                          metavar="N", tag="fibres-{fibres}")
-    bricks: str = _option("rigid", "rigid bricks, whose compliance is lumped into the joints, or deformable ones "
-                          "(strain modes, in YADE glued cells)", choices=("rigid", "deformable"), tag="{bricks}")
-    brick_cells: int = _option(0, "deformable bricks: number of rigid cells of a whole brick, glued elastically, 2 to "
-                               "16; 0: strain modes, in YADE 4 cells", metavar="N", tag="brick-cells-{brick_cells}")
-    brick_order: int = _option(2, "deformable bricks: order of their displacements, 2 (linear strain) or 3",
-                               metavar="2|3", tag="order-{brick_order}")
-    plane: str = _option("stress", "deformable bricks: plane stress, or plane strain", choices=("stress", "strain"),
-                         tag="plane-{plane}")
-    brick_mass: float = _option(9.0, "deformable bricks: factor on the mass of their strain modes, 1 to 25; the time "
-                                "step grows with its root", metavar="FACTOR", tag="brick-mass-{brick_mass:g}")
-    brick_damping: float = _option(0.05, "deformable bricks: damping of their strain modes over the critical one, 0 "
-                                   "to 1", metavar="RATIO", tag="brick-damping-{brick_damping:g}")
+    lintel: str = text(default="elastic", metavar="elastic|none|N|KIND", tag="lintel-{lintel}", help=(
+        "over an opening: its own lintel, or else all joints elastic; instead, joints able to fail like any other "
+        f"(none), elastic in the N lowest courses, or lintels of a kind ({', '.join(_KINDS)})"))
+    top: str = choice(("piers", "uniform", "beam"), default="piers", tag="top-{top}",
+                      help="distribution of the mass that gives the precompression")
+    load: str = choice(("length", "piers"), default="length", tag="load-{load}", help="where the precompression is the "
+                       "mean stress: over the whole length, or in the piers")
+    cells: int = quantity("1", 1, 16, whole=True, default=2, metavar="N", help="contact points per half brick")
+    contacts: str = choice(("interior", "corners", "gauss"), default="interior", tag="{contacts}",
+                           help="position of the contact points in a joint")
+    strength_cov: float = quantity("1", 0, 2, default=0.0, metavar="COV",
+                                   tag="strength-{strength_cov:g}-{strength_seed}",
+                                   help="lognormal scatter of the joints' strengths: coefficient of variation")
+    strength_seed: int = quantity("1", 0, MOST_SEED, whole=True, default=0, metavar="N", seed=True,
+                                  help="seed of the joints' strengths")
+    supports: str = choice(("one", "bricks"), default="one", tag="supports-{supports}", help="one support below the "
+                           "wall, or one below each brick of the base, with reactions of its own in the history")
+    soil: str = text(default="rigid", metavar="rigid|N_M3", tag="soil-{soil}", help="soil below the base: rigid, or "
+                     "its vertical modulus of subgrade reaction, springs without tension")
+    soil_shear: float = quantity("1", 0.01, 10, default=0.5, metavar="SHARE", tag="soil-shear-{soil_shear:g}",
+                                 help="soil: horizontal stiffness over the vertical one")
+    footing: float = quantity("m", 0.01, 10, default=0.45, metavar="M", tag="footing-{footing:g}",
+                              help="soil: width of the footing [m]")
+    soil_velocity: float = quantity("m/s", *SOIL_VELOCITIES, words=(0,), default=0.0, metavar="M_S",
+                                    tag="soil-velocity-{soil_velocity:g}", help="soil: shear-wave velocity, for "
+                                    "radiation damping (reference solver); 0: none")
+    fibres: int = quantity("1", 0, 64, whole=True, default=0, metavar="N", tag="fibres-{fibres}", help="number of "
+                           "parallel brittle elements of a softening joint; 0: one smooth law, in YADE 16 elements")
+    bricks: str = choice(("rigid", "deformable"), default="rigid", tag="{bricks}", help="rigid bricks, whose "
+                         "compliance is lumped into the joints, or deformable ones (strain modes, in YADE glued cells)")
+    brick_cells: int = quantity("1", 0, 16, whole=True, default=0, metavar="N", tag="brick-cells-{brick_cells}",
+                                help="deformable bricks: number of rigid cells of a whole brick, glued elastically, 2 "
+                                "to 16; 0: strain modes, in YADE 4 cells")
+    brick_order: int = quantity("1", 2, 3, whole=True, default=2, metavar="2|3", tag="order-{brick_order}",
+                                help="deformable bricks: order of their displacements, 2 (linear strain) or 3")
+    plane: str = choice(("stress", "strain"), default="stress", tag="plane-{plane}",
+                        help="deformable bricks: plane stress, or plane strain")
+    brick_mass: float = quantity("1", 1, 25, default=9.0, metavar="FACTOR", tag="brick-mass-{brick_mass:g}",
+                                 help="deformable bricks: factor on the mass of their strain modes, 1 to 25; the time "
+                                 "step grows with its root")
+    brick_damping: float = quantity("1", 0, 1, default=0.05, metavar="RATIO", tag="brick-damping-{brick_damping:g}",
+                                    help="deformable bricks: damping of their strain modes over the critical one, 0 to "
+                                    "1")
 
     def __post_init__(self):
-        for one in fields(self):
-            if one.metadata["choices"]:
-                check_choice(one.name, getattr(self, one.name), one.metadata["choices"])
+        check_fields(self, _option)
         object.__setattr__(self, "lintel", _lintel_word(self.lintel))
-        check_whole("cells", self.cells, 1, 16)
         if self.contacts == "gauss" and self.cells % 2:
             raise InputError(f"--contacts gauss with --cells {self.cells}: expected an even number, since Gauss points "
                              "come in pairs; give --cells 2")
-        check_range("strength_cov", self.strength_cov, 0, 2)
-        check_whole("strength_seed", self.strength_seed, 0, MOST_SEED)
         object.__setattr__(self, "soil", _soil_word(self.soil))
-        check_range("--soil-shear", self.soil_shear, 0.01, 10)
-        check_range("--footing [m]", self.footing, 0.01, 10)
-        if self.soil_velocity:
-            check_range("--soil-velocity [m/s]", self.soil_velocity, *SOIL_VELOCITIES)
-        for name in ("soil_shear", "footing", "soil_velocity"):
-            usual = type(self).__dataclass_fields__[name].default
-            if self.soil == "rigid" and getattr(self, name) != usual:
-                raise InputError(f"--{name.replace('_', '-')} {getattr(self, name):g} without --soil: expected the "
-                                 "soil's stiffness [N/m3], too; give both, or leave it out")
-        check_whole("fibres", self.fibres, 0, 64)
-        check_whole("brick_cells", self.brick_cells, 0, 16)
+        for one in fields(self):
+            if one.name in _OF_SOIL and self.soil == "rigid" and getattr(self, one.name) != one.default:
+                raise InputError(f"{_option(self, one, unit=False)} {getattr(self, one.name):g} without --soil: "
+                                 "expected the soil's stiffness [N/m3], too; give both, or leave it out")
         if self.brick_cells % 2:
             raise InputError(f"--brick-cells {self.brick_cells}: expected an even number, since bricks lie on two "
                              "halves of others; give --brick-cells 4")
-        check_whole("brick_order", self.brick_order, 2, 3)
-        check_range("brick_mass", self.brick_mass, 1, 25)
-        check_range("brick_damping", self.brick_damping, 0, 1)
         needs = "with rigid bricks: expected only beside --bricks deformable; give both, or leave it out"
         self._check_default(() if self.deforms else (*_OF_MODES, "brick_cells"), needs)
         self._check_default(_OF_MODES if self.brick_cells else (), "with bricks of glued cells, as always in YADE: "
@@ -137,7 +124,7 @@ class ModelOptions:
         """InputError where one of these options is given."""
         for one in fields(self):
             if one.name in names and getattr(self, one.name) != one.default:
-                raise InputError(f"--{one.name.replace('_', '-')} = {getattr(self, one.name)!r} {problem}")
+                raise InputError(f"{_option(self, one, unit=False)} = {getattr(self, one.name)!r} {problem}")
 
     @property
     def deforms(self):

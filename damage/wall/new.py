@@ -7,8 +7,8 @@ import re
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 from damage.files import write_text
+from damage.wall.fields import short
 from damage.wall.file import load_wall, shipped_walls
-from damage.wall.plausible import short
 
 _OF_YADE = {"sys", "pathlib"}
 """Modules that the shipped files import only so that YADE finds the repository."""

@@ -8,13 +8,13 @@ paper gives a value; `docs/model/model.md` gives the source of every other one.
 import math
 from dataclasses import asdict, dataclass, field, replace
 
-from damage.checks import check_choice, check_not_negative, check_range, record_from
+from damage.checks import check_range, record_from
 from damage.errors import InputError
 from damage.units import GRAVITY
+from damage.wall.fields import MODULI, check_fields, choice, implausible_fields, quantity
 from damage.wall.floors import Floor, check_floors
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel, lintel_of
 from damage.wall.plan import check_bearing, check_outline, plan_of
-from damage.wall.plausible import check_record, implausible_sizes
 
 LONGEST_M, LONGEST_NAME, MOST_BRICKS, MOST_PARTS = 1000.0, 100, 20_000, 1000
 """What a wall may have: length and height [m], characters of its name, bricks; openings, floors, or points of the
@@ -34,14 +34,22 @@ class Brick:
         that tension alone splits.
     """
 
-    length: float = 0.225
-    height: float = 0.075
-    thickness: float = 0.1025
-    density: float = 1900.0
-    young_modulus: float = 5.2e9
-    shear_modulus: float = 2.16e9
-    tensile_strength: float | None = None
-    cohesion: float | None = None
+    length: float = quantity("m", 1e-3, 100.0, (0.02, 2), "a brick of a scale model; calcium silicate elements have "
+                             "1 m", default=0.225)
+    height: float = quantity("m", 1e-3, 100.0, (0.01, 2), "a brick of a scale model; calcium silicate elements have "
+                             "0.65 m", default=0.075)
+    thickness: float = quantity("m", 1e-3, 100.0, (0.01, 3), "a brick of a scale model; a historical wall",
+                                default=0.1025)
+    density: float = quantity("kg/m3", 1.0, 1e5, (300, 4000), "autoclaved aerated concrete has 300 or more, EN 771-4; "
+                              "dense stone has 3000", default=1900.0)
+    young_modulus: float = quantity("Pa", 1.0, 1e20, (1e8, 1e12), "adobe; stone has up to 1e11, a brick of "
+                                    "`brick_of_masonry` may have more", others=MODULI, default=5.2e9)
+    shear_modulus: float = quantity("Pa", 1.0, 1e20, (3e7, 1e12), "0.4 of Young's modulus, EN 1996-1-1, 3.7.3",
+                                    others=MODULI, default=2.16e9)
+    tensile_strength: float | None = quantity("Pa", 0.0, 1e20, (1e4, 1e8), "adobe; clay bricks have some 1e6",
+                                              zero=True, default=None)
+    cohesion: float | None = quantity("Pa", 0.0, 1e20, (1e4, 1e8), "as the tensile strength, or some times that",
+                                      zero=True, default=None)
 
     @property
     def splits(self):
@@ -49,9 +57,7 @@ class Brick:
         return self.tensile_strength is not None
 
     def __post_init__(self):
-        check_record(self, **dict.fromkeys(("length", "height", "thickness"), (1e-3, 100.0)), density=(1.0, 1e5),
-                     **dict.fromkeys(("young_modulus", "shear_modulus"), (1.0, 1e20)),
-                     **_given(self, "tensile_strength", "cohesion"))
+        check_fields(self)
         if self.cohesion is not None and not self.splits:
             raise InputError(f"Brick.cohesion = {self.cohesion:g} Pa of bricks that do not split: expected a tensile "
                              "strength beside it; give Brick(tensile_strength=...), or leave it out")
@@ -66,9 +72,8 @@ def nearest(number):
     return math.floor(number + 0.5 + 1e-9)
 
 
-def _given(record, *names):
-    """{name: (0, 1e20)} of strengths [Pa] that are given."""
-    return dict.fromkeys((name for name in names if getattr(record, name) is not None), (0.0, 1e20))
+RULE = "rule"
+"""In place of a fracture energy: what its rule makes of the strength."""
 
 
 @dataclass(frozen=True)
@@ -85,32 +90,38 @@ class Joint:
         stays; "rule": by `crushing_energy`.
     """
 
-    normal_stiffness: float = 12e11
-    shear_stiffness: float = 4e11
-    friction_angle: float = math.radians(32.0)
-    tensile_strength: float = 0.21e6
-    cohesion: float = 0.24e6
-    mode_i_fracture_energy: float | str | None = None
-    mode_ii_fracture_energy: float | str | None = None
-    compressive_strength: float | None = None
-    compressive_fracture_energy: float | str | None = None
+    normal_stiffness: float = quantity("Pa/m", 1.0, 1e20, (1e8, 1e14), "dry joints of tests have some 1e9; the paper's "
+                                       "Table 1 has 12e11", default=12e11)
+    shear_stiffness: float = quantity("Pa/m", 1.0, 1e20, (3e7, 1e14), "0.4 of the normal stiffness", default=4e11)
+    friction_angle: float = quantity("rad", 0.0, math.inf, (0.05, 1.2), "friction coefficients of 0.05 and 2.6; "
+                                     "EN 1996-1-1, 3.6.2, has 0.4", zero=True, default=math.radians(32.0))
+    tensile_strength: float = quantity("Pa", 0.0, 1e20, (1e3, 1e7), "lime mortar; thin glued joints have some 1e6",
+                                       zero=True, default=0.21e6)
+    cohesion: float = quantity("Pa", 0.0, 1e20, (1e3, 1e7), "EN 1996-1-1, 3.6.2, has 1e5 to 4e5", zero=True,
+                               default=0.24e6)
+    mode_i_fracture_energy: float | str | None = quantity(
+        "J/m2", 0, 1e9, (0.5, 1e4), "clay brickwork has 5.6 to 19 (Korswagen, 2022)", zero=True, words=(RULE,),
+        default=None)
+    mode_ii_fracture_energy: float | str | None = quantity(
+        "J/m2", 0, 1e9, (1, 1e5), "clay brickwork has 102 to 353 (Korswagen, 2022)", zero=True, words=(RULE,),
+        default=None)
+    compressive_strength: float | None = quantity(
+        "Pa", 0.0, 1e20, (1e5, 1e9), "adobe; the strongest bricks have some 1e8", default=None)
+    compressive_fracture_energy: float | str | None = quantity(
+        "J/m2", 0, 1e9, (100, 1e6), "masonry has 0.33 to 1.6 mm times its strength (Lourenço, 2009)", zero=True,
+        words=(RULE,), default=None)
 
     def __post_init__(self):
-        check_record(self, **dict.fromkeys(("normal_stiffness", "shear_stiffness"), (1.0, 1e20)),
-                     **dict.fromkeys(("tensile_strength", "cohesion"), (0.0, 1e20)),
-                     **_given(self, "compressive_strength"))
+        check_fields(self)
         if self.compressive_strength == 0:
             raise InputError("Joint.compressive_strength = 0 Pa: expected above zero, or None for joints that do not "
                              "crush; correct it")
         for name, energy in _energies_by_rule(self).items():
             object.__setattr__(self, name, energy)
-        if self.compressive_fracture_energy is not None:
-            check_range("Joint.compressive_fracture_energy [J/m2]", self.compressive_fracture_energy, 0, 1e9)
         if self.compressive_fracture_energy and self.compressive_strength is None:
             raise InputError(f"Joint.compressive_fracture_energy = {self.compressive_fracture_energy:g} J/m2 of joints "
                              "that do not crush: expected a compressive strength beside it; give "
                              "Joint(compressive_strength=...), or leave it out")
-        check_not_negative("Joint.friction_angle", self.friction_angle)
         if self.friction_angle >= math.pi / 2:
             raise InputError(f"Joint.friction_angle = {self.friction_angle:g} rad: expected less than "
                              "pi/2; give radians, for example math.radians(32)")
@@ -123,8 +134,6 @@ class Joint:
 
 
 ENERGIES = "mode_i_fracture_energy", "mode_ii_fracture_energy", "compressive_fracture_energy"
-RULE = "rule"
-"""In place of a fracture energy: what its rule makes of the strength."""
 
 
 def _energies_by_rule(joint):
@@ -144,8 +153,6 @@ def _energies_by_rule(joint):
 def _check_fracture_energies(joint):
     """Refuse one fracture energy without the other, and strengths that a softening bond cannot have."""
     given = [getattr(joint, name) or 0.0 for name in ENERGIES[:2]]
-    for name, value in zip(ENERGIES, given):
-        check_range(f"Joint.{name} [J/m2]", value, 0, 1e9)
     if (given[0] > 0) != (given[1] > 0):
         raise InputError(f"Joint with fracture energies {given[0]:g} and {given[1]:g} J/m2 in modes I and II: expected "
                          "both above zero, or neither for a brittle bond; give the other, about ten times in mode II")
@@ -207,17 +214,16 @@ class Opening:
     height [m].  Height and level are laid to whole courses (`Wall.opening_courses`); in length its edges stay as
     given.  lintel: a damage.wall.lintels.Lintel or its kind, None for that of the wall."""
 
-    left: float
-    width: float
-    height: float
-    sill: float = 0.0
+    left: float = quantity("m", 0.0, LONGEST_M)
+    width: float = quantity("m", 1e-3, LONGEST_M, (0.03, 50), "a vent; the gate of a hall")
+    height: float = quantity("m", 1e-3, LONGEST_M, (0.03, 50), "a vent; the gate of a hall")
+    sill: float = quantity("m", 0.0, LONGEST_M, default=0.0)
     lintel: Lintel | None = None
 
     def __post_init__(self):
         if self.lintel is not None:
             object.__setattr__(self, "lintel", lintel_of(self.lintel))
-        check_record(self, **dict.fromkeys(("width", "height"), (1e-3, LONGEST_M)),
-                     **dict.fromkeys(("left", "sill"), (0.0, LONGEST_M)))
+        check_fields(self)
 
     @property
     def right(self):
@@ -241,11 +247,12 @@ class Wall:
     """
 
     name: str
-    length: float
-    height: float
+    length: float = quantity("m", 1e-3, LONGEST_M, (0.1, 200), "a pier of half a brick; a terrace of houses")
+    height: float = quantity("m", 1e-3, LONGEST_M, (0.03, 50), "one course; a tower")
     openings: tuple[Opening, ...] = ()
-    precompression: float = 0.3e6
-    base_course: str = "whole"
+    precompression: float = quantity("Pa", 0.0, 1e9, (1e3, 2e7), "a light roof; the strength of strong masonry",
+                                     zero=True, default=0.3e6)
+    base_course: str = choice(("whole", "half"), default="whole")
     brick: Brick = field(default_factory=Brick)
     joint: Joint = field(default_factory=Joint)
     outline: tuple[tuple[float, float], ...] = ()
@@ -261,8 +268,7 @@ class Wall:
         for name, kind in (("openings", Opening), ("floors", Floor)):
             object.__setattr__(self, name, _records(f"Wall.{name}", getattr(self, name), kind))
         object.__setattr__(self, "outline", _points("Wall.outline", self.outline))
-        check_record(self, **dict.fromkeys(("length", "height"), (1e-3, LONGEST_M)), precompression=(0.0, 1e9))
-        check_choice("Wall.base_course", self.base_course, ("whole", "half"))
+        check_fields(self)
         if self.courses < 1 or self.length < self.brick.length / 2:
             raise InputError(f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
                              "half a brick by one course; make it larger")
@@ -359,7 +365,7 @@ def _check_count(wall):
     have too many bricks."""
     bricks = wall.courses * math.ceil(wall.length / wall.brick.length)
     if bricks > MOST_BRICKS:
-        meant = implausible_sizes(wall)
+        meant = implausible_fields(wall, wall.brick, unit="m")
         raise InputError(f"wall {wall.name}: {'; '.join(meant)}. Correct the unit: {bricks} bricks are more than "
                          f"{MOST_BRICKS}" if meant else
                          f"wall {wall.name} has about {bricks} bricks: expected up to {MOST_BRICKS}; make it "

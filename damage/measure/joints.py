@@ -1,0 +1,47 @@
+"""Joints of a run: largest motions of their faces, and how many failed, crushed, split and ended."""
+
+from damage.history.schema import Column
+from damage.measure.register import measure
+from damage.measure.validity import ended_joints, offset_over_overlap
+
+
+def with_bond(history):
+    """Flags (n_joints,) of the contact points of a History that started with a bond."""
+    joints = history.joints
+    return ((joints["tensile_strength_pa"] > 0) | (joints["cohesion_pa"] > 0)).to_numpy()
+
+
+@measure({
+    "max_opening_mm, max_slip_mm": Column("mm", "largest opening and accumulated slip of any contact point"),
+    "max_offset_mm": Column("mm", "largest offset of any contact point, empty of a history without offsets"),
+    "max_offset_over_overlap": Column("1", "largest offset of any contact point over that at which the faces of its "
+                                      "joint no longer overlap, where the joint ends"),
+    "ended_joints": Column("1", "joints that had ended by the run's end, all contact points between two bodies as "
+                           "one")})
+def motions_of_faces(history):
+    """Largest motions of the faces of a History's joints, zero where nothing failed, and how many have ended."""
+    opening, slip, offset = (frames if frames is None else _largest(frames) * 1e3 for frames in (
+        history.active.opening_m, history.active.slip_m, history.active.offset_m))
+    share = None if offset is None else (offset_over_overlap(history) or [0.0])[0]
+    return opening, slip, offset, share, getattr(ended_joints(history), "count", 0)
+
+
+def _largest(frames):
+    """Largest absolute value of frames (n_times, n), zero where they are empty."""
+    return float(max(frames.max(initial=0.0), -frames.min(initial=0.0)))
+
+
+@measure({
+    "tension_breaks, shear_breaks": Column("1", "contact points whose bond broke, by the way it did"),
+    "crushed_length_m": Column("m", "length of joints that has been crushed, at the run's end"),
+    "split_length_m": Column("m", "length of the cuts through bricks that has split, at the run's end")})
+def failures(history):
+    """Failures of a History's contact points, and lengths that have been crushed and split; what a survey took is no
+    failure of the run."""
+    kinds, states = history.events["kind"], history.states
+    if history.parameters.get("cracked"):
+        kinds = kinds[with_bond(history)[history.events["joint"]]]
+    broken, crushed = (states.joints[frames[-1]] for frames in (states.broken, states.crushed))
+    return (int((kinds == "tension").sum()), int((kinds == "shear").sum()),
+            float(history.joint_length_m[crushed].sum()),
+            float((history.joints["length_m"] - history.joint_length_m).iloc[broken].sum()))
