@@ -21,7 +21,7 @@ from damage.measure.motion import motion_measures, record_unit
 from damage.measure.register import measures_in
 from damage.measure.warnings import warnings_of
 from damage.units import MILLIMETRE
-from damage.wall.lintels import ElasticShare, elastic_share
+from damage.wall.lintels import elastic_share
 
 _MODULES = {
     "Index, drift": [damage_index], "Forces": [pushed], "Cycles and period": [cycles, vibration],
@@ -87,5 +87,4 @@ def summarise(history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displ
     index = {f"{kind}{ending}": {name: numbers.pop(f"{kind}{ending}_{name}") for name in COMPONENTS}
              for ending in ("", "_accumulated", "_shear_limit") for kind in ("max", "residual")}
     index |= {kind: None for kind in index if kind.startswith("residual") and not history.complete}
-    share = ElasticShare(numbers["elastic_joint_share"], numbers["elastic_joint_share_above_openings"])
-    return numbers | index | {"warnings": warnings_of(history, numbers["energy_error_fraction"], share)}
+    return numbers | index | {"warnings": warnings_of(history)}

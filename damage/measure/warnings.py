@@ -10,7 +10,6 @@ from damage.measure.validity import ended_joints, offset_over_overlap
 from damage.wall.as_built import warn_of_courses
 from damage.wall.lintels import elastic_share, warn_of_share
 
-UNKNOWN = object()
 AT_REST = 1e-5
 """Unbalanced force ratio below which the static stage has converged [-]."""
 ENERGY_ERROR, ENERGY_FAILURE = 0.01, 1.0
@@ -22,17 +21,13 @@ is the entire input.
 """
 
 
-def warnings_of(history, energy_error=UNKNOWN, share=None):
-    """All warnings of a History, a list of Warned: texts with codes; of one without a sample those of its static stage.
-
-    energy_error: its `balance_error` [-] or None, and share: its `damage.wall.lintels.ElasticShare`, where they are
-    known.
-    """
+def warnings_of(history):
+    """All warnings of a History, a list of Warned: texts with codes; of one without a sample those of its static
+    stage."""
     if len(history.series) == 0:
         return [Warned("static_stage", text) for text in static_warnings(history)]
-    energy_error = balance_error(history) if energy_error is UNKNOWN else energy_error
-    share = share or elastic_share(history.plan, history.joints, history.bodies)
-    found = {"static_stage": static_warnings(history), "energy_balance": energy_warnings(energy_error),
+    share = elastic_share(history.plan, history.joints, history.bodies)
+    found = {"static_stage": static_warnings(history), "energy_balance": energy_warnings(balance_error(history)),
              "no_offsets": offset_warnings(history), "joint_normals": normal_warnings(history),
              "elastic_share": warn_of_share(share), "ended_joints": warn_of_ends(history),
              "splitting": warn_of_splitting(history), "courses": warn_of_courses(history.plan)}

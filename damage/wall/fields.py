@@ -40,25 +40,23 @@ def quantity(unit, least, most, usual=None, why="", *, zero=False, others=None, 
     """A field of a number in this unit from `least` to `most`; None is none, where it is the default.
 
     usual, why, zero, others: plausible values (least, most) and the rest of their Range; whole: without a fraction;
-    words: what may stand in place of a number; more: what `_field` has of an option.
+    words: what may stand in place of a number; more: of an option, as of `text`.
     """
-    return _field(default, unit=unit, least=least, most=most, whole=whole, words=words,
-                  usual=usual and plausible(*usual, unit, why, zero, others), **more)
+    return text(default=default, unit=unit, least=least, most=most, whole=whole, words=words,
+                usual=usual and plausible(*usual, unit, why, zero, others), **more)
 
 
 def choice(choices, *, default=MISSING, **more):
-    """A field that is one of these words; more: as of `quantity`."""
-    return _field(default, choices=choices, **more)
+    """A field that is one of these words; more: as of `text`."""
+    return text(default=default, choices=choices, **more)
 
 
 def text(*, default=MISSING, **more):
-    """A field of a word that its record checks; more: as of `quantity`."""
-    return _field(default, **more)
+    """A field of a word that its record checks.
 
-
-def _field(default, **more):
-    """A field with its metadata; of an option also help, for people; metavar; tag: what a history's file is called
-    where the option is not the default, a template of the options; seed: it only draws one of many alike."""
+    more: of an option its help, for people; metavar; tag: what a history's file is called where the option is not the
+    default, a template of the options; seed: it only draws one of many alike.
+    """
     return field(default=default, metadata={"help": "", "metavar": None, "choices": None, "tag": None, "seed": False,
                                             "unit": None, "words": (), "usual": None, **more})
 
