@@ -60,13 +60,11 @@ def test_a_sound_run_warns_of_nothing():
         assert damage.run(damage.Wall("pier", 0.45, 0.3), harmonic=(0.05, 0.01), cycles=1, rest=0).warnings == []
 
 
-@pytest.mark.xfail(reason="forces between bodies leave out the couple of tan(relative rotation / 2): 4.8 %")
 def test_energy_is_balanced_on_soil_that_settles_far():
     wall = damage.Wall("pier", 0.9, 0.6)
     assert energy_error_of(damage.run(wall, free_vibration=True, rest=0.5, soil="1e6")) < 1e-4
 
 
-@pytest.mark.xfail(reason="of a bond that softens from intact in one step half of the shear work is not counted: 2.2 %")
 def test_energy_is_balanced_where_bonds_snap_back():
     """The fracture energy in mode II is below cohesion² / shear stiffness, 361 J/m2."""
     joint = damage.Joint(3.109e9, 1.2436e9, 0.1846, 73300.0, 669900.0, mode_i_fracture_energy=11.82,

@@ -161,6 +161,9 @@ def law_resultant(n, tables, law, start, stop, step, motion, before, damped):
         if intact and event != INTACT:
             add(n, tables.energy, 0, FRACTURE, -0.5 * ((trial.sigma - sigma) * (trial.sigma - old.sigma) / contact.kn
                                                        + (trial.tau - tau) * (trial.tau - old.tau) / contact.ks))
+        if intact and event == INTACT and new.kappa > 0.0:  # its law counts from no shear stress at all
+            slid = (abs(trial.tau) - abs(tau)) / contact.ks
+            add(n, tables.energy, 0, FRACTURE, 0.5 * max(old.tau if trial.tau > 0.0 else -old.tau, 0.0) * slid)
         if damped and event == INTACT and new.kappa == kappa:
             d_normal += sigma - old.sigma
             d_shear += tau - old.tau

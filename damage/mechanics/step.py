@@ -431,7 +431,7 @@ def forces_of_intact(n, tables, loose, ending, damped):
         if damped:
             changed = interfaces.change(resultant, last_resultant(n, tables.last, p))
             resultant = damp(n, tables, p, motion, resultant, changed, intact)
-        push_at(n, bodies, first, second, p, interfaces.forces_on_bodies(frame, resultant), intact)
+        push_at(n, bodies, first, second, p, interfaces.forces_on_bodies(frame, resultant, motion), intact)
         p += rows_of(n)
     return any_other
 
@@ -480,7 +480,7 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
         over = ends_now(n, tables, loose, p, clock, step, here, motion)
         if here & (ending | over):
             read(n, tables, strain, interface, motion, flags_of(n, here & (ending | over)))
-        push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant), lives)
+        push(n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives)
 
 
 @inlined
