@@ -1,4 +1,4 @@
-"""Random legal walls and motions: the plain step against the default one, energies that balance or a warning."""
+"""Random legal walls and motions: the command line against `damage.run`, energies that balance or a warning."""
 
 import pytest
 
