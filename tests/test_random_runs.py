@@ -2,6 +2,8 @@
 
 import pytest
 
+pytest.importorskip("obspy")  # of vertical records, which ship as miniSEED
+
 from benchmarks.random_runs import runs
 
 
