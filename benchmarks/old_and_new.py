@@ -40,7 +40,7 @@ def make_walls():
 
     layout = find("damage.wall.layout:lay_out", "damage.layout:lay_out")(
         find("damage.wall.file:load_wall", "damage.wall_file:load_wall")(ROOT / "walls/symmetric.py"))
-    modes = find("damage.wall.modes:natural_modes", "damage.modes:natural_modes")(layout)
+    modes = find("damage.law.modes:natural_modes", "damage.modes:natural_modes")(layout)
     step = STEP_FACTOR * modes.critical_time_step_s
     motion = find("damage.motion.loading:Harmonic", "damage.loading:Harmonic")(0.2, 0.1)
     time_s = np.arange(round(0.6 / step)) * step

@@ -16,12 +16,12 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from damage.law.modes import natural_modes
 from damage.motion.loading import Harmonic
 from damage.reference.wall import ReferenceWall
 from damage.run.schedule import STEP_FACTOR
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from yade_scripts import COMMAND
 
 PIECES, STEPS = 30, 2000

@@ -17,11 +17,11 @@ sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 import numpy as np
 from yade import O
 
+from damage.law.modes import natural_modes
 from damage.run.schedule import SOFTENING_STEP_FACTOR
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.solver import YadeSolver
 

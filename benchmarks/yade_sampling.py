@@ -15,13 +15,13 @@ from pathlib import Path
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 
 from damage.history.writer import HistoryWriter
+from damage.law.modes import natural_modes
 from damage.run.options import parse_run
 from damage.run.run import Run
 from damage.run.schedule import STEP_FACTOR
 from damage.run.turns import take_turns
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.solver import YadeSolver
 

@@ -19,12 +19,12 @@ sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 import yade
 from yade import O, utils
 
+from damage.law.modes import natural_modes
 from damage.run.schedule import STEP_FACTOR
 from damage.start import EXIT_MISSING
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.shapes import HAS_POLYHEDRA
 from yade_scripts.solver import YadeSolver

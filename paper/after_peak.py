@@ -23,6 +23,7 @@ sys.path.insert(0, str(REPOSITORY))
 
 from damage import Joint, Wall, brick_of_masonry, read_history
 from damage.laboratory.pushed import FIGURES, SPECIMENS, TESTS, read_test
+from damage.law.modes import natural_modes
 from damage.measure import pushed
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
@@ -34,7 +35,6 @@ from damage.wall.file import load_wall
 from damage.wall.kinds import GROUND, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import ENERGIES, RULE, crushing_energy, softening_energies
 from paper.softening import main, print_row, print_table
 

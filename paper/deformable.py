@@ -25,6 +25,7 @@ from scipy.sparse.linalg import eigsh
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from damage.history.reader import read_history
+from damage.law.modes import natural_modes
 from damage.measure.cracks import psi_history
 from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
@@ -34,7 +35,6 @@ from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick
 from damage.wall.strain import brick_modes, elasticity_of
 

@@ -18,12 +18,12 @@ sys.path.insert(0, str(ROOT))
 
 import damage
 from damage.history.reader import read_history
+from damage.law.modes import natural_modes
 from damage.measure.compare import compare
 from damage.measure.summary import summarise
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Opening, Wall
 from yade_scripts import COMMAND
 

@@ -23,12 +23,12 @@ from matplotlib.lines import Line2D
 
 from damage.draw.panels import add_heading, finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, SKY, VERMILLION, save_figures, styled
+from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.motion.formats import read_record
 from damage.motion.intensity import response_spectrum
 from damage.studies.fragility import curve, exceeding, fragility, load_runs
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import mass_vector, natural_modes, stiffness_matrix
 
 MODELS = {("symmetric", False): ("0.6 MPa in the piers, 0.200 s, undamped (default)", BLACK, "-"),
           ("symmetric_light_slow", False): ("0.12 MPa, 0.200 s", BLUE, "--"),

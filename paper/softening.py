@@ -24,6 +24,7 @@ sys.path.insert(0, str(REPOSITORY))
 
 from damage import read_history
 from damage.laboratory.pushed import read_test
+from damage.law.modes import natural_modes
 from damage.measure.compare import compare_joints
 from damage.measure.patterns import compare_patterns
 from damage.measure.pushed import drift_at_first_crack
@@ -32,7 +33,6 @@ from damage.reference.session import BACKEND
 from damage.run.session import run_session
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import brick_of_masonry, softening_energies
 from yade_scripts import COMMAND
 

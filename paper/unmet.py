@@ -17,11 +17,11 @@ sys.path.insert(0, str(REPOSITORY))
 import numpy as np
 
 import damage
+from damage.law.modes import natural_modes
 from damage.measure.cycles import cycle_measures, drift_cycles
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from paper.criteria import CYCLE_LENGTHS_S, DI_TOLERANCE, LARGEST_DI, PERFORATED_PERIOD_S, PRINTED_TOLERANCE
 
 WALL = REPOSITORY / "walls" / "symmetric.py"

@@ -45,7 +45,7 @@ for path, count in sorted(missing.items(), key=lambda item: -item[1]):
     if count:
         print(f"{count:5d}  {path}")
 total = sum(file["summary"]["num_branches"] for file in measured.values())
-compiled = sum(missing.get(path, 0) for path in ("damage/mechanics/step.py", "damage/wall/joint_law.py"))
+compiled = sum(missing.get(path, 0) for path in ("damage/mechanics/step.py", "damage/law/joint_law.py"))
 print(f"{sum(missing.values()):5d} of {total} branches uncovered, {compiled} of them in compiled functions")
 END
 exit "$status"

@@ -7,8 +7,8 @@ import numpy as np
 
 from damage.history.head import read_head, seal, write_head
 from damage.history.reader import read_history
-from damage.history.schema import AT_LIMIT, BROKEN, ENDED
 from damage.history.writer import HistoryWriter
+from damage.law.states import AT_LIMIT, BROKEN, ENDED
 from damage.motion.loading import FreeVibration, Harmonic, TopDisplacement
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out

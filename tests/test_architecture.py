@@ -14,6 +14,7 @@ ROOMS = [
     ("damage.errors", "damage.units", "damage.files", "damage.checks", "damage.csv_table", "damage.memory",
      "damage.provenance", "damage.start", "damage.toml_file", "damage.version"),
     ("damage.index", "damage.wall", "damage.motion"),
+    ("damage.law",),
     ("damage.history",),
     ("damage.measure", "damage.mechanics", "damage.exposure"),
     ("damage.draw",),

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from damage.export.cells import WallCells
+from damage.law.modes import natural_modes
 from damage.measure.brick_stress import bricks_table, principal_stresses, stress_measures, warn_of_splitting
 from damage.measure.tables import write_run_tables
 from damage.reference.solver import ReferenceSolver
@@ -17,7 +18,6 @@ from damage.units import GRAVITY
 from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.strain import strain_of, stress_by_modes
 

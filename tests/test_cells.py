@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 from test_deformable import displacement, lay, stiffer
 
 import damage
+from damage.law.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
 from damage.run.opening import describe_brick
@@ -16,7 +17,6 @@ from damage.wall.file import load_wall
 from damage.wall.kinds import CUT
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Opening, Wall
 
 BRICK = Brick()

@@ -6,11 +6,11 @@ from numpy.testing import assert_allclose
 from test_deformable import finite_elements
 from test_soil import periods
 
+from damage.law.modes import natural_modes
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.strain import brick_modes
 

@@ -12,16 +12,16 @@ from pytest import approx
 from small_history import make_history
 
 from damage.errors import InputError
-from damage.history.schema import BROKEN, CRUSHED
+from damage.law.joint_law import ContactState, LawParameters, Material, advance, elastic_energy, range_left
+from damage.law.modes import natural_modes
+from damage.law.states import BROKEN, CRUSHED
 from damage.measure.cracks import cracks_at
 from damage.measure.summary import summarise
 from damage.measure.tables import joints_table, summary_row
 from damage.reference.wall import ReferenceWall
-from damage.wall.joint_law import ContactState, LawParameters, Material, advance, elastic_energy, range_left
 from damage.wall.kinds import CAP, CUT
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Wall, crushing_energy
 from damage.wall.split import CUT_POINTS, cut_strengths
 from verification import crushing, softening

@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.errors import InputError
+from damage.law.modes import natural_modes
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
@@ -15,7 +16,6 @@ from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, rayleigh_factor
 from damage.run.watch import unbalanced_force
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Wall
 
 STRONG = Joint(tensile_strength=1e12, cohesion=1e12)

@@ -17,6 +17,14 @@ from small_history import make_history
 
 from damage.draw.run import save_all, stress_picture
 from damage.history.reader import read_history
+from damage.law.modes import (
+    contact_normals,
+    kinematic_matrix,
+    mass_vector,
+    natural_modes,
+    static_displacement,
+    stiffness_matrix,
+)
 from damage.measure.energy import energy_error
 from damage.mechanics.tables import DAMPING, ENDED, FRICTION, INPUT, RIGID
 from damage.motion.loading import Harmonic
@@ -29,14 +37,6 @@ from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import (
-    contact_normals,
-    kinematic_matrix,
-    mass_vector,
-    natural_modes,
-    static_displacement,
-    stiffness_matrix,
-)
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.strain import brick_modes, elasticity_of, modes_of
 

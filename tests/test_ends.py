@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.history.schema import ENDED as ENDED_BIT
+from damage.law.modes import natural_modes
+from damage.law.states import ENDED as ENDED_BIT
 from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, INPUT, ROTATION, X, Z
 from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Wall
 
 LENGTH, HEIGHT = 0.1125, 0.075

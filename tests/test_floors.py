@@ -11,6 +11,7 @@ from test_widths import check_widths
 
 import damage
 from damage.errors import InputError
+from damage.law.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
 from damage.measure.storeys import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
@@ -19,7 +20,6 @@ from damage.wall.floors import SLAB_COURSE, Floor
 from damage.wall.kinds import BED, CAP, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plan import plan_of
 

@@ -18,8 +18,9 @@ import damage
 from damage.errors import InputError
 from damage.history.info import describe as describe_info
 from damage.history.info import info
-from damage.history.schema import AT_LIMIT, BROKEN, SCHEMA_VERSION, SERIES
+from damage.history.schema import SCHEMA_VERSION, SERIES
 from damage.history.writer import HistoryWriter
+from damage.law.states import AT_LIMIT, BROKEN
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g
 from damage.motion.loading import FreeVibration, Harmonic, Recorded, TopDisplacement, loading_from_dict

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from damage.wall.joint_law import (
+from damage.law.joint_law import (
     INTACT,
     SHEAR,
     TENSION,

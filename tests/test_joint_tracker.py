@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.wall.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, material_of
+from damage.law.joint_law import INTACT, SHEAR, TENSION, ContactState, LawParameters, advance, material_of
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions

@@ -12,6 +12,7 @@ from damage.draw.wall import wall_shape
 from damage.history.in_memory import HistoryInMemory
 from damage.html.packing import unpack_arrays
 from damage.html.report import page
+from damage.law.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.run.opening import opening_lines
@@ -21,7 +22,6 @@ from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.lintels import LARGE_SHARE, elastic_share, warn_of_share
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Opening, Wall
 
 DOOR = Wall("door", 1.8, 0.6, (Opening(0.45, 0.9, 0.45),), lintel="courses")

@@ -11,6 +11,7 @@ from test_widths import check_widths
 
 import damage
 from damage.draw.preview import wall_preview
+from damage.law.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
 from damage.run.opening import opening_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY
@@ -21,7 +22,6 @@ from damage.wall.kinds import CUT, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, USUAL, Lintel
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import contact_normals, kinematic_matrix, natural_modes, static_displacement
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plan import plan_of
 from verification.collapse import settled_wall

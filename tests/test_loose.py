@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from damage.law.joint_law import material_of
 from damage.mechanics import step, tables
 from damage.mechanics.eight import ONE
 from damage.mechanics.loose import (
@@ -22,7 +23,6 @@ from damage.mechanics.loose import (
 from damage.mechanics.samples import Samples, Stiffness
 from damage.mechanics.tables import DAMPING, FRICTION, ROTATION, Law, X, Z, table
 from damage.units import GRAVITY
-from damage.wall.joint_law import material_of
 from damage.wall.parameters import Joint
 
 DENSITY, THICKNESS = 1900.0, 0.1025

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
-from damage.history.schema import BROKEN, CRUSHED, ENDED
+from damage.law.modes import natural_modes
+from damage.law.states import BROKEN, CRUSHED, ENDED
 from damage.motion.loading import FreeVibration
 from damage.reference.session import BACKEND
 from damage.run.settings import RunSettings
@@ -19,7 +20,6 @@ from damage.wall.floors import Floor
 from damage.wall.layout import lay_out
 from damage.wall.lintels import Lintel
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 BRICK = Brick(0.2, 0.1, 0.1, 2000.0)

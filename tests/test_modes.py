@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 
 from damage.__main__ import main
 from damage.errors import InputError
+from damage.law.modes import contact_normals, kinematic_matrix, mass_vector, natural_modes, stiffness_matrix
 from damage.wall.kinematics import ContactKinematics
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import contact_normals, kinematic_matrix, mass_vector, natural_modes, stiffness_matrix
 from damage.wall.parameters import Opening, Wall
 
 PERIODS_S = {"solid": 0.0637, "symmetric": 0.2003, "asymmetric": 0.1745}

@@ -17,8 +17,9 @@ from damage.draw.run import has_heap
 from damage.draw.wall import shape_at
 from damage.errors import RunError
 from damage.history.reader import read_history
-from damage.history.schema import ENDED as ENDED_BIT
 from damage.html.run_part import run_part
+from damage.law.modes import natural_modes
+from damage.law.states import ENDED as ENDED_BIT
 from damage.measure.warnings import warnings_of
 from damage.mechanics.loose import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
 from damage.mechanics.tables import ENDED, ENDING, FAILED, FRICTION, INPUT, ROTATION, X, Z
@@ -29,7 +30,6 @@ from damage.run.watch import fastest_fallen
 from damage.wall.geometry import body_corners, body_table, joint_gaps
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Opening, Wall
 from paper.overlaps import corners, depth, overlaps
 

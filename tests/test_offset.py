@@ -14,6 +14,7 @@ from damage import Joint, ModelOptions, Opening, Wall
 from damage.__main__ import main
 from damage.draw.panels import SLIP_LABELS, slip_label, slip_note
 from damage.draw.run import index_picture, wall_picture
+from damage.law.joint_law import ContactState, LawParameters, advance, material_of
 from damage.measure.columns import before_offsets
 from damage.measure.compare import compare, describe
 from damage.measure.cracks import psi_summary, psi_value
@@ -23,7 +24,6 @@ from damage.measure.summary import summarise
 from damage.measure.tables import cycles_table, describe_table, index_table, summary_row
 from damage.reference.solver import ReferenceSolver
 from damage.studies.tables import points_of
-from damage.wall.joint_law import ContactState, LawParameters, advance, material_of
 from damage.wall.kinds import BED
 from damage.wall.layout import lay_out
 

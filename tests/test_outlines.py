@@ -10,9 +10,9 @@ from scipy.linalg import eigh
 import damage
 from damage.errors import InputError
 from damage.laboratory.pushed import describe, pushed_report
+from damage.law.modes import natural_modes
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from verification.collapse import raise_to, settled_wall
 

@@ -11,12 +11,12 @@ from small_history import make_history, small_layout
 
 import damage.__main__ as commands
 from damage.errors import InputError
+from damage.law.modes import natural_modes
 from damage.motion.record import Record, band_passed, scaled
 from damage.run.options import parse_run
 from damage.run.schedule import check_size, choose_time_step
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 ODD = ("0", "-1", "inf", "-inf", "nan", "1e-300", "1e300", "1000000000", "1" + 30 * "0", "9" * 5000, "", "abc",

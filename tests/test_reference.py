@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import damage
+from damage.law.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
 from damage.reference.session import run_reference
@@ -14,7 +15,6 @@ from damage.run.watch import unbalanced_force
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Opening, Wall
 
 SMALL = Wall(name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)], lintel="courses")

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from small_history import small_layout
 
 from damage.errors import InputError
-from damage.history.schema import BROKEN, ENDED
+from damage.law.states import BROKEN, ENDED
 from damage.run import run as run_module
 from damage.run import settings as run_settings
 from damage.run.options import make_parser, parse_run

@@ -12,6 +12,7 @@ from damage.draw.compare import joint_agreement
 from damage.draw.run import energy_picture, hysteresis_picture
 from damage.errors import InputError, RunError
 from damage.history.reader import read_history
+from damage.law.modes import natural_modes
 from damage.measure.compare import compare, describe
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, settlement_measures
@@ -29,7 +30,6 @@ from damage.run.turns import take_turns
 from damage.units import GRAVITY
 from damage.wall.layout import Supports, lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)

@@ -13,16 +13,7 @@ from pytest import approx
 
 from damage import Joint, Wall, read_history
 from damage.errors import InputError
-from damage.measure.summary import summarise
-from damage.motion.loading import Harmonic
-from damage.reference.session import BACKEND
-from damage.run.options import parse_run
-from damage.run.schedule import SOFTENING_STEP_FACTOR, STEP_FACTOR, choose_time_step
-from damage.run.session import Backend, run_session
-from damage.run.settings import SOFTENING_BETA_S, RunSettings
-from damage.wall.fibres import split_into_fibres
-from damage.wall.file import load_wall
-from damage.wall.joint_law import (
+from damage.law.joint_law import (
     GONE,
     INTACT,
     SHEAR,
@@ -36,9 +27,18 @@ from damage.wall.joint_law import (
     strength_left,
     tension_stiffness,
 )
+from damage.law.modes import natural_modes
+from damage.measure.summary import summarise
+from damage.motion.loading import Harmonic
+from damage.reference.session import BACKEND
+from damage.run.options import parse_run
+from damage.run.schedule import SOFTENING_STEP_FACTOR, STEP_FACTOR, choose_time_step
+from damage.run.session import Backend, run_session
+from damage.run.settings import SOFTENING_BETA_S, RunSettings
+from damage.wall.fibres import split_into_fibres
+from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import softening_energies
 from verification.softening import compared
 

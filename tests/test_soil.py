@@ -7,6 +7,7 @@ import pytest
 
 import damage
 from damage.errors import InputError
+from damage.law.modes import natural_modes
 from damage.measure.energy import energy_error_of
 from damage.measure.vibration import natural_period, upward_crossings
 from damage.run.options import parse_run
@@ -14,7 +15,6 @@ from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Opening, Wall
 from damage.wall.soil import radiation_times
 

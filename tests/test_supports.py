@@ -12,6 +12,7 @@ from yade_checks.settling_support import MOTION, pier, settle
 
 from damage.draw.wall import wall_shape
 from damage.history.reader import read_history
+from damage.law.modes import natural_modes
 from damage.mechanics.tables import INPUT
 from damage.motion import loading
 from damage.motion.drive import Drive
@@ -25,7 +26,6 @@ from damage.run.turns import take_turns
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Opening, Wall
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)

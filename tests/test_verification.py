@@ -8,10 +8,10 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
+from damage.law.modes import natural_modes
 from damage.motion.loading import Harmonic
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from verification import rocking, sliding
 from verification.__main__ import all_problems, main
 from verification.loaded import loaded_period

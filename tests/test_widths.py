@@ -18,6 +18,7 @@ from numba import njit
 from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
 
+from damage.law.modes import natural_modes
 from damage.mechanics import samples, step, tables
 from damage.mechanics.compiled import COMPILING, KERNEL
 from damage.mechanics.eight import (
@@ -44,7 +45,6 @@ from damage.reference.lanes import MOST_LANES, run_together
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 WEAK = {"tensile_strength": 3e4, "cohesion": 8e4}
@@ -512,7 +512,7 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
 
     first, compiles = tried()
     assert compiles and tried() == (first, False)
-    for name in ("history/schema.py", "wall/joint_law.py"):
+    for name in ("law/states.py", "law/joint_law.py"):
         with (package / name).open("a", encoding="utf-8") as file:
             file.write("\nANOTHER = 1\n")
         os.utime(package / name, (0, 0))

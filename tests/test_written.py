@@ -24,7 +24,7 @@ DAMAGE = (sys.executable, "-m", "damage")
 ALL_BUT_20_MB = """
 import mmap, os, sys
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
-import damage.wall.modes, damage.wall.file
+import damage.law.modes, damage.wall.file
 from damage.__main__ import main
 from damage.memory import hold_buffers
 hold_buffers()

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from test_ends import HEIGHT, LENGTH, pair, shove
 
 import damage
-from damage.history.schema import ENDED
+from damage.law.states import ENDED
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
 

@@ -8,7 +8,7 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.integrate import trapezoid
 
-from damage.wall.joint_law import ContactState, LawParameters, Material, advance
+from damage.law.joint_law import ContactState, LawParameters, Material, advance
 from damage.wall.kinds import BED
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall

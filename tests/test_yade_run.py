@@ -15,11 +15,11 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.errors import InputError
+from damage.law.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from yade_scripts import COMMAND
 
 pytestmark = pytest.mark.yade

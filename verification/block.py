@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from damage.law.modes import natural_modes
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Brick, Joint, Wall
 
 DRY = Joint(tensile_strength=0.0, cohesion=0.0)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from damage.law.modes import natural_modes
 from damage.reference.wall import ReferenceWall
 from damage.run.schedule import STEP_FACTOR
 from damage.units import GRAVITY
-from damage.wall.modes import natural_modes
 
 AT_REST = 1e-6
 """Largest displacement within `WINDOW_S` of a wall at rest, in heights of a course."""

@@ -23,11 +23,11 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
+from damage.law.modes import natural_modes, stiffness_matrix
 from damage.measure.vibration import natural_period
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes, stiffness_matrix
 from damage.wall.parameters import Brick, Joint, Wall
 from verification.problem import Problem, ask_yade
 

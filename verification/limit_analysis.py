@@ -22,8 +22,8 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_matrix, csr_matrix, hstack, vstack
 
 from damage.errors import InputError
+from damage.law.modes import contact_normals, kinematic_matrix
 from damage.units import GRAVITY
-from damage.wall.modes import contact_normals, kinematic_matrix
 
 _INFEASIBLE, _UNBOUNDED = 2, 3  # of scipy.optimize.linprog
 

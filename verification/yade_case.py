@@ -15,10 +15,10 @@ sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 import numpy as np
 from yade import O, PyRunner, Quaternion, Vector3
 
+from damage.law.modes import natural_modes
 from damage.measure.vibration import natural_period
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 from verification import crushing, elastic, falling, rocking, sliding, splitting
 from verification.block import one_block
 from yade_scripts.crushing import Crushing

@@ -30,6 +30,7 @@ from shared import RESULTS, ROOT
 from speed import Speed, python_seconds, speed
 
 from damage.errors import InputError
+from damage.law.modes import natural_modes
 from damage.mechanics.compiled import is_cached
 from damage.reference.ensembles import LEAST_LANES
 from damage.run.schedule import choose_time_step, sample_steps
@@ -39,7 +40,6 @@ from damage.studies.members import most_members
 from damage.studies.tables import runs_there
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.modes import natural_modes
 
 YADE_NS = 800.0
 """Of one processor, a contact point and step of a whole run in YADE: on three machines the record of `quick` took 580

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from yade import O, Vector3
 
-from damage.wall.joint_law import friction_left, material_of, stays_elastic
+from damage.law.joint_law import friction_left, material_of, stays_elastic
 
 
 class Broken(NamedTuple):

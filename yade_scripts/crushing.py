@@ -7,7 +7,7 @@ move.  Only the friction limit of that step includes it.
 
 import numpy as np
 
-from damage.wall.joint_law import LawParameters, closure_growth, material_of
+from damage.law.joint_law import LawParameters, closure_growth, material_of
 
 _NEAR = 5e-5  # [m], a joint farther than this from its strength is not checked until the next choice (up to 0.3 m/s)
 

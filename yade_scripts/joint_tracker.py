@@ -9,8 +9,8 @@ corners at all of its contact points; it then keeps its state.
 
 import numpy as np
 
-from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
-from damage.wall.joint_law import friction_left, material_of
+from damage.law.joint_law import friction_left, material_of
+from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
 
 _SLIDES = 1e-7  # [m], plastic slip between two samples from which the joint counts as sliding

@@ -21,8 +21,8 @@ import numpy as np
 import yade
 from yade import O, Vector3, utils
 
+from damage.law.joint_law import friction_left, material_of
 from damage.units import GRAVITY
-from damage.wall.joint_law import friction_left, material_of
 from damage.wall.kinds import GROUND, rows
 from yade_scripts.friction_work import FrictionWork
 from yade_scripts.shapes import HAS_POLYHEDRA, brick_shape

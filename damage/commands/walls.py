@@ -23,9 +23,9 @@ def _materials(asked):
                add_accept),
          JSON, out("folder for a picture of the shapes", required=False))
 def _modes(asked):
+    from damage.law.modes import natural_modes
     from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
     from damage.wall.layout import lay_out
-    from damage.wall.modes import natural_modes
 
     layout = lay_out(_plausible_wall(asked), model_of(asked))
     modes = natural_modes(layout)

@@ -17,11 +17,7 @@ from damage.history.apart import apart, bounded
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
 from damage.history.moments import moving
 from damage.history.schema import (
-    AT_LIMIT,
-    BROKEN,
     CODES,
-    CRUSHED,
-    ENDED,
     EVENTS,
     SCHEMA,
     SCHEMA_VERSION,
@@ -34,6 +30,7 @@ from damage.history.shown import as_html, in_a_line
 from damage.history.structure import check_structure
 from damage.history.values import check_parameters, check_values
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
+from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.motion.loading import loading_from_dict
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall

@@ -9,7 +9,6 @@ supports and no joints that end, 5 no stresses, 6 no settlement and no state of 
 STATUS = ("unfinished", "complete", "interrupted", "failed")
 STAGES = ("motion", "rest", "settling", "settlement")
 EVENTS = ("tension", "shear", "opened", "slipped")
-BROKEN, AT_LIMIT, CRUSHED, ENDED = 1, 2, 4, 8  # bits of frames/state
 
 
 class Column(NamedTuple):

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from damage.law.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.mechanics.loose import Touch, make_loose, stiffness_for
 from damage.mechanics.tables import CONTACT, INDEX, INTERFACE, RIGID, ROTATION, Strain, make_tables, system_of, table
-from damage.wall.joint_law import ContactState, LawParameters, elastic_range, range_left
 from damage.wall.kinds import CUT, rows
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
 from damage.wall.soil import radiation_times
@@ -19,7 +19,7 @@ GROUND_M = 20.0
 
 
 def build(layout, material):
-    """The Tables of a damage.wall.layout.Layout with a damage.wall.joint_law.Material.
+    """The Tables of a damage.wall.layout.Layout with a damage.law.joint_law.Material.
 
     Its contacts are the contact points of the layout or, if it has them, their parallel elements.  Its bodies are those
     of the layout, then the supports.

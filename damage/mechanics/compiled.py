@@ -16,9 +16,9 @@ from numba import njit
 from numba.core import event
 from numba.core.registry import CPUDispatcher
 
-from damage.history import schema
+from damage.law import joint_law, states
 from damage.mechanics.cache import kept_in
-from damage.wall import joint_law, kinds, kinematics
+from damage.wall import kinds, kinematics
 
 COMPILING = "compiling the solver (once for each version on each machine, about half a minute of processor time) ..."
 PACKAGES = []
@@ -104,7 +104,7 @@ event.register("numba:compile", _Announcement())
 KERNEL = Package(Path(__file__).parent, (
     "compiled", "eight", "by_name", "tables", "bodies", "interfaces", "rows", "contacts", "loose", "samples", "strain",
     "step"),
-    [Path(module.__file__) for module in (joint_law, kinds, kinematics, schema)])
+    [Path(module.__file__) for module in (joint_law, kinds, kinematics, states)])
 compiled, inlined, entry = KERNEL.compiled, KERNEL.inlined, KERNEL.entry
 
 

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.law import joint_law
+from damage.law.joint_law import INTACT, ContactState, ElasticRange, LawParameters
 from damage.mechanics.by_name import reader, writer
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, bits, either, load, store, store_where, zero
@@ -24,8 +26,6 @@ from damage.mechanics.tables import (
     SLIPPED,
     STATES,
 )
-from damage.wall import joint_law
-from damage.wall.joint_law import INTACT, ContactState, ElasticRange, LawParameters
 
 NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(STATES.index, (
     "normal_stress", "shear_stress", "broken", "at_limit", "slip", "kappa", "closure", "shear0", "idle", "passed"))

@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.law import joint_law
 from damage.mechanics.bodies import SMALL, small_rotation
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import either
-from damage.wall import joint_law
 
 
 class Line(NamedTuple):

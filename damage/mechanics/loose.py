@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.law.joint_law import TENSION
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import add, load, store
@@ -43,7 +44,6 @@ from damage.mechanics.tables import (
     X,
     Z,
 )
-from damage.wall.joint_law import TENSION
 from damage.wall.kinematics import CORNER_RADIUS
 
 CORNERS = 4

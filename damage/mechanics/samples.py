@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.history.schema import AT_LIMIT, BROKEN, CRUSHED, ENDED
+from damage.law.joint_law import elastic_energy
+from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.eight import either, lane, lanes, load, wall_of, zero
@@ -33,7 +34,6 @@ from damage.mechanics.tables import (
     VELOCITY,
     X,
 )
-from damage.wall.joint_law import elastic_energy
 
 KINETIC, ELASTIC, TOTALS = 0, 5, 6
 """Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of deformable bricks and of

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from damage.law.joint_law import ContactState, ElasticRange, Material
 from damage.mechanics.eight import WIDTH
-from damage.wall.joint_law import ContactState, ElasticRange, Material
 
 X, Z, ROTATION = range(3)
 """Coordinates of a rigid body, columns of the tables of bodies: displacement since the wall was built along x and z

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from damage.law.joint_law import SHEAR, TENSION
 from damage.mechanics.loose import LARGEST
 from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import OPENED, RIGID, SLIPPED, X, Z
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
-from damage.wall.joint_law import SHEAR, TENSION
 
 EVENT_KINDS = {TENSION: "tension", SHEAR: "shear", OPENED: "opened", SLIPPED: "slipped"}
 

@@ -10,6 +10,8 @@ import numpy as np
 
 from damage.errors import RunError
 from damage.index import THRESHOLD
+from damage.law.joint_law import material_of
+from damage.law.modes import static_displacement
 from damage.mechanics import tables
 from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, strain_tables, sum_springs
 from damage.mechanics.loose import FULL, INSIDE
@@ -17,8 +19,6 @@ from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Sti
 from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
-from damage.wall.joint_law import material_of
-from damage.wall.modes import static_displacement
 
 
 class ReferenceWall:
@@ -187,7 +187,7 @@ class ReferenceWall:
 
     @property
     def material(self):
-        """damage.wall.joint_law.Material of all contact points."""
+        """damage.law.joint_law.Material of all contact points."""
         return material_of(self.layout.wall.joint)
 
     @property

@@ -14,6 +14,7 @@ from pathlib import Path
 from damage.errors import InputError, RunError, WriteError, warn
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
+from damage.law.modes import Modes, natural_modes
 from damage.measure.evidence import evidence_for, facts, outside
 from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
@@ -39,7 +40,6 @@ from damage.run.settings import RunSettings, Softening
 from damage.run.turns import take_turns
 from damage.start import is_of_output
 from damage.wall.layout import Layout, lay_out
-from damage.wall.modes import Modes, natural_modes
 from damage.wall.soil import fastest_decay
 
 EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130

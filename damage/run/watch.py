@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from damage.history.schema import ENDED
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
+from damage.law.states import ENDED
 from damage.units import GRAVITY
 
 

@@ -78,7 +78,7 @@ RULE = "rule"
 
 @dataclass(frozen=True)
 class Joint:
-    """A zero-thickness mortar joint, Table 1; its law is `damage.wall.joint_law`.
+    """A zero-thickness mortar joint, Table 1; its law is `damage.law.joint_law`.
 
     normal_stiffness, shear_stiffness [Pa/m]; tensile_strength, cohesion [Pa];
     friction_angle [rad], the same before and after the bond breaks; dilation is zero.

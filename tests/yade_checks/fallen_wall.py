@@ -14,12 +14,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))
 
+from damage.law.modes import natural_modes
 from damage.run.solver import NO_MOTION
 from damage.run.watch import have_fallen, lowest_places
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Opening, Wall
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.solver import FOLLOW_STEPS, YadeSolver

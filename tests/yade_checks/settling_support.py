@@ -10,13 +10,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))
 
+from damage.law.modes import natural_modes
 from damage.run.schedule import sample_steps
 from damage.run.settings import RAMP_S
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.modes import natural_modes
 from damage.wall.parameters import Joint, Wall
 
 SETTLES_S, RESTS_S = 0.1, 0.4
