@@ -67,7 +67,6 @@ from damage.mechanics.tables import (
     FAILED,
     FRICTION,
     HAS_FAILED,
-    INDEX,
     INPUT,
     INVERSE_MASS,
     KINETIC,
@@ -81,6 +80,7 @@ from damage.mechanics.tables import (
     RATE,
     RIGID,
     ROTATION,
+    ROW,
     SIN,
     STEP,
     SWEPT_X,
@@ -226,21 +226,30 @@ def move_all(n, tables, strain, controls, damped):
 @inlined
 def move_bodies(n, tables, strain, controls, damped):
     """Advance all bodies; damped: whether the bench has damping; n: a width, ROWS where bodies have no strain modes."""
-    alike, bench, sums, dt = True, tables.bench, tables.sums, load_bench(n, tables.bench, STEP)
+    alike, bench, bench_of, sums, inertia = True, tables.bench, table_width(n), tables.sums, tables.inertia
+    dt = load(bench_of, bench, 0, STEP)
     for w in range(len(controls)):
         alike &= controls[w, 0] == controls[0, 0]
-    b = 0
-    while b < len(tables.turning):
+    for b in range(0, len(tables.turning), rows_of(n)):
         lost = zero(n)
         x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
-        swept_x, driven_x, taken_x, new_x = move_coordinate(
-            n, tables.inertia, bench, dt, load_bench(n, bench, BASE_X), fx, b, X, damped)
-        swept_z, driven_z, taken_z, new_z = move_coordinate(
-            n, tables.inertia, bench, dt, load_bench(n, bench, PULL_Z), fz, b, Z, damped)
-        _, driven, taken, turning = move_coordinate(n, tables.inertia, bench, dt, zero(n), moment, b, ROTATION, damped)
-        angle = rotation + turning
+        vx, vz, turning = (load(n, inertia, b, VELOCITY + 3 * X), load(n, inertia, b, VELOCITY + 3 * Z),
+                           load(n, inertia, b, VELOCITY + 3 * ROTATION))
+        swept_x, driven_x, taken_x, vx = move_coordinate(
+            bench_of, bench, dt, load(bench_of, bench, 0, BASE_X), fx, vx, load(n, inertia, b, MASS + 3 * X),
+            load(n, inertia, b, INVERSE_MASS + 3 * X), damped)
+        swept_z, driven_z, taken_z, vz = move_coordinate(
+            bench_of, bench, dt, load(bench_of, bench, 0, PULL_Z), fz, vz, load(n, inertia, b, MASS + 3 * Z),
+            load(n, inertia, b, INVERSE_MASS + 3 * Z), damped)
+        _, driven, taken, turning = move_coordinate(
+            bench_of, bench, dt, zero(bench_of), moment, turning, load(n, inertia, b, MASS + 3 * ROTATION),
+            load(n, inertia, b, INVERSE_MASS + 3 * ROTATION), damped)
+        store(n, inertia, b, VELOCITY + 3 * X, vx)
+        store(n, inertia, b, VELOCITY + 3 * Z, vz)
+        store(n, inertia, b, VELOCITY + 3 * ROTATION, turning)
+        angle = rotation + dt * turning
         cos1, sin = bodies.small_rotation(angle)
-        keep_coordinates(n, tables.bodies, tables.every, b, cos1, sin, x + new_x, z + new_z, angle)
+        keep_coordinates(n, tables.bodies, tables.every, b, cos1, sin, x + dt * vx, z + dt * vz, angle)
         far = bits(abs(angle) >= bodies.SMALL)
         if far:
             turn_far(n, tables.bodies, b, far, angle)
@@ -255,13 +264,6 @@ def move_bodies(n, tables, strain, controls, damped):
             else:
                 lost = move_modes(n, tables.bodies, tables.inertia, bench, strain, dt, b, lost, damped)
         add_part(n, sums, TAKEN, b, lost)
-        b += rows_of(n)
-
-
-@inlined
-def load_bench(n, bench, field):
-    """Parameter of the step, the same for all rows."""
-    return load(table_width(n), bench, 0, field)
 
 
 @inlined
@@ -294,22 +296,20 @@ def keep_coordinates(n, places, every, b, cos1, sin, x, z, rotation):
 
 
 @inlined
-def move_coordinate(n, inertia, bench, dt, backwards, force, b, k, damped):
-    """Advance the velocity of coordinate k of body b by a step.
+def move_coordinate(n, bench, dt, backwards, force, old, mass, free, damped):
+    """Advance the velocity of a coordinate by a step.
 
-    backwards: acceleration of the field [m/s2].  Returns the sum of its momenta before and after [kg m/s], the powers
-    of its prescribed velocity and of its damping [W], and by how much the coordinate changes.
+    n: width of the bench; backwards: acceleration of the field [m/s2]; old: velocity; free: inverse mass.  Returns the
+    sum of its momenta before and after [kg m/s], the powers of its prescribed velocity and of its damping [W], and its
+    velocity.
     """
-    old, mass, free, taken = (load(n, inertia, b, VELOCITY + 3 * k), load(n, inertia, b, MASS + 3 * k),
-                              load(n, inertia, b, INVERSE_MASS + 3 * k), zero(n))
-    rate = bodies.acceleration(force, free, backwards)
+    rate, taken = bodies.acceleration(force, free, backwards), 0.0 * old
     if damped:
-        resistance = bodies.damping(old, rate, free, load_bench(n, bench, ALPHA), load_bench(n, bench, LOCAL))
+        resistance = bodies.damping(old, rate, free, load(n, bench, 0, ALPHA), load(n, bench, 0, LOCAL))
         rate = rate - resistance
         taken = mass * resistance * (old + 0.5 * dt * rate)
     new = old + dt * rate
-    store(n, inertia, b, VELOCITY + 3 * k, new)
-    return bodies.work_of_field(mass, free, old, new), bodies.power_of_drive(force, free, new), taken, dt * new
+    return bodies.work_of_field(mass, free, old, new), bodies.power_of_drive(force, free, new), taken, new
 
 
 @compiled
@@ -408,12 +408,12 @@ def forces_of_intact(n, tables, loose, ending, damped):
 
     n: Eight, an interface of eight walls, or Rows, eight interfaces of one wall.
     """
-    everyone, any_other, p, bodies = (1 << lanes(n)) - 1, 0, 0, tables.bodies
-    while p < len(tables.others):
+    everyone, any_other, places = (1 << lanes(n)) - 1, 0, tables.bodies
+    for p in range(0, len(tables.others), rows_of(n)):
         shared, block = in_blocks(n, p), p // PARTS
         springs, first, second = springs_in(shared, tables.lines, block), tables.first, tables.second
-        frame, motion = interfaces.relative_motion(line_in(shared, tables.lines, block), pose_at(n, bodies, first, p),
-                                                   pose_at(n, bodies, second, p))
+        frame, motion = interfaces.relative_motion(line_in(shared, tables.lines, block), pose_at(n, places, first, p),
+                                                   pose_at(n, places, second, p))
         intact = interfaces.stays_intact(springs, load(n, tables.limits, p, LARGEST_OPENING),
                                          load(n, tables.limits, p, LARGEST_SLIDE), motion)
         if ending:
@@ -431,8 +431,7 @@ def forces_of_intact(n, tables, loose, ending, damped):
         if damped:
             changed = interfaces.change(resultant, last_resultant(n, tables.last, p))
             resultant = damp(n, tables, p, motion, resultant, changed, intact)
-        push_at(n, bodies, first, second, p, interfaces.forces_on_bodies(frame, resultant, motion), intact)
-        p += rows_of(n)
+        push_at(n, places, first, second, p, interfaces.forces_on_bodies(frame, resultant, motion), intact)
     return any_other
 
 
@@ -469,7 +468,7 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
         here &= ~gone
     if here:
         lives, resultant = flags_of(n, here), Resultant(zero(n), zero(n), zero(n))
-        start, size = interface.start, points_at_once(strain, interface)
+        start, size = ROW(interface.start), points_at_once(strain, interface)
         while start < interface.stop:
             at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
             of_points = forces_of_points(n, tables, law, strain, p, start, start + size, clock, step, at_points, here,
@@ -486,7 +485,7 @@ def forces_by_contacts(n, tables, law, strain, loose, p, clock, step, here, endi
 @inlined
 def read(n, tables, strain, interface, motion, which):
     """Write the readings of all contact points of an interface in the walls `which` (flags)."""
-    start, size = interface.start, points_at_once(strain, interface)
+    start, size = ROW(interface.start), points_at_once(strain, interface)
     while start < interface.stop:
         at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
         contacts.read(n, tables, start, start + size, at_points, which)
@@ -537,7 +536,7 @@ def let_go(n, tables, strain, loose, p, gone, motion):
 @inlined
 def let_go_of(n, tables, strain, interface, motion):
     """`damage.mechanics.contacts.let_go` of all contact points of an interface of one wall."""
-    start, size = interface.start, points_at_once(strain, interface)
+    start, size = ROW(interface.start), points_at_once(strain, interface)
     while start < interface.stop:
         at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
         contacts.let_go(n, tables, start, start + size, at_points)
@@ -548,7 +547,7 @@ def let_go_of(n, tables, strain, interface, motion):
 @inlined
 def last_row(strain, p, start):
     """Row of `last` of interface p, or of its contact where bricks deform."""
-    return INDEX(p) if strain is None else start
+    return p if strain is None else np.int64(start)
 
 
 @inlined
@@ -640,10 +639,12 @@ def damp(n, tables, row, motion, resultant, changed, which):
     """
     before = last_motion(n, tables.last, row)
     keep_last(n, tables.last, row, motion, resultant, which)
-    viscous, work = interfaces.add_viscous(load_bench(n, tables.bench, RATE), motion, before, resultant, changed)
+    bench_of = table_width(n)
+    viscous, work = interfaces.add_viscous(load(bench_of, tables.bench, 0, RATE), motion, before, resultant, changed)
     if len(tables.radiation) > 0:
         viscous, of_dashpots, more = interfaces.add_dashpots(
-            dashpots_of(n, tables.radiation, row), load_bench(n, tables.bench, STEP), motion, before, viscous, changed)
+            dashpots_of(n, tables.radiation, row), load(bench_of, tables.bench, 0, STEP), motion, before, viscous,
+            changed)
         keep_dashpots(n, tables.radiation, row, of_dashpots, which)
         work = work + more
     add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))
@@ -659,7 +660,7 @@ def remember_last(n, tables, strain, which):
         interface = tables.interfaces[p]
         _, motion = interfaces.relative_motion(line_of(interface), pose(n, tables.bodies, interface.a),
                                                pose(n, tables.bodies, interface.b))
-        start, size = interface.start, points_at_once(strain, interface)
+        start, size = ROW(interface.start), points_at_once(strain, interface)
         while start < interface.stop:
             here = motion_at(n, tables.bodies, strain, interface, start, motion)
             keep_last(n, tables.last, last_row(strain, p, start), here, contacts.present_resultant(

@@ -10,15 +10,15 @@ from damage.mechanics.compiled import inlined
 from damage.mechanics.eight import add, either, load, store, zero
 from damage.mechanics.interfaces import RelativeMotion
 from damage.mechanics.rows import first_force
-from damage.mechanics.tables import ALPHA, INDEX, INVERSE_MASS, LOCAL, MASS, PLACE, RIGID, VELOCITY
+from damage.mechanics.tables import ALPHA, INVERSE_MASS, LOCAL, MASS, PLACE, RIGID, ROW, VELOCITY
 
 
 @inlined
 def points_at_once(strain, interface):
     """Number of contact points that share a RelativeMotion: all of an interface between rigid bricks, else one."""
     if strain is None:
-        return interface.stop - interface.start
-    return INDEX(1)
+        return ROW(interface.stop - interface.start)
+    return ROW(1)
 
 
 @inlined

@@ -29,7 +29,7 @@ OPENED, SLIPPED = 3, 4
 """Kinds of events besides TENSION and SHEAR of the joint law: opening or slip first exceeds the threshold of damage."""
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)
 """Entries of `energy` [J]."""
-REAL, INDEX = np.float64, np.uint32
+REAL, INDEX, ROW = np.float64, np.uint32, np.uint64
 PARTS = 8
 """Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so on."""
 SWEPT_X, SWEPT_Z, DRIVEN, TAKEN, KINETIC, DAMPED, SUMS = range(7)
