@@ -109,12 +109,6 @@ def archive(tables, **raw):
     return np.frombuffer(content.getvalue(), "u1")
 
 
-def wrong_index(tables):
-    interfaces = tables["interfaces"].copy()
-    interfaces["b"][3] = 10**6
-    return archive(tables | {"interfaces": interfaces})
-
-
 STATES = {  # bytes of the state, of its tables; what is said
     "packed-zeros": (lambda tables: np.zeros(30_000_000, "u1"), "says it has 30000000 bytes, expected up to"),
     "a-bomb-in-the-archive": (lambda tables: archive(tables | {"velocity": np.zeros(5_000_000)}),
@@ -129,7 +123,6 @@ STATES = {  # bytes of the state, of its tables; what is said
     "without-a-table": (lambda tables: archive(tables, energy=None), "tables energy are in it or in the wall's state"),
     "no-archive": (lambda tables: np.arange(200, dtype="u1"), "not a zip file"),
     "pickled": (lambda tables: archive(tables | {"velocity": np.array([{}], object)}), "table velocity is"),
-    "rows-that-are-not-there": (wrong_index, "table interfaces: b is not that of the wall"),
 }
 
 

@@ -470,9 +470,9 @@ def test_rigid_bricks_have_no_stresses(tmp_path):
 
 def test_options_of_deformable_bricks_alone():
     assert "beside --bricks deformable" in one_line_error(ModelOptions, brick_order=3)
-    assert "brick_mass" in one_line_error(ModelOptions, bricks="deformable", brick_mass=float("nan"))
-    assert "brick_damping" in one_line_error(ModelOptions, bricks="deformable", brick_damping=1.5)
-    assert "brick_order" in one_line_error(ModelOptions, bricks="deformable", brick_order=4)
+    assert "--brick-mass" in one_line_error(ModelOptions, bricks="deformable", brick_mass=float("nan"))
+    assert "--brick-damping" in one_line_error(ModelOptions, bricks="deformable", brick_damping=1.5)
+    assert "--brick-order" in one_line_error(ModelOptions, bricks="deformable", brick_order=4)
     assert "even number" in one_line_error(ModelOptions, contacts="gauss", cells=3)
     assert parse_run(["--bricks", "deformable", "--brick-order", "3"], "test", "reference").model.brick_order == 3
 
