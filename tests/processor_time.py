@@ -16,8 +16,8 @@ SUBJECTS = {
     "pictures and documents": "animation dictionary document_tables documents examples guides html html_browser "
                               "model_pictures paraview pictures report site_browser",
     "model and solver": "after_peak any_wall as_built before brick_stress cells columns convergence crack_file cracks "
-                        "crushing curves damping deformable ends evidence exposure fields floors fragility history hysteresis "
-                        "index intensity joint_law joint_tracker layout life limit_analysis lintel lintels loading "
+                        "crushing curves damping deformable ends evidence exposure fields floors fragility history "
+                        "hysteresis index intensity joint_law joint_tracker layout life limit_analysis lintel lintels loading "
                         "loose lourenco measures members mirror_and_momentum model_options modes new_contacts offset "
                         "outlines patterns plausible random_runs ranges record_sequence records reference register run "
                         "run_constants run_warnings sampling sequence settlement softening soil supports synthetic "
