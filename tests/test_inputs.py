@@ -1,4 +1,4 @@
-"""Inputs of a study's points: whatever changes one of them is noticed before the study goes on."""
+"""Inputs of a study's points: whatever changes one of them is noticed before a study continues."""
 
 import json
 import shutil

@@ -97,7 +97,7 @@ def interpolated(record: Record, window_s: tuple[float, float] | None = None) ->
     """The record, or the window that `windowed` cuts, with FINER times as many samples, band-limited: what a record
     whose samples hold all of the motion says of the time between them.
 
-    A windowed sinc; beyond its first and last sample the record goes on as its reflection in that point, so that
+    A windowed sinc; beyond its first and last sample the record continues as its reflection in that point, so that
     neither its ends nor a baseline ring.
     """
     first, last = _ends(record, *window_s) if window_s else (0, record.acceleration_m_s2.size - 1)
