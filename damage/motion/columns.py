@@ -39,7 +39,7 @@ _IN_G = re.compile(
 _BRACKETED_G = re.compile(r"[\[(] *(m?g) *[\])]")
 _OF_COLUMNS = re.compile(r"acc|unit|[\[(] *s(?:ec(?:onds?)?)? *[\])]")
 """Units of an acceleration in words: those that are nothing else, g where it is named as a unit, g in brackets beside
-what tells of columns or units."""
+what names columns or units."""
 
 
 @dataclass(frozen=True)
