@@ -13,6 +13,7 @@ from damage.index import THRESHOLD
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
 from damage.wall.kinematics import CORNER_RADIUS, ContactKinematics
+from yade_scripts import checkpoint
 from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker
 from yade_scripts.model import build
@@ -293,6 +294,19 @@ class YadeSolver(Solver):
 
     def base_reaction(self):
         return self.scene.base_reaction()
+
+    def saved_state(self):
+        """None: YADE's state is in checkpoints, not in the history."""
+
+    def resume(self, state):
+        checkpoint.restore(self, state)
+        self.clock, self._input_time = 0, 0.0
+
+    def checkpoint(self):
+        return checkpoint.tables_of(self)
+
+    def restore(self, tables):
+        checkpoint.restore(self, tables)
 
     def drain_events(self):
         events, self._events = self._events, []

@@ -310,7 +310,7 @@ def read_history(path):
 def _open(path, believe=lambda n_bytes: None):
     """Read a file with an intact seal here, any other in a separate process."""
     try:
-        with h5py.File(path, "r", libver="latest", swmr=_is_growing(path)) as file:
+        with opened(path) as file:
             _check_schema(file, path)
             believe(check_structure(file))
             history = _read(file, path)
@@ -341,6 +341,11 @@ def _check_head(history):
 def _unreadable(path, error):
     said = (str(error).strip() or type(error).__name__).splitlines()[0]
     return InputError(f"{path} cannot be read as a history ({said}); expected an HDF5 file that a run wrote")
+
+
+def opened(path):
+    """The HDF5 file of a history, open for reading."""
+    return h5py.File(path, "r", libver="latest", swmr=_is_growing(path))
 
 
 def _is_growing(path):

@@ -41,15 +41,15 @@ class HistoryWriter(Buffer):
     layout: damage.wall.layout.Layout; parameters: dictionary fit for JSON of everything that defines the run, with its
     `command` where it is not that of this process.
     solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model", the digest of the
-    model's code, where they are known.
+    model's code, where they are known; attributes: those of a run that goes on, in place of `run_attributes`.
     Raises WriteError where the disk is full or refuses data: the file stays unfinished, as of the last flush.  HDF5
     cannot close in order then: end the process by os._exit.
     """
 
-    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
+    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False, attributes=None):
         super().__init__(layout)
         self.path = Path(path)
-        self.attributes = run_attributes(layout, solver, parameters, versions)
+        self.attributes = attributes or run_attributes(layout, solver, parameters, versions)
         with self._writing():
             self._file = _create_file(self.path, overwrite)
             write_head(self.path, Head(**head_of(solver, versions)))
@@ -61,7 +61,7 @@ class HistoryWriter(Buffer):
                                                     dtype=schema.STATE_COLUMN.dtype)
             self._state.attrs["unit"] = schema.STATE_COLUMN.unit
             self._file.swmr_mode = True  # HDF5 takes its own lock off the file
-            self._lock = _lock(self.path, fcntl.LOCK_SH)
+            self._lock = lock(self.path, fcntl.LOCK_SH)
         self.flush()
 
     @property
@@ -79,6 +79,20 @@ class HistoryWriter(Buffer):
         with self._writing():
             for name, value in values.items():
                 self._file["static"][name][()] = value
+        self.flush()
+
+    def rows(self):
+        """Numbers of rows in the file, of each group of GROWING in turn."""
+        return [len(self._growing[group][0]) if self._growing[group] else 0 for group in schema.GROWING]
+
+    def copy_rows(self, file, counts):
+        """Copy what another open file holds of the same run: the static stage, and so many rows of each group."""
+        with self._writing():
+            for name in schema.STATIC:
+                self._file["static"][name][()] = file["static"][name][()]
+            for group, count in zip(schema.GROWING, counts):
+                for dataset in self._growing[group]:
+                    _copy(dataset, file[dataset.name], count)
         self.flush()
 
     def keep_state(self, state):
@@ -154,13 +168,13 @@ def _check_taken(path, overwrite):
         raise InputError(f"{path} exists already: it is kept; give --overwrite or another --out")
     if not (path.is_file() and (path.stat().st_size == 0 or h5py.is_hdf5(path))):
         raise InputError(f"{path} is no history, and --overwrite replaces none but those: give another --out")
-    _lock(path, fcntl.LOCK_EX).close()
+    lock(path, fcntl.LOCK_EX).close()
 
 
 def _create_file(path, overwrite):
     check_output(path, overwrite)
     if path.exists():
-        with _lock(path, fcntl.LOCK_EX):
+        with lock(path, fcntl.LOCK_EX):
             path.unlink()
     try:
         return h5py.File(path, "x", libver="v110", userblock_size=HEAD_BYTES)  # which Debian 12's HDF5 reads, too
@@ -168,7 +182,7 @@ def _create_file(path, overwrite):
         raise InputError(f"{path} exists now: another run began it at this moment; give another --out") from None
 
 
-def _lock(path, kind):
+def lock(path, kind):
     """The file of a history, open and locked until it is closed: LOCK_SH by the run that writes it, LOCK_EX by one that
     would replace it.  Raises InputError where another has it; a file system without locks has none."""
     file = open(path, "rb")  # noqa: SIM115, open as long as the lock is held
@@ -251,6 +265,12 @@ def _create_growing(file, layout):
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
     return made
+
+
+def _copy(dataset, rows, count):
+    """Append the first rows of another dataset, chunk by chunk."""
+    for first in range(0, count, dataset.chunks[0]):
+        _extend(dataset, rows[first:min(count, first + dataset.chunks[0])])
 
 
 def _extend(dataset, rows):

@@ -2,6 +2,7 @@
 
 import argparse
 import hashlib
+import math
 import os
 import re
 import sys
@@ -114,9 +115,11 @@ def parse_run(arguments, prog, solver):
         cracked=_surveyed(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
+        checkpoint_s=math.inf if parsed.checkpoint is None else 60 * parsed.checkpoint,
+        resumed=parsed.resume and str(parsed.resume),
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), new_contacts=getattr(parsed, "new_contacts", False),
         after_fall=getattr(parsed, "after_fall", False), accept_implausible=parsed.accept_implausible,
-        step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
+        step=getattr(parsed, "step", STEPS[0]), out=parsed.out or parsed.resume, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
         command=f"{prog} {shown_command(arguments)}".strip(), model=_model(parsed))
 
@@ -199,7 +202,7 @@ def _add_settlement(group):
 
 def _add_before(group):
     group.add_argument("--continue", type=file_path, metavar="FILE.h5", help="start from the end of this run of the "
-                       "same wall, as if it had continued; YADE repeats that run first")
+                       "same wall, as if it had continued; in YADE one with --checkpoint")
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
                        "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
     group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a "
@@ -300,6 +303,12 @@ def _add_run(group, solver):
     group.add_argument("--out", type=file_path, metavar="FILE.h5", help="history file "
                        "(default: a free name below results/)")
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
+    group.add_argument("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in "
+                       "FILE.checkpoint after so many minutes of computing each, and in YADE at the end (default: at "
+                       "an interruption)")
+    group.add_argument("--resume", type=file_path, metavar="FILE.h5", help="go on with this run, which was interrupted "
+                       "or killed, from its last checkpoint; the other options as they were. A checkpoint of YADE can "
+                       "execute code: go on with runs of your own only")
     group.add_argument("--rest", type=float, default=2.0, metavar="S",
                        help="free vibration after the motion (default 2)")
     group.add_argument("--dt", type=float, metavar="S", help="time step (default: from the wall)")

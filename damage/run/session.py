@@ -23,10 +23,10 @@ from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
+from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed
 from damage.run.opening import opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.progress import Progress
-from damage.run.repeat import Unwritten, earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import (
@@ -54,7 +54,8 @@ class Backend:
     do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softening: what it gives joints with fracture energies; None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
-    keeps_state: whether a run can start from the end of another one, which is repeated otherwise;
+    keeps_state: whether the history has the state at its end, from which another run continues; it is in a checkpoint
+    otherwise;
     run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
     it runs one wall only.
     """
@@ -142,6 +143,8 @@ def _run_to_its_pictures(prepared, show):
     settings, out = prepared.settings, prepared.writer.path
     with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
         (status,) = take_turns([simulate(prepared, keep_going)])
+    if status == EXIT_INTERRUPTED and checkpoint_path(out).exists():
+        print(f"to go on with it, give the same command with --resume {out} in place of --out")
     try:
         report(read_history(out), pictures=settings.pictures and status == EXIT_OK)
     except MemoryError:
@@ -153,7 +156,8 @@ def _run_to_its_pictures(prepared, show):
 @dataclass(frozen=True)
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first."""
+    state: of the run that it continues, None without one; resumed: tables of the checkpoint from which it goes on, None
+    of a run that begins; checkpoints: what writes them, None where there is no file."""
 
     backend: Backend
     settings: RunSettings
@@ -162,7 +166,8 @@ class Prepared:
     time_step: float
     writer: HistoryWriter
     state: dict | None = None
-    earlier: tuple[RunSettings, ...] = ()
+    resumed: dict | None = None
+    checkpoints: Checkpoints | None = None
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
@@ -178,9 +183,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
-    check_output(out, settings.overwrite)
-    if settings.pictures:
-        check_pictures(out, settings.overwrite)
+    _check_out(out, settings)
     layout = lay_out(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
     if settings.cracked:
         layout = with_cracks(layout, settings.cracked)
@@ -192,16 +195,9 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
-    warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
-    if settings.recorded:
-        warn(*faint_warnings(settings.peak_g), code="faint_motion")
-    if isinstance(settings.loading, Recorded) and not settings.events:
-        warn(*end_warnings(settings.loading.applied()), code="end_velocity")
-    if wall.joint.softens:
-        warn(*softening_warnings(settings, time_step, modes.critical_time_step_s, backend.softening),
-             code="softening_step")
+    _warn_of(backend, settings, wall, time_step, modes.critical_time_step_s)
     made_by = versions(backend.code) | backend.versions
-    state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
+    state = _past(backend, settings, layout, made_by["model"], time_step)
     print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
           *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
@@ -209,22 +205,61 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
-    writer = write(out, layout, solver=backend.name, parameters=parameters,
-                   versions=made_by, overwrite=settings.overwrite)
+    writer, tables = None, None
+    if settings.resumed:
+        writer, tables = resumed(out, layout, parameters, made_by["model"], _like(backend, settings, layout, time_step))
+    writer = writer or write(out, layout, solver=backend.name, parameters=parameters, versions=made_by,
+                             overwrite=settings.overwrite)
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, tables,
+                    _checkpoints(backend, settings, writer))
+
+
+def _check_out(out, settings):
+    """Raise InputError where a run that begins would replace what is there."""
+    if settings.resumed:
+        return
+    check_output(out, settings.overwrite)
+    if settings.pictures:
+        check_pictures(out, settings.overwrite)
+
+
+def _checkpoints(backend, settings, writer):
+    """The Checkpoints of a run with a file of its own, None of any other."""
+    if not isinstance(writer, HistoryWriter):
+        return None
+    checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
+    if not settings.resumed:
+        checkpoints.remove()  # of the run that this one replaces
+    return checkpoints
+
+
+def _warn_of(backend, settings, wall, time_step, critical_s):
+    """Warn of choices that do not suit this wall; time_step, critical_s [s]."""
+    warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
+    if settings.recorded:
+        warn(*faint_warnings(settings.peak_g), code="faint_motion")
+    if isinstance(settings.loading, Recorded) and not settings.events:
+        warn(*end_warnings(settings.loading.applied()), code="end_velocity")
+    if wall.joint.softens:
+        warn(*softening_warnings(settings, time_step, critical_s, backend.softening),
+             code="softening_step")
 
 
 def _past(backend, settings, layout, model, time_step):
-    """`state` and `earlier` of a Prepared run; model: digest of the model's code; time_step [s]."""
+    """`state` of a Prepared run; model: digest of the model's code; time_step [s]."""
     if not settings.continued:
-        return None, ()
+        return None
     if backend.keeps_state:
-        return read_state(settings.continued, layout, model, backend.make(layout, time_step, settings)), ()
-    earlier = earlier_runs(settings, layout, backend, model, time_step)
-    print(f"the {backend.name} solver keeps no state: it repeats {', '.join(one.command for one in earlier)}",
-          flush=True)
-    return None, earlier
+        return read_state(settings.continued, layout, model, backend.make(layout, time_step, settings))
+    return read_end(settings.continued, layout, model, backend.name, time_step)
+
+
+def _like(backend, settings, layout, time_step):
+    """What the tables of a checkpoint look like, {name: array}; None of a solver whose checkpoints hold a scene."""
+    if not backend.keeps_state:
+        return None
+    return Run(layout, settings, backend.make(layout, time_step, settings), None, None).tables()
 
 
 @contextmanager
@@ -252,7 +287,12 @@ def simulate(prepared, keep_going, settled=None):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
-        run, finished = yield from _all_runs(prepared, solver, keep_going, settled)
+        run = Run(layout, prepared.settings, solver, writer, keep_going, settled, prepared.state,
+                  checkpoints=prepared.checkpoints, resumed=prepared.resumed)
+        finished = yield from run.settle_under_gravity()
+        if finished:
+            run.start(prepared.modes.shape[0])
+            finished = yield from run.run_all()
         if run.fall:
             print(run.fall, flush=True)
         collapsed = run.collapsed_at_s
@@ -263,30 +303,11 @@ def simulate(prepared, keep_going, settled=None):
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
+        if finished and prepared.checkpoints and not run.has_kept_its_end:
+            prepared.checkpoints.remove()
     finally:
         writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
-
-
-def _all_runs(prepared, solver, keep_going, settled):
-    """Take all steps of a Prepared run, and before them of those that it repeats: a generator as `simulate`, which
-    returns the last Run and whether it came to its end."""
-    state, first_mode = prepared.state, prepared.modes.shape[0]
-    for settings in (*prepared.earlier, prepared.settings):
-        last = settings is prepared.settings
-        run = Run(prepared.layout, settings, solver, prepared.writer if last else Unwritten(), keep_going,
-                  settled, state)
-        finished = yield from run.settle_under_gravity()
-        if finished:
-            run.start(first_mode)
-            finished = yield from run.run_all()
-        if not finished or last:
-            break
-        if run.collapsed_at_s is not None:
-            raise RunError(f"{settings.command}: the wall collapsed when it was repeated; expected it to stand, as "
-                           "before; give YADE one thread (-j1), whose runs can be repeated")
-        state = run.end_state
-    return run, finished and last
 
 
 class _Interrupts:

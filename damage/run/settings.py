@@ -79,12 +79,13 @@ class RunSettings:
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
     joints need (`for_joint`); relaxation: how static solutions are found, one of RELAXATIONS; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
-    by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
-    bodies are followed after the first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case,
-    but with sharper corners); after_fall: follow them until they rest; accept_implausible: do not check whether the
-    wall and the motion are plausible; step: one of STEPS; out: history file, None for a name of its own below
-    `results/`;
-    quiet: print warnings and errors only; command: what asked for it.
+    by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; checkpoint_s:
+    computing time between two checkpoints [s], infinity for one at an interruption only; resumed: history of this very
+    run, which goes on from its checkpoint, or None; past_collapse_s: how long bodies are followed after the first brick
+    fell [s]; new_contacts: loose bricks collide (in YADE they do in any case, but with sharper corners); after_fall:
+    follow them until they rest; accept_implausible: do not check whether the wall and the motion are plausible; step:
+    one of STEPS; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors only;
+    command: what asked for it.
     """
 
     loading: object
@@ -104,6 +105,8 @@ class RunSettings:
     scatter: float = 0.0
     seed: int = 0
     members: int = 1
+    checkpoint_s: float = math.inf
+    resumed: str | None = None
     past_collapse_s: float = 0.0
     new_contacts: bool = False
     after_fall: bool = False
@@ -148,6 +151,12 @@ class RunSettings:
             raise InputError("--after-fall without --new-contacts: bricks would fall through each other; give both")
         if not self.loading.moves and not self.settlement:
             raise InputError("no motion and no settlement: expected one of them; give one")
+        if self.members > 1 and (self.resumed or self.checkpoint_s < math.inf):
+            raise InputError("--members with --checkpoint or --resume: expected a single run, as members step "
+                             "together; leave these out")
+        if self.resumed and (self.overwrite or self.out not in (None, Path(self.resumed))):
+            raise InputError(f"--resume {self.resumed} with --out or --overwrite: expected one of them, as the run "
+                             "goes on in the file that it has; leave the other out")
         if self.continued and (self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s):
             raise InputError("--continue with --new-contacts, --members or --free-vibration: expected one wall "
                              "that continues from its last state; leave these out")

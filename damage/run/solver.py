@@ -126,6 +126,13 @@ class Solver(Protocol):
     def resume(self, state):
         """Take over what `saved_state` returned of a solver of the same layout; steps count from the last `start`."""
 
+    def checkpoint(self):
+        """Everything that the next steps depend on, {name: array}, those that were asked for before included."""
+
+    def restore(self, tables):
+        """Go back to where `checkpoint` was taken of a solver of the same layout, after a `start`, and a `hold` where
+        there was one, with the same arguments.  Raises InputError where the tables cannot be right."""
+
     def drain_events(self):
         """Events since the last call, tuples (step since `start`, joint, kind, normal stress, shear stress, opening,
         slip) as `HistoryWriter.event` takes them."""
