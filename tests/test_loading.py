@@ -10,9 +10,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from damage.errors import InputError
-from damage.motion.drive import Drive
 from damage.motion.formats import read_record, shipped_record_path
-from damage.motion.loading import EASE_S, FreeVibration, Harmonic, Recorded, TopDisplacement, loading_from_dict
+from damage.motion.loading import EASE_S, Drive, FreeVibration, Harmonic, Recorded, TopDisplacement, loading_from_dict
 from damage.motion.record import Record, aligned_with, band_passed, baseline_corrected, interpolated, windowed
 from damage.units import GRAVITY
 

@@ -28,7 +28,7 @@ PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
 EXIT_INTERRUPTED = 130
 SHARD = Path(__file__).with_name("run_shard.py")
-_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.progress
+_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.session
 
 
 def main():

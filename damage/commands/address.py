@@ -83,7 +83,7 @@ def _exposure(asked):
          out("folder of the study: tables, pictures, report"))
 def _life(asked):
     from damage.exposure.lives import Choices, Draws
-    from damage.life.study import write_study
+    from damage.life.results import write_study
     from damage.studies.batch import run_study
 
     exposure = _exposure_of(asked)

@@ -5,8 +5,7 @@ import numpy as np
 from damage.errors import Warned
 from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.energy import balance_error
-from damage.measure.joints import with_bond
-from damage.measure.validity import ended_joints, offset_over_overlap
+from damage.measure.joints import ended_joints, offset_over_overlap, with_bond
 from damage.wall.as_built import warn_of_courses
 from damage.wall.lintels import elastic_share, warn_of_share
 

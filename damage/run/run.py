@@ -9,7 +9,6 @@ from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
-from damage.run.base import BaseMotion
 from damage.run.before import as_bytes, with_zero, zero_of
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
@@ -23,7 +22,15 @@ from damage.run.settings import (
     SETTLED_BELOW,
 )
 from damage.run.solver import LOOK_STEPS, NO_MOTION
-from damage.run.watch import fastest_fallen, have_fallen, have_left, index_now, lowest_places, unbalanced_force
+from damage.run.watch import (
+    BaseMotion,
+    fastest_fallen,
+    have_fallen,
+    have_left,
+    index_now,
+    lowest_places,
+    unbalanced_force,
+)
 from damage.units import GRAVITY
 from damage.wall.strain import stress_by_modes
 
