@@ -17,7 +17,6 @@ from damage.run.options import (
     number_from,
     recorded,
 )
-from damage.run.plausible import implausible_motion
 from damage.start import missing_library
 
 
@@ -140,7 +139,7 @@ def _new_wall(asked):
          JSON, output(file_arg("--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum")))
 def _record(asked):
     from damage.motion.intensity import describe, motion_summary
-    from damage.motion.plausible import faint_warnings, implausible_peak, implausible_velocity
+    from damage.motion.plausible import faint_warnings, implausible_motion, implausible_peak, implausible_velocity
 
     loading = recorded(asked)
     if asked.period is not None:

@@ -14,8 +14,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from damage.checks import check_choice, check_positive, check_range, check_whole, record_from
+from damage.checks import check_positive, check_range, record_from
 from damage.errors import InputError
+from damage.fields import check_fields, choice, plausible, quantity, text
 from damage.motion import record as prepare
 from damage.motion.intensity import pga_g, response_spectrum
 from damage.motion.record import Record
@@ -122,14 +123,14 @@ class Harmonic(Loading):
     period_s [s]; amplitude_g [g]; cycles: how many.
     """
 
-    period_s: float
-    amplitude_g: float
-    cycles: int = 3
+    period_s: float = quantity("s", *PERIODS_S, (0.01, 10), "machines; a hundred times the period of a house's wall",
+                               others={"ms": 1e-3}, called="harmonic period [s]")
+    amplitude_g: float = quantity("g", 0, HIGHEST_G, (1e-4, 2), "times the largest factor of `--sequence`: traffic; "
+                                  "strong shaking tables", called="harmonic amplitude [g]", others={
+                                      "%": 0.01, "m/s2": 1 / GRAVITY, "cm/s2": 0.01 / GRAVITY})
+    cycles: int = quantity("1", 1, MOST_CYCLES, whole=True, default=3, called="cycles")
 
-    def __post_init__(self):
-        check_range("harmonic period [s]", self.period_s, *PERIODS_S)
-        check_range("harmonic amplitude [g]", self.amplitude_g, 0, HIGHEST_G)
-        check_whole("cycles", self.cycles, 1, MOST_CYCLES)
+    __post_init__ = check_fields
 
     @property
     def name(self) -> str:
@@ -201,7 +202,8 @@ class Recorded(Loading):
     """
 
     record: Record
-    scale: float = 1.0
+    scale: float = text(default=1.0, usual=plausible(0.01, 100, "", "without its sign; the records of studies that "
+                                                     "ship get up to 10", others={"%": 0.01}))
     window_s: tuple[float, float] | None = None
     vertical: Record | None = None
     baseline_order: int | None = None
@@ -406,15 +408,16 @@ class TopDisplacement(Loading):
         machine that moves it [N m/rad], of each body that carries the top; 0: free.
     """
 
-    amplitudes_pct: tuple[float, ...]
-    cycles: int = 2
-    boundary: str = "cantilever"
-    speed_m_s: float = 5e-3
-    local_damping: float = 0.7
-    top_rotation: float = 0.0
+    amplitudes_pct: tuple[float, ...] = text(usual=plausible(
+        1e-4, 20, "%", "a joint stays elastic; slender piers topple"))
+    cycles: int = quantity("1", 0, 1000, whole=True, default=2, called="cycles")
+    boundary: str = choice(BOUNDARIES, default="cantilever", called="boundary")
+    speed_m_s: float = quantity("m/s", *SPEEDS_M_S, default=5e-3, called="speed [m/s]")
+    local_damping: float = quantity("1", 0, 0.7, default=0.7, called="local damping")  # beyond, steps are unstable
+    top_rotation: float = quantity("N m/rad", 0, 1e12, default=0.0, called="--top-rotation [N m/rad]")
 
     def __post_init__(self):
-        check_range("--top-rotation [N m/rad]", self.top_rotation, 0, 1e12)
+        check_fields(self)
         if self.top_rotation and self.boundary == "fixed":
             raise InputError(f"--top-rotation {self.top_rotation:g} with --boundary fixed: expected a top that may "
                              "rotate; leave one of them out")
@@ -422,12 +425,8 @@ class TopDisplacement(Loading):
             raise InputError("no drift to push the top to; expected one or more [%]; give some")
         for drift in self.amplitudes_pct:
             check_range("drift [%]", drift, *DRIFTS_PCT)
-        check_whole("cycles", self.cycles, 0, 1000)
         if len(self.amplitudes_pct) > 1000:
             raise InputError(f"{len(self.amplitudes_pct)} drifts to push the top to; expected up to 1000; give fewer")
-        check_choice("boundary", self.boundary, BOUNDARIES)
-        check_range("speed [m/s]", self.speed_m_s, *SPEEDS_M_S)
-        check_range("local damping", self.local_damping, 0, 0.7)  # beyond it steps are not stable
 
     @property
     def name(self) -> str:

@@ -42,9 +42,10 @@ class Run:
     a run does not know whether it is alone.
 
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of this layout;
-    writer: HistoryWriter; keep_going(run, time_s): called now and then, returns False to stop (an interrupt); settled:
-    where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the end of
-    another run (`damage.run.before.read_state`, or `end_state`), which this one continues in place of the static stage.
+    writer: a Buffer of a history; keep_going(run, time_s): called now and then, returns False to stop (an interrupt);
+    settled: where the wall at rest is found, or kept, as damage.reference.settled.Settled; state: of a solver at the
+    end of another run (`damage.run.before.read_state`, or `end_state`), which this one continues in place of the static
+    stage.
     stage, index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were followed.
     """
 

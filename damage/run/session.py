@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from damage.errors import InputError, RunError, WriteError, warn
+from damage.history.buffer import Buffer
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.law.modes import Modes, natural_modes
@@ -26,7 +27,7 @@ from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
 from damage.run.opening import opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
-from damage.run.repeat import Unwritten, earlier_runs
+from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import (
@@ -160,7 +161,7 @@ class Prepared:
     layout: Layout
     modes: Modes
     time_step: float
-    writer: HistoryWriter
+    writer: Buffer
     state: dict | None = None
     earlier: tuple[RunSettings, ...] = ()
 
@@ -274,8 +275,8 @@ def _all_runs(prepared, solver, keep_going, settled):
     state, first_mode = prepared.state, prepared.modes.shape[0]
     for settings in (*prepared.earlier, prepared.settings):
         last = settings is prepared.settings
-        run = Run(prepared.layout, settings, solver, prepared.writer if last else Unwritten(), keep_going,
-                  settled, state)
+        run = Run(prepared.layout, settings, solver, prepared.writer if last else Buffer(prepared.layout),
+                  keep_going, settled, state)
         finished = yield from run.settle_under_gravity()
         if finished:
             run.start(first_mode)
