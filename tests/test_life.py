@@ -12,7 +12,7 @@ from scipy import stats
 
 import damage
 from damage.__main__ import main
-from damage.draw.life import contributions_picture, life_picture
+from damage.draw.exposure import contributions_picture, life_picture
 from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure

@@ -116,7 +116,7 @@ def _life(asked):
          output(file_arg("--markdown", "FILE", "write the text, too")),
          out("folder for the tables (default: figures in FOLDER)", required=False))
 def _lives(asked):
-    from damage.draw.life import contributions_picture, life_picture
+    from damage.draw.exposure import contributions_picture, life_picture
     from damage.html.report import Words, write_report
     from damage.life.comparison import largest_alone
     from damage.life.results import (

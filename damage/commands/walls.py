@@ -41,7 +41,7 @@ def _modes(asked):
     layout = lay_out(_plausible_wall(asked), model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
-        from damage.draw.modes import modes_picture
+        from damage.draw.preview import modes_picture
 
         save([("modes", modes_picture(layout, modes))], asked.out)
     periods = [float(period) for period in modes.period_s]

@@ -91,7 +91,8 @@ class Buffer:
         return self._sinks[0].where
 
     def history(self, path=None):
-        """The History of a finished run, equal to that of `read_history`; raises the same InputError.
+        """The History of a finished run with a sink in memory, equal to that of `read_history`; raises the same
+        InputError.
 
         path: of the file, where it has another name by now.
         """

@@ -16,7 +16,6 @@ from damage.checks import check_choice, check_file, record_from
 from damage.errors import InputError
 from damage.history.apart import apart, bounded
 from damage.history.head import HDF5, HEAD_BYTES, check_seal, head_of, read_head
-from damage.history.moments import moving
 from damage.history.schema import (
     CODES,
     EVENTS,
@@ -25,6 +24,7 @@ from damage.history.schema import (
     STAGES,
     STATUS,
     TABLES,
+    moving,
     tables_of,
 )
 from damage.history.structure import check_parameters, check_structure, check_values

@@ -3,13 +3,21 @@
 import numpy as np
 
 from damage.draw.preview import wall_preview
-from damage.draw.run import ENERGIES, has_heap, heap_picture, stress_picture, wall_picture
-from damage.draw.sequence import has_sequence, sequence_picture
+from damage.draw.run import (
+    ENERGIES,
+    has_heap,
+    has_sequence,
+    heap_picture,
+    sequence_picture,
+    stress_picture,
+    wall_picture,
+)
 from damage.draw.style import BODY_COLOURS, drift_scale
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
-from damage.history.moments import STATES, is_moving, joint_states, nearest_snapshot, support_motion
+from damage.history.moments import STATES, joint_states, nearest_snapshot, support_motion
+from damage.history.schema import is_moving
 from damage.html.packing import as_png, pack_arrays, quantised
 from damage.index import COMPONENTS
 from damage.measure.brick_stress import has_stresses

@@ -3,8 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from damage.history.moments import moving
-from damage.history.schema import Column
+from damage.history.schema import Column, moving
 from damage.index import COMPONENTS
 from damage.measure.damage_index import CRITERIA
 from damage.measure.register import measure

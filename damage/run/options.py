@@ -14,6 +14,7 @@ from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 from damage.exposure.lives import events_of, read_address
 from damage.fields import option_of
+from damage.measure.crack_file import Surveyed
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
@@ -21,7 +22,6 @@ from damage.motion.record import aligned_with
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
-from damage.run.before import Surveyed
 from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
 from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions

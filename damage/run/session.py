@@ -17,8 +17,8 @@ from damage.history.buffer import Buffer
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.law.modes import Modes, natural_modes
+from damage.measure.energy import ENERGY_FAILURE
 from damage.measure.evidence import evidence_for, facts, outside
-from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded

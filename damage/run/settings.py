@@ -10,13 +10,13 @@ from damage.checks import check_range
 from damage.errors import InputError
 from damage.fields import check_fields, option_of, quantity
 from damage.index import THRESHOLD
+from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
 from damage.motion.plausible import implausible_motion, implausible_peak, implausible_velocity
 from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
-from damage.run.before import Surveyed
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
@@ -69,7 +69,7 @@ class RunSettings:
 
     settlement: damage.motion.settlement.Settlement of the ground before the motion, or None; it needs a support below
     each brick of the base; continued: history of the run that this one continues, or None; cracked: Surveyed cracks
-    (damage.run.before) along which joints have no bond, or None; sequence: factors of the motion, an event each;
+    along which joints have no bond, or None; sequence: factors of the motion, an event each;
     events: of a sequence of different records, whose factors `sequence` has and whose strongest motion `loading` is;
     life: what the events were drawn from (`damage.exposure.lives`), or None;
     rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
