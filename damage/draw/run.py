@@ -369,7 +369,6 @@ def save_all(history, folder):
     heap is included where bricks were followed beyond the collapse, that of stresses where bricks are deformable, that
     of the events where there are several.
     """
-
     still = () if is_moving(history.series).any() else ("hysteresis",)
     always = {name: draw for name, draw in PICTURES.items() if name not in still}
     chosen = always | ({"heap": heap_picture} if has_heap(history) else {}) | (
