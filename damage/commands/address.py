@@ -3,7 +3,7 @@
 import sys
 
 from damage.commands.table import JSON, Silence, arg, command, file_arg, group, out, output, save, show
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.files import write_text
 from damage.run.options import WALLS_ARE_CODE, file_path, number_from
 
@@ -89,8 +89,7 @@ def _life(asked):
     exposure = _exposure_of(asked)
     Draws(exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
         1)  # says what is wrong before anything is written
-    print(*(f"warning: {warning}" for warning in exposure.warnings), sep="\n", end="\n" * bool(exposure.warnings),
-          file=sys.stderr)
+    warn(*exposure.warnings)
     place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
         dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
     address = place | {
