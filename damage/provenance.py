@@ -22,7 +22,7 @@ DECIDES_NOTHING = {
     "makes numbers out of a history": tuple(f"measure/{name}.py" for name in (
         "cycles", "damage_index", "ground", "joints", "limits", "pushed", "register", "summary", "tables"))}
 """{why: modules and folders of the package that a run imports and that decide none of its values}."""
-MEASURES = ("units.py", "index.py", "history/reader.py", "history/moments.py", "motion/intensity.py",
+MEASURES = ("units.py", "index.py", "history/reader.py", "history/schema.py", "motion/intensity.py",
             "wall/geometry.py", *(f"measure/{name}.py" for name in (
                 "brick_stress", "cracks", "cycles", "damage_index", "energy", "ground", "joints", "limits", "pushed",
                 "register", "summary", "tables")))

@@ -88,7 +88,7 @@ def find_python(version):
 def make_wheel(folder):
     """The wheel of this checkout, made of a copy of what git knows of it."""
     copy = folder / "source"
-    files = run("git", "ls-files", "-co", "--exclude-standard", "damage", "walls", "studies", "workflow",
+    files = run("git", "ls-files", "-co", "--exclude-standard", "damage", "walls", "studies",
                 "pyproject.toml", "README.md", "LICENSE", cwd=ROOT).split("\n")
     for name in filter(None, files):
         (copy / name).parent.mkdir(parents=True, exist_ok=True)

@@ -16,10 +16,12 @@ class Buffer:
     sinks: where it goes, none to keep nothing: a file (`damage.history.writer.File`), memory
     (`damage.history.in_memory.Memory`), or both, the file first.  A sink stores {group: arrays in the order of its
     columns}; the arrays of frames are used again.
+    path: of the history's file, should it have one; where: the history is, in words.
     """
 
     def __init__(self, layout, *sinks):
         self._sinks = sinks
+        self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
         # Of series, frames and ground whole columns, of the other groups rows in the order of theirs.
         self._rows = {"events": [], "snapshots": []}
         self._series = {name: np.empty(CHUNK, column.dtype) for name, column in schema.SERIES.items()}
@@ -79,16 +81,6 @@ class Buffer:
         """Keep the state of the solver at the end of the run, bytes (n,), where the history has a file."""
         for sink in self._sinks:
             sink.keep_state(state)
-
-    @property
-    def path(self):
-        """Of the history's file, should it have one."""
-        return self._sinks[0].path
-
-    @property
-    def where(self):
-        """Where the history is, in words."""
-        return self._sinks[0].where
 
     def history(self, path=None):
         """The History of a finished run with a sink in memory, equal to that of `read_history`; raises the same

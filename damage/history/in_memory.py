@@ -25,12 +25,9 @@ class Memory:
     """
 
     def __init__(self, path, layout, attributes, new_file=None):
-        self.path, self._layout, self._attributes, self._new_file = path, layout, attributes, new_file
+        self.path, self.where = path, f"in memory, and in {path} should the run fail"
+        self._layout, self._attributes, self._new_file = layout, attributes, new_file
         self._values, self._parts, self._n_bytes, self._file = {}, [], 0, None
-
-    @property
-    def where(self):
-        return f"in memory, and in {self.path} should the run fail"
 
     @property
     def is_torn(self):

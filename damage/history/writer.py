@@ -42,7 +42,7 @@ class File:
     """
 
     def __init__(self, path, layout, attributes, versions, overwrite=False):
-        self.path = Path(path)
+        self.path, self.where = Path(path), str(path)
         with self._writing():
             self._file = _create_file(self.path, overwrite)
             write_head(self.path, Head(**head_of(attributes["solver"], versions)))
@@ -56,10 +56,6 @@ class File:
             self._file.swmr_mode = True  # HDF5 takes its own lock off the file
             self._lock = _lock(self.path, fcntl.LOCK_SH)
             self._file.flush()
-
-    @property
-    def where(self):
-        return str(self.path)
 
     @property
     def is_torn(self):

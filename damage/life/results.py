@@ -21,7 +21,7 @@ from damage.life.others import head, note_of, of_point, read_lives
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
 from damage.studies.definition import FROM, load_study
-from damage.studies.records import all_records
+from damage.studies.records import read_records
 from damage.wall.file import wall_path
 
 NAME = "lives.toml"
@@ -145,14 +145,13 @@ def lives_of(folder, tables=()):
     of the same points.  InputError where there is none; points without lives are left out."""
     folder = Path(folder)
     study = load_study(folder / "study.toml", "reference")
-    records, found = all_records(folder), []
+    records, found = read_records(folder), []
     more = [(path, *read_lives(path, COLUMNS)) for path in tables]
     for run in study.runs:
         if run.varied == ("--life",):
             draws = read_address(run.words[run.words.index("--address") + 1])
             point = run.point.rpartition(FROM)[0]
-            there = {number: records[run.name(number)] for number in range(1, run.members + 1)
-                     if run.name(number) in records}
+            there = records.of_point(run)
             note = note_of(run, there.values()) if run.offset == 0 else None
             found += [Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point), note)
                       for number, record in there.items()]
