@@ -19,7 +19,7 @@ DATA = _PACKAGE / "data"
 
 
 def shipped(folder):
-    """Path of `walls`, `studies` or `workflow`: in the installed package below `share`, in a clone beside the package
+    """Path of `walls` or `studies`: in the installed package below `share`, in a clone beside the package
     (pyproject.toml maps one to the other)."""
     inside = _PACKAGE / "share" / folder
     return inside if inside.is_dir() else _PACKAGE.parent / folder

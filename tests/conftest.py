@@ -17,13 +17,13 @@ from yade_scripts import COMMAND
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 BRIEFLY = REPOSITORY / "tests/yade_checks/briefly.py"  # runs a wall in YADE with shorter stages
-BATCH = (sys.executable, str(REPOSITORY / "workflow" / "batch.py"))
+BATCH = (sys.executable, "-m", "damage", "study")
 """What run_all.sh starts once it has looked for all that it needs, which takes two seconds: `test_environment.py`."""
 BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
 SHORT = (BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")  # of small walls, which vibrate at 0.05 s or faster
 
 FIRST = ("test_widths.py", "test_deformable.py", "test_yade_run.py", "test_together.py", "test_study.py",
-         "test_guides.py", "test_written.py", "test_ensembles.py", "test_pictures.py")
+         "test_guides.py", "test_written.py", "test_batch.py", "test_pictures.py")
 
 
 def pytest_collection_modifyitems(items):

@@ -9,10 +9,9 @@ from importlib.util import find_spec
 import pytest
 from conftest import REPOSITORY
 
-sys.path.insert(0, str(REPOSITORY / "workflow"))
-import slurm
+from damage.batch import cluster
 
-STATUS = REPOSITORY / "workflow" / "slurm_status.sh"
+STATUS = REPOSITORY / "damage" / "batch" / "slurm_status.sh"
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 STUDY = '''name = "s"
 pictures = "none"
@@ -56,19 +55,19 @@ def test_slurm_is_asked_for_in_one_line_where_it_is_missing(tmp_path):
     ("9.27.1", "--cluster-generic-submit-cmd", {"--cluster-generic-status-cmd", "--cluster-generic-cancel-cmd"}),
 ])
 def test_snakemake_submits_jobs_by_itself_or_by_its_plugin(tmp_path, release, submits, others):
-    words = slurm.words("mine", tmp_path, 3, release)
+    words = cluster.slurm_words("mine", tmp_path, 3, release)
     assert words[words.index(submits) + 1].startswith("sbatch --parsable") and others <= set(words)
     assert ("cluster-generic" in words) == release.startswith("9")
 
 
 def test_a_missing_plugin_is_named(monkeypatch):
-    monkeypatch.setattr(slurm.shutil, "which", lambda name: "/usr/bin/sbatch")
-    monkeypatch.setattr(slurm, "version", lambda name: "9.27.1")
-    monkeypatch.setattr(slurm, "find_spec", lambda name: None)
-    with pytest.raises(slurm.NoPlugin, match="pip install snakemake-executor-plugin-cluster-generic"):
-        slurm.check()
-    monkeypatch.setattr(slurm, "version", lambda name: "7.32.4")
-    slurm.check()
+    monkeypatch.setattr(cluster.shutil, "which", lambda name: "/usr/bin/sbatch")
+    monkeypatch.setattr(cluster, "version", lambda name: "9.27.1")
+    monkeypatch.setattr(cluster, "find_spec", lambda name: None)
+    with pytest.raises(cluster.NoPlugin, match="pip install snakemake-executor-plugin-cluster-generic"):
+        cluster.check()
+    monkeypatch.setattr(cluster, "version", lambda name: "7.32.4")
+    cluster.check()
 
 
 def _without_slurm(folder):

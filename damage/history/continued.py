@@ -6,7 +6,7 @@ import os
 
 from damage.history.reader import opened
 from damage.history.schema import GROWING
-from damage.history.writer import HistoryWriter, lock
+from damage.history.writer import File, HistoryWriter, lock
 
 
 def continued_history(path, layout, counts, attributes):
@@ -21,13 +21,12 @@ def continued_history(path, layout, counts, attributes):
         if any(not 0 <= count <= has for count, has in zip(counts, there)):
             raise ValueError(f"it has {there} rows, expected {counts}")
         beside = path.with_name(f".{path.stem}.{os.getpid()}.h5")
-        writer = HistoryWriter(beside, layout, solver=attributes["solver"], parameters={}, overwrite=True,
-                               versions=json.loads(attributes["versions_json"]), attributes=attributes)
+        file = File(beside, layout, attributes, json.loads(attributes["versions_json"]), overwrite=True)
         try:
-            writer.copy_rows(old, counts)
+            file.copy_rows(old, counts)
             os.replace(beside, path)
         except BaseException:
             beside.unlink(missing_ok=True)
             raise
-    writer.path = path
-    return writer
+    file.path, file.where = path, str(path)
+    return HistoryWriter.of(layout, file)

@@ -47,7 +47,7 @@ class Checkpoints:
     def write(self, tables):
         """Write a checkpoint of {name: array}."""
         self._writer.flush()
-        of_history = {"rows": np.array(self._writer.rows()), "run": _digest_of(self._writer.attributes)}
+        of_history = {"rows": np.array(self._writer.file.rows()), "run": _digest_of(self._writer.file.attributes)}
         content = as_bytes(tables | of_history).tobytes()
         beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
         try:
@@ -108,7 +108,7 @@ def resumed(path, layout, parameters, model, like):
         raise InputError(f"--resume {path}: its run is complete; expected one that was interrupted or killed; to start "
                          f"another one from its end give --continue {path}")
     now = json.loads(json.dumps(parameters, sort_keys=True))
-    other = [name for name, value in now.items() if name not in ("command", "wall_file")
+    other = [name for name, value in now.items() if name not in ("command", "wall_file", "outside_validity")
              and history.parameters.get(name) != value]
     if other:
         raise InputError(f"--resume {path}: {other[0]} is {one_line(now[other[0]])}, and was "

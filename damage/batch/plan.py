@@ -1,43 +1,29 @@
-"""Dry run of a batch: runs that are there, runs to make, their time and disk space.
+"""Dry run of a study: runs that are there, runs to make, their time and disk space.
 
-    plan.py STUDY.toml|STUDIES [-j N] [--out DIR] [--solver yade|reference|both]
-
-`run_all.sh --dry-run` starts this.  Time follows from contact points and steps at the speed of this machine, which is
-measured once (`speed.py`), and from what each run, picture and batch takes besides; disk from contact points and
-samples.  Where runs of the study are there, the times of those that ran alone, and the bytes of all, scale both.
-Nothing is written in the study's folder.  Exit status: 0 printed, 2 bad input.
+Time follows from contact points and steps at the speed of this machine, which is measured once (`speed`), and from what
+each run, picture and batch takes besides; disk from contact points and samples.  Where runs of the study are there, the
+times of those that ran alone, and the bytes of all, scale both.  Nothing is written in the study's folder.
 """
 
-from damage.start import begin, leave
-
-if __name__ == "__main__":
-    begin()  # before what takes its time to import
-
-import argparse
-import sys
 from collections import Counter, namedtuple
 from contextlib import chdir
 from dataclasses import replace
 from datetime import datetime, timedelta
 from functools import cache
-from pathlib import Path
 
 import h5py
 import numpy as np
-from room import free_bytes
-from run_shard import company_of
-from shared import RESULTS, ROOT
-from speed import Speed, python_seconds, speed
 
-from damage.errors import InputError
+from damage.batch.folder import ROOT, free_bytes
+from damage.batch.outdated import Results
+from damage.batch.speed import Speed, python_seconds, speed
+from damage.batch.tasks import company_of
 from damage.law.modes import natural_modes
 from damage.mechanics.compiled import is_cached
 from damage.reference.ensembles import LEAST_LANES
 from damage.run.schedule import choose_time_step, sample_steps
 from damage.run.settings import HOLD_S, RAMP_S, Softening
-from damage.studies.definition import load_study
 from damage.studies.members import most_members
-from damage.studies.tables import runs_there
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 
@@ -52,7 +38,7 @@ rest."""
 DEFORMABLE = 16.0
 """Time of a step and contact point with deformable bricks over that with rigid ones, in a run that is alone."""
 PICTURES_S, BATCH_S, COMPILING_S, PYTHON_S = 4.5, 4.5, 25.0, 0.0114
-"""Seconds of the pictures of a run; of starting Snakemake and its jobs and of the study's tables; of compiling; and of
+"""Seconds of the pictures of a run; of starting a batch and of the study's tables; of compiling; and of
 `speed.python_seconds`."""
 LEAST, MOST, UNMEASURED = 0.6, 2.0, 1.5
 """Of the time that is expected: from and to, and by how much less and more where the machine was not measured."""
@@ -62,39 +48,12 @@ BYTES_A_CONTACT_AND_SAMPLE = 1.15
 Cost = namedtuple("Cost", "seconds n_bytes")
 
 
-def main():
-    """Print the plan of one study or of a folder of them; returns the exit status."""
-    parser = argparse.ArgumentParser(prog="plan.py", description=__doc__.splitlines()[0])
-    parser.add_argument("study", type=Path)
-    parser.add_argument("-j", dest="jobs", type=int, default=1)
-    parser.add_argument("--out", type=Path)
-    parser.add_argument("--solver", default="yade")
-    asked, _ = parser.parse_known_args()  # the others change nothing of the plan
-    out = (asked.out or RESULTS).absolute()
-    try:
-        if not asked.study.is_dir():
-            study = load_study(asked.study, asked.solver, ROOT)
-            print_plan(study, out if asked.out else out / study.name, asked.jobs)
-            return 0
-        for path in sorted(asked.study.glob("*.toml")):
-            try:
-                study = load_study(path, asked.solver, ROOT)
-            except InputError as error:
-                print(f"passed over: {error}")
-            else:
-                print_plan(study, out / study.name, asked.jobs)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-def print_plan(study, folder, jobs):
-    """Print the plan of a Study in its folder."""
+def print_plan(study, folder, jobs, remake=False):
+    """Print the plan of a Study in its folder; remake: runs of another version are made again."""
     ways = ways_of(study.runs, jobs)
     machine, how = machine_speed()
     costs = {run: estimate(run, ways[run], machine) for run in study.runs}
-    there = {run: runs_there(run, folder) for run in study.runs}
+    there = _there(study, folder, remake)
     left = [run for run in study.runs if not there[run]]
     scale, by = scales(costs, there, ways, folder)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
@@ -116,6 +75,17 @@ def print_plan(study, folder, jobs):
           f"{free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
           f"by {how}{', YADE by other machines' if 'yade' in ways.values() else ''}{by}"
           + (f"; with compiling the solver once, about {duration(once_s)}" if compiles else ""), flush=True)
+
+
+def _there(study, folder, remake):
+    """{StudyRun: names of its runs that a batch would keep, empty where it is not done}."""
+    results = Results(folder)
+    if not results.records.runs and not results.histories:
+        return {run: [] for run in study.runs}
+    verdict = results.judge(study.runs)
+    again = {*verdict.models, *verdict.measures} if remake else ()
+    return {run: [] if run in verdict.changed or set(names).intersection(again) else names
+            for run in study.runs for names in [results.names_of(run)]}
 
 
 UNKNOWN = "the speed of Python on this machine, as the solver is not compiled yet"
@@ -224,7 +194,3 @@ def duration(seconds):
 def _existing(folder):
     """The folder, or the first above it that is there."""
     return next(path for path in (folder, *folder.parents) if path.is_dir())
-
-
-if __name__ == "__main__":
-    leave(main())

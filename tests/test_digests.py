@@ -1,16 +1,14 @@
-"""A study whose model changed between its runs says which are of another version, and makes them again if asked."""
+"""Digests of the code that decides the values of runs and of tables: they change with it, and with nothing else."""
 
 import os
 import shutil
 import subprocess
 import sys
 
-import pandas as pd
 import pytest
 from conftest import REPOSITORY, contents
 from test_architecture import read_modules
 
-from damage.history.head import read_head
 from damage.provenance import (
     DECIDES_NOTHING,
     MEASURES,
@@ -23,78 +21,6 @@ from damage.provenance import (
     model_modules,
 )
 from damage.reference.session import run_reference
-
-STUDY = """
-name = "s"
-pictures = "none"
-[[grid]]
-wall = "benchmarks/small_wall.py"
-options = { harmonic = [0.06, "{g}"], rest = 0 }
-vary = { g = [0.1, 0.2, 0.3] }
-[[runs]]
-id = "drawn"
-wall = "benchmarks/small_wall.py"
-options = { harmonic = [0.06, 0.5], rest = 0, strength-cov = 0.3 }
-samples = 2
-"""
-
-
-@pytest.fixture
-def repository(tmp_path):
-    """A copy of what a study needs, to be changed."""
-    copy = tmp_path / "repository"
-    for name in ("damage", "workflow", "walls", "yade_scripts"):
-        shutil.copytree(REPOSITORY / name, copy / name)
-    (copy / "benchmarks").mkdir()
-    shutil.copy(REPOSITORY / "benchmarks" / "small_wall.py", copy / "benchmarks")
-    (copy / "study.toml").write_text(STUDY)
-    return copy
-
-
-def batch(repository, *words):
-    command = [sys.executable, repository / "workflow" / "batch.py", "study.toml", "-j2", "--out", "out", "--solver",
-               "reference", *words]
-    environment = os.environ | {"PYTHONPATH": str(repository), "PYTHONNOUSERSITE": "1"}
-    return subprocess.Popen(command, cwd=repository, env=environment, text=True, stdout=subprocess.PIPE,
-                            stderr=subprocess.PIPE)
-
-
-@pytest.mark.slow
-def test_runs_of_another_version_are_named_and_kept_or_made_again(repository):
-    runs = repository / "out" / "runs"
-
-    def there():
-        return {path.stem: path.read_bytes() for path in runs.glob("*.h5") if ".part" not in path.name}
-
-    study = repository / "study.toml"
-    study.write_text(STUDY.replace(", 0.3] }", "] }").replace("samples = 2", "samples = 1"))  # as far as it came
-    done = batch(repository)
-    assert done.communicate(timeout=300) and done.returncode == 0
-    old = there()
-    assert len(old) == 3
-    study.write_text(STUDY)
-    changed = repository / "damage" / "run" / "schedule.py"  # nothing that has to be compiled again
-    changed.write_text(changed.read_text() + "\n\nSIGN = 1.0\n")
-    done = batch(repository)
-    _, printed = done.communicate(timeout=300)
-    assert done.returncode == 0, printed
-    assert f"warning: {len(old)} runs were made by another version of the model (reference " in printed
-    assert "are kept; --remake makes them again" in printed and all(name in printed for name in old)
-    kept = there()
-    assert len(kept) == 5 and all(kept[name] == content for name, content in old.items())
-    summary = pd.read_csv(repository / "out" / "tables" / "summary.csv").set_index("run")
-    assert len(set(summary["model_digest"])) == 2
-    assert set(summary.loc[list(old), "model_digest"]) == {read_head(runs / f"{next(iter(old))}.h5").model.split()[1]}
-
-    done = batch(repository, "--remake")
-    _, printed = done.communicate(timeout=300)
-    assert done.returncode == 0 and "are made again" in printed, printed
-    new = there()
-    assert all((new[name] != content) == (name in old) for name, content in kept.items())
-    summary = pd.read_csv(repository / "out" / "tables" / "summary.csv")
-    assert len(set(summary["model_digest"])) == 1 and len(summary) == 5
-    done = batch(repository)
-    assert done.communicate(timeout=300)[1] == "" and there() == new
 
 
 def test_the_digest_is_of_what_decides_values_alone(tmp_path):
@@ -191,7 +117,7 @@ def test_every_module_of_the_model_changes_its_digest(solver, tmp_path, monkeypa
         digests.add(model_digest.__wrapped__(folder))
         path.write_text(text)
     assert len(digests) == 1 + len(modules)
-    assert {"run/base.py", "run/before.py", "measure/crack_mapping.py", "exposure/models/bommer_2022.py",
+    assert {"run/watch.py", "run/before.py", "measure/crack_mapping.py", "exposure/models/bommer_2022.py",
             "law/joint_law.py"} <= {path.relative_to(tmp_path / "damage").as_posix() for path in modules
                                      if path.is_relative_to(tmp_path / "damage")}
 
@@ -201,13 +127,12 @@ def test_a_digest_is_of_all_code_that_makes_numbers_out_of_histories():
     elsewhere = {
         "checks": "refuses", "csv_table": "reads, writes", "errors": "words", "files": "reads, writes",
         "version": "words", "provenance": "digests", "law/states": "names",
-        "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/schema": "names",
-        "history/shown": "words", "history/structure": "refuses", "history/values": "refuses",
+        "history/apart": "reads", "history/head": "refuses", "history/info": "words", "history/structure": "refuses",
         "measure/columns": "words", "measure/evidence": "words", "measure/warnings": "words", "wall/as_built": "words",
-        "wall/fields": "refuses", **dict.fromkeys(
-            ("motion/drive", "motion/loading", "motion/record", *(f"wall/{name}" for name in (
-                "compliance", "contact_points", "fibres", "floors", "kinds", "kinematics", "layout", "lintels",
-                "model_options", "parameters", "plan", "soil", "split", "strain"))), "of the model's digest")}
+        "fields": "refuses", **dict.fromkeys(
+            ("motion/loading", "motion/record", *(f"wall/{name}" for name in (
+                "floors", "kinds", "kinematics", "lintels", "model_options", "parameters", "plan"))),
+            "of the model's digest")}
     modules, found, left = read_modules(), set(), {"measure/tables", "measure/cycles"}
     while left:
         found.add(name := left.pop())
@@ -232,7 +157,7 @@ def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("module, said, decides", [
-    ("measure/vibration.py", ("natural period of a run in free vibration", "period of a free vibration"),
+    ("measure/cycles.py", ("natural period of a run in free vibration", "period of a free vibration"),
      ('"period_s": Column', '"natural_period_s": Column')),
     ("wall/parameters.py", ("a brick of a scale model; a historical wall", "some brick"),
      ("default=0.1025", "default=0.1")),
