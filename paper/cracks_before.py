@@ -10,13 +10,11 @@ the ten strongest of damage/data/zeerijp_20180108/components.csv, cut to their s
 settlements and a row a run, and what is there is not run again.
 """
 
-import argparse
 import csv
 import sys
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 import pandas as pd
@@ -28,7 +26,7 @@ from damage.motion.formats import read_record
 from damage.reference.settled import SettledWalls
 from damage.reference.together import run_references
 from damage.units import MILLIMETRE
-from paper.report import as_table
+from paper.bench import REPOSITORY, arguments, option, print_row, print_table
 
 WALL = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"
 DATA = REPOSITORY / "damage" / "data" / "zeerijp_20180108"
@@ -162,12 +160,9 @@ def case(folder, part, window, name, seed, before):
 
 
 def main(words):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", type=Path)
-    parser.add_argument("--windows", action="store_true")
-    parser.add_argument("--walls", type=int, default=WALLS, help="number of walls to be run")
-    parser.add_argument("--tables", action="store_true")
-    given = parser.parse_args(words)
+    given = arguments(__doc__, option("folder", nargs="?", type=Path), option("--windows", action="store_true"),
+                      option("--walls", type=int, default=WALLS, help="number of walls to be run"),
+                      option("--tables", action="store_true"), words=words)
     if given.tables:
         print_tables()
         return
@@ -232,7 +227,9 @@ def spread(values):
 
 
 def show(heads, rows):
-    print(as_table(heads, rows), end="\n\n")
+    print_table(*heads)
+    for row in rows:
+        print_row(*row)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Statements of the paper and the criteria of its claims: data only, `paper.verdict` judges.
+"""Statements of the paper and the criteria of its claims (claims.csv, statements.csv): `paper.verdict` judges.
 
 Paper: V. Sarhosis, D. Dais, E. Smyrou, I. E. Bal, A. Drougkas (2021), Engineering Structures 243, 112529,
 doi:10.1016/j.engstruct.2021.112529.  Its statements P1 to P17 are split into claims that one number each can
@@ -15,7 +15,9 @@ Rules for all claims:
 - Of a point that was run several times, with strengths that scatter or bricks offset by 1e-9 m, the median counts.
 """
 
+import csv
 from dataclasses import dataclass
+from pathlib import Path
 
 AMPLITUDES_G = (0.01, 0.025, 0.05, 0.075, 0.1)
 """Amplitudes of the harmonic motions [g] (section 4)."""
@@ -122,94 +124,18 @@ class Claim:
         return self.id not in BUILT_TO_MEET
 
 
-CLAIMS = (
-    Claim("P1", "natural period of the solid wall", "section 4", f"{SOLID_PERIOD_S} s",
-          f"within {PRINTED_TOLERANCE:.0%}"),
-    Claim("P2a", "natural period of the symmetric wall", "section 4", f"about {PERFORATED_PERIOD_S} s",
-          f"within {PRINTED_TOLERANCE:.0%}"),
-    Claim("P2b", "natural period of the asymmetric wall", "section 4", f"about {PERFORATED_PERIOD_S} s",
-          f"within {PRINTED_TOLERANCE:.0%}"),
-    Claim("P3", "solid wall: slight damage only under the harmonic motions", "section 4", "slight",
-          f"maximum DI at most {SLIGHT_DI} in every motion; needs 0.1 g at 0.06 s and at 0.2 s"),
-    Claim("P4", "symmetric, 0.33 s, 0.025 g: negligible damage", "figure 7a", "negligible",
-          f"maximum DI at most {NEGLIGIBLE_DI}"),
-    Claim("P5", "symmetric, 0.33 s, 0.1 g: the first cycle's maximum DI is not exceeded later", "figure 7a",
-          "not exceeded", f"every later driven cycle at most {NOT_EXCEEDED} of the first"),
-    Claim("P6a", "symmetric, 0.2 s, 0.025 g: the maximum DI grows in every cycle", "figure 7b", "grows",
-          f"every driven cycle at least {GROWS} of the one before"),
-    Claim("P6b", "symmetric, 0.2 s, 0.1 g: the maximum DI grows in every cycle", "figure 7b", "grows",
-          f"every driven cycle at least {GROWS} of the one before"),
-    Claim("P7", "the asymmetric wall responds as the symmetric one", "section 4", "similar",
-          f"maximum DI of both at most {SLIGHT_DI}, or within a factor of {SIMILAR:g}, in every motion; needs 0.2 s "
-          "at 0.1 g and 0.33 s at 0.05 g"),
-    Claim("P8", "symmetric, 0.06 s: slight damage even at higher amplitude", "figure 8", "slight",
-          f"maximum DI at most {SLIGHT_DI} at every amplitude; needs 0.1 g"),
-    Claim("P9a", "0.33 s: maximum DI grows linearly with amplitude", "figure 8", "linear",
-          f"R² at least {LINEAR_R2} over five amplitudes"),
-    Claim("P9b", "1 s: maximum DI grows linearly with amplitude", "figure 8", "linear",
-          f"R² at least {LINEAR_R2} over five amplitudes"),
-    Claim("P9c", "0.33 s: the trend up to 0.075 g alone", "figure 8", "linear",
-          f"R² at least {LINEAR_R2} over four amplitudes"),
-    Claim("P9d", "0.33 s, 0.1 g: maximum DI", "figure 8", f"{LARGEST_DI[0.33]:.2f}", f"within {DI_TOLERANCE}"),
-    Claim("P9e", "1 s, 0.1 g: maximum DI", "figure 8", f"{LARGEST_DI[1.0]:.2f}", f"within {DI_TOLERANCE}"),
-    Claim("P9f", "0.33 and 1 s: negligible residual damage", "figure 8", "negligible",
-          f"residual DI at most {NEGLIGIBLE_DI} at every amplitude; needs 0.1 g at both"),
-    Claim("P10a", "0.2 s: substantially higher damage than at other periods", "figure 8", "substantially higher",
-          f"maximum DI at least {SUBSTANTIALLY_HIGHER} of that at any other period, at 0.05, 0.075 and 0.1 g; needs "
-          "0.33 s"),
-    Claim("P10b", "0.2 s: the same maximum DI_open at 0.05, 0.075, 0.1 g", "figure 8", "the same",
-          f"range at most {SAME_VALUES:.0%} of the mean"),
-    Claim("P10c", "0.2 s: the same maximum DI_slip at 0.05, 0.075, 0.1 g", "figure 8", "the same",
-          f"range at most {SAME_VALUES:.0%} of the mean"),
-    Claim("P10d", "0.2 s: maximum DI_drift grows over 0.05, 0.075, 0.1 g", "figure 8", "grows",
-          f"each at least {GROWS} of the one before"),
-    Claim("P11a", "0.06, 0.33, 1 s: no residual damage", "figure 8", "negligible",
-          f"residual DI at most {NEGLIGIBLE_DI} at every amplitude; needs 0.1 g at each"),
-    Claim("P11b", "0.2 s, 0.05 and 0.075 g: residual damage, mostly cracks", "figure 8", "cracks",
-          f"residual DI above {NEGLIGIBLE_DI}, DI_drift at most {MOSTLY_CRACKS} of it"),
-    Claim("P11c", "0.2 s, 0.1 g: residual drift", "figure 8", "noticed",
-          f"residual DI_drift above {INSIGNIFICANT_DI_DRIFT}"),
-    *(Claim(f"P12{grow}", f"0.2 s: the last cycle lengthens with amplitude; {reading}", "figure 9", "0.20 to 0.39 s",
-            f"each at least {NOT_FALLING} of the one before, the last at least {ELONGATION} of the first")
-      for grow, reading in (("a", "last cycle begun in the motion"), ("b", "first free cycle"),
-                            ("c", "first free cycle after 2 cycles"))),
-    *(Claim(f"P12{value}", f"0.2 s: duration of the last cycle; {reading}", "figure 9",
-            ", ".join(f"{length:.2f}" for length in CYCLE_LENGTHS_S) + " s",
-            f"each within {PRINTED_TOLERANCE:.0%}")
-      for value, reading in (("d", "last cycle begun in the motion"), ("e", "first free cycle"),
-                             ("f", "first free cycle after 2 cycles"))),
-    Claim("P13a", "Zeerijp record: PGA", "figure 10", f"{PGA_G['zeerijp']} g", f"within {PRINTED_TOLERANCE:.0%}"),
-    Claim("P13b", "Huizinge record: PGA", "figure 10", f"{PGA_G['huizinge']:.2f} g", f"within {PRINTED_TOLERANCE:.0%}"),
-    Claim("P13c", "Zeerijp record: Sa(0.2 s)", "figure 10", f"close to {SA_G} g", f"within {ABOUT_TOLERANCE:.0%}"),
-    Claim("P13d", "Huizinge record: Sa(0.2 s)", "figure 10", f"close to {SA_G} g", f"within {ABOUT_TOLERANCE:.0%}"),
-    Claim("P13e", "scale factors of both records", "section 5", ", ".join(f"{scale:g}" for scale in SCALES),
-          "all were run"),
-    Claim("P14a", "Huizinge: residual DI negligible at low PGA", "figure 11", "negligible",
-          f"residual DI at most {NEGLIGIBLE_DI} at scales 0.5 and 0.75"),
-    Claim("P14b", "Huizinge: residual DI at the largest PGA", "figure 11", f"{LARGEST_RESIDUAL_DI}",
-          f"within {DI_TOLERANCE} at scale 2"),
-    Claim("P14c", "Huizinge: residual damage is cracks, without residual drift", "figure 11", "DI_drift insignificant",
-          f"residual DI above {NEGLIGIBLE_DI} at scale 2, residual DI_drift at most {INSIGNIFICANT_DI_DRIFT} at every "
-          "scale"),
-    Claim("P14d", "Zeerijp: residual damage is cracks, without residual drift", "section 5", "DI_drift insignificant",
-          f"residual DI above {NEGLIGIBLE_DI} at scale 2, residual DI_drift at most {INSIGNIFICANT_DI_DRIFT} at every "
-          "scale"),
-    Claim("P15a", "maximum DI almost linear in maximum drift", "figure 12a", "almost linear",
-          f"R² at least {LINEAR_R2} over both records, at least {FEWEST_POINTS} points"),
-    Claim("P15b", "residual DI linear in maximum drift, then a plateau", "figure 12b", "plateau",
-          f"second-order trend whose slope falls to at most {PLATEAU} of its first, at least {FEWEST_POINTS} points"),
-    Claim("P16", "no viscous damping: friction is the only dissipation", "section 5", "none",
-          f"damping takes at most {NO_DAMPING:g} of the input, the balance closes within {ENERGY_ERROR:.0%}, in every "
-          "dynamic run without --beta"),
-    Claim("P17a", "squat wall: initial stiffness as in the test COMP1_3", "figure 4",
-          "{:.0f} and {:.0f} kN/mm in the test".format(*(value / 1e6 for value in SQUAT_STIFFNESS_N_PER_M)),
-          f"secant to 0.7 of the peak between both directions of the test, less or more {PRINTED_TOLERANCE:.0%}; "
-          f"pushed at {1e3 * CONVERGED_SPEED_M_S:g} mm/s or less"),
-    Claim("P17b", "squat wall: peak force as in the test COMP1_3", "figure 4",
-          "{:.1f} and {:.1f} kN in the test".format(*(value / 1e3 for value in SQUAT_PEAK_N)),
-          f"between both directions of the test, less or more {PRINTED_TOLERANCE:.0%}"),
-    Claim("P17c", "squat wall: unloading stiffness reasonable", "figure 4", "reasonable",
-          "no number is published to hold ours against"),
-    Claim("P17d", "squat wall: crack pattern captured", "figure 5", "captured",
-          "a picture against a picture, which no number here decides"),
-)
+def _table(name):
+    """Rows of a table beside this module, dictionaries; {NAME} in a criterion is a value of this module."""
+    with open(Path(__file__).with_name(name), newline="", encoding="utf-8") as file:
+        values = globals() | {"speed_mm_s": 1e3 * CONVERGED_SPEED_M_S}
+        return [{key: text.format(**values) for key, text in row.items()} for row in csv.DictReader(file)]
+
+
+def page(name, **parts):
+    """A page of docs/paper, by its template in paper/pages; parts: lists of lines, or values."""
+    text = (Path(__file__).parent / "pages" / name).read_text(encoding="utf-8")
+    return text.format(**{key: "\n".join(part) if isinstance(part, list) else part for key, part in parts.items()})
+
+
+CLAIMS = tuple(Claim(**row) for row in _table("claims.csv"))
+STATEMENTS = {row["statement"]: row["text"] for row in _table("statements.csv")}

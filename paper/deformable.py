@@ -8,7 +8,6 @@
 `runs` keeps its histories in DIR and makes only those that are missing; the table has the rows that are there.
 """
 
-import argparse
 import json
 import resource
 import subprocess
@@ -37,6 +36,8 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick
 from damage.wall.strain import brick_modes, elasticity_of
+from paper.bench import REPOSITORY, arguments, option, print_row, print_table, wall_file
+from paper.softening import softened
 
 WALLS = ("solid", "symmetric", "asymmetric")
 MODELS = {"rigid bricks": {}, "order 2": {"bricks": "deformable"},
@@ -44,17 +45,6 @@ MODELS = {"rigid bricks": {}, "order 2": {"bricks": "deformable"},
 CELLS = (2, 4, 8)
 STEPS = 1000
 
-
-ROOT = Path(__file__).resolve().parents[1]
-SOFTENING = """from dataclasses import replace
-
-from damage.wall.file import load_wall
-
-
-def wall():
-    wall = load_wall("symmetric")
-    return replace(wall, joint=replace(wall.joint, mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))
-"""
 DEFORM, WEAKER, STRONGER = ["--bricks", "deformable"], ["0.2", "0.05"], ["0.33", "0.1"]
 RUNS = {  # name: (words, joints, harmonic motion, options), rigid ones first: times are compared with theirs
     "rigid": ("rigid", "brittle", WEAKER, []),
@@ -231,7 +221,7 @@ def standing(wall, options):
 def runs(folder):
     """Make the RUNS that are missing, and print the table of those that are there."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "softening.py").write_text(SOFTENING)
+    wall_file(folder / "softening.py", softened(load_wall("symmetric"), "12.4/124"))
     missing = [name for name in RUNS if not (folder / f"{name}_seconds.json").is_file()]
     for more in ([], DEFORM) if missing else ():  # compiling does not count
         simulate("benchmarks/small_wall.py", ["0.05", "0.01"], more, folder / "warm.h5")
@@ -248,15 +238,14 @@ def simulate(wall, motion, options, out):
     """Five members of a run."""
     subprocess.run([sys.executable, "-m", "damage", "reference", wall, "--harmonic", *motion, "--rest", "1",
                     "--contacts", "gauss", *options, "--members", "5", "--no-pictures", "--quiet", "--overwrite",
-                    "--out", out.resolve()], cwd=ROOT, check=True)
+                    "--out", out.resolve()], cwd=REPOSITORY, check=True)
 
 
 def print_runs(folder):
     """Print the table of the RUNS that are in a folder, without times where FILE_seconds.json holds null."""
-    heads = ("motion", "joints", "bricks", "T0 [s]", "largest drift [%]", "DI, slip by displacement",
-             "DI, slip by shear limit", "failed contact points",
-             "length of cracks, first member [m]", "time to rigid bricks")
-    print("", "| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads), sep="\n")
+    print_table("motion", "joints", "bricks", "T0 [s]", "largest drift [%]", "DI, slip by displacement",
+                "DI, slip by shear limit", "failed contact points", "length of cracks, first member [m]",
+                "time to rigid bricks")
     rigid = {}
     for name, (bricks, joints, motion, _) in RUNS.items():
         if not (kept := folder / f"{name}_seconds.json").is_file():
@@ -264,12 +253,10 @@ def print_runs(folder):
         seconds, table = json.loads(kept.read_text()), pd.read_csv(folder / f"{name}_members.csv")
         first = rigid.setdefault((joints, *motion), seconds)
         times = "" if None in (seconds, first) else f"{seconds / first:.1f}"  # null where something else was compiled
-        cells = [f"{motion[0]} s, {motion[1]} g", joints, bricks, f"{table.eigen_period_s[0]:.4f}",
-                 _spread(100 * table.max_drift_ratio), _spread(table["max_DI"]), _spread(table["max_shear_limit_DI"]),
-                 _spread(table.tension_breaks + table.shear_breaks, "{:.0f}"),
-                 f"{psi_history(read_history(folder / f'{name}.h5')).crack_length_m.max():.1f}",
-                 times]
-        print("| " + " | ".join(cells) + " |")
+        print_row(f"{motion[0]} s, {motion[1]} g", joints, bricks, f"{table.eigen_period_s[0]:.4f}",
+                  _spread(100 * table.max_drift_ratio), _spread(table["max_DI"]), _spread(table["max_shear_limit_DI"]),
+                  _spread(table.tension_breaks + table.shear_breaks, "{:.0f}"),
+                  f"{psi_history(read_history(folder / f'{name}.h5')).crack_length_m.max():.1f}", times)
 
 
 def _spread(values, form="{:.3f}"):
@@ -284,18 +271,10 @@ def _processor_s():
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("periods", "brick", "cost", "runs"))
-    parser.add_argument("walls", nargs="*", help="walls, or the folder of `runs`")
-    asked = parser.parse_args()
-    if asked.what == "periods":
-        periods(asked.walls or WALLS)
-    elif asked.what == "brick":
-        frequencies()
-    elif asked.what == "runs":
-        runs(Path(*asked.walls))
-    else:
-        cost(*(asked.walls or ["symmetric"]))
+    asked = arguments(__doc__, option("what", choices=("periods", "brick", "cost", "runs")),
+                      option("walls", nargs="*", help="walls, or the folder of `runs`"))
+    {"periods": lambda: periods(asked.walls or WALLS), "brick": frequencies,
+     "runs": lambda: runs(Path(*asked.walls)), "cost": lambda: cost(*(asked.walls or ["symmetric"]))}[asked.what]()
 
 
 if __name__ == "__main__":

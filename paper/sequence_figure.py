@@ -4,18 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
-from damage.draw.panels import (
-    NOTHING,
-    add_heading,
-    describe_members,
-    finish,
-    from_zero,
-    grid,
-    letter,
-    motion_label,
-    scale_note,
-    slip_note,
-)
+from damage.draw import panels
 from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, styled
 from damage.measure.tables import shocks_table
 from paper.results import REFERENCE
@@ -36,24 +25,24 @@ def sequences(results, points):
 
     Shocks that a fallen wall did not live to see are not there.
     """
-    figure, axes = grid(-(-len(points) // 2), 2, 1.9, sharex=False)
+    figure, axes = panels.grid(-(-len(points) // 2), 2, 1.9, sharex=False)
     for number, (ax, (_, point)) in enumerate(zip(axes.flat, points.iterrows())):
         tables = pd.concat([shocks_table(history) for history in results.histories(point)])
         factors = list(tables.groupby("shock")["factor"].first())
         text = f"{len(factors)} times" if len(set(factors)) == 1 else "times " + ", ".join(f"{f:g}" for f in factors)
-        letter(ax, number, f"{motion_label(point)}, {text}")
+        panels.letter(ax, number, f"{panels.motion_label(point)}, {text}")
         _draw(ax, tables)
         ax.set_ylabel("damage index [-]")
         ax.set_xlabel("shock")
-        from_zero(ax, NOTHING)
+        panels.from_zero(ax, panels.NOTHING)
     for ax in axes.flat[len(points):]:
         ax.set_axis_off()
     solver = "reference solver" if points["solver"].iloc[0] == REFERENCE else "YADE"
-    add_heading(figure, f"Damage index shock by shock: {' and '.join(points['wall'].unique())} wall",
-                f"{solver}, {describe_members(points)}; residual: after each shock's rest and settling",
-                slip_note(points), scale_note(axes))
+    panels.add_heading(figure, f"Damage index shock by shock: {' and '.join(points['wall'].unique())} wall",
+                f"{solver}, {panels.describe_members(points)}; residual: after each shock's rest and settling",
+                panels.slip_note(points), panels.scale_note(axes))
     handles = [Line2D([], [], ms=3.2, lw=0.9, label=label, **style) for label, style in _LINES.values()]
-    return finish(figure, handles, columns=3)
+    return panels.finish(figure, handles, columns=3)
 
 
 def _draw(ax, tables):
