@@ -31,7 +31,7 @@ from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS
 from damage.wall.parameters import ENERGIES, RULE, crushing_energy, softening_energies
 from paper.bench import BGAR, main, print_row, print_table, wall_file
-from paper.softening import stiffer
+from paper.softening import softened, stiffer
 
 FIXED = ["--boundary", "fixed"]
 HELD = {"squat_tested": [], "comp2_4": FIXED, "comp2_1": FIXED, "comp2_3": FIXED}
@@ -61,11 +61,11 @@ MODULUS = MATERIALS["sarhosis-2021"].young_modulus
 
 
 class Law(NamedTuple):
-    """energies: (G_I, G_II) [J/m2], None by the rule; crushes: by the tested strength and the rule for its fracture
+    """bond: a case of `softened`; crushes: by the tested strength and the rule for its fracture
     energy; modulus: of the masonry [Pa], None as tested; scatter: coefficient of variation; of: function in place of
     `layouts.scattered`."""
 
-    energies: tuple | None = None
+    bond: str = "rule"
     crushes: bool = False
     modulus: float | None = None
     scatter: float = 0.0
@@ -97,7 +97,7 @@ def along_courses(wall, contacts, scatter, _):
 
 
 LAWS = {
-    "rule": Law(), "clay strong, 19/353 J/m²": Law((19.0, 353.0)), "head joints at 0.3": Law(of=weaker_heads),
+    "rule": Law(), "clay strong, 19/353 J/m²": Law("19/353"), "head joints at 0.3": Law(of=weaker_heads),
     "strengths scatter by 0.35": Law(scatter=SCATTER),
     "... correlated along courses": Law(scatter=SCATTER, of=along_courses),
     "crushing softens": Law(crushes=True)}
@@ -128,9 +128,7 @@ def wall_by(name, law):
     """The wall of a shipped file by a Law; an unseen one by the prediction."""
     if name in UNSEEN + ELSEWHERE:
         return tested_wall(SPECIMENS[name])
-    wall = load_wall(name)
-    energies = softening_energies(wall.joint.tensile_strength) if law.energies is None else dict(
-        zip(("mode_i_fracture_energy", "mode_ii_fracture_energy"), law.energies))
+    wall, energies = softened(load_wall(name), law.bond), {}
     if law.crushes:
         energies["compressive_strength"] = strength = 1e6 * float(
             pd.read_csv(TESTS).set_index("Specimen").loc[SPECIMENS[name], "fm_c_MPa"])

@@ -110,7 +110,7 @@ def check(status, what):
 
 # --- shaking ------------------------------------------------------------------------------------------
 
-def shake(folder, cases, path):
+def shake(cases, path):
     """Run the cases that the table at `path` lacks; cases: list of (row, words), the row with a run's name."""
     done = set(pd.read_csv(path)["run"]) if path.is_file() else set()
     lines = [(row["run"], words) for row, words in cases if row["run"] not in done]
@@ -161,15 +161,12 @@ def case(folder, part, window, name, seed, before):
 
 def main(words):
     given = arguments(__doc__, option("folder", nargs="?", type=Path), option("--windows", action="store_true"),
-                      option("--walls", type=int, default=WALLS, help="number of walls to be run"),
                       option("--tables", action="store_true"), words=words)
     if given.tables:
         print_tables()
         return
     given.folder.mkdir(parents=True, exist_ok=True)
-    cases = cases_of(given.folder, settle(given.folder), given.windows)
-    shake(given.folder, [case for case in cases if case[0]["wall"] <= given.walls],
-          WINDOWS if given.windows else TABLE)
+    shake(cases_of(given.folder, settle(given.folder), given.windows), WINDOWS if given.windows else TABLE)
 
 
 # --- tables -------------------------------------------------------------------------------------------

@@ -1,8 +1,8 @@
 """Three cycles that start and end otherwise than a sine from zero, as records: the rows of docs/paper/open-points.md.
 
-    python3 paper/other_starts.py [--out DIR] [--motion PERIOD_S AMPLITUDE_G ...] [cosine] [ramp] [in-and-out]
+    python3 paper/other_starts.py [--out DIR] [cosine] [ramp] [in-and-out]
 
-Each runs on walls/symmetric.py in the reference solver, by default at the document's four motions; prints rows in
+Each runs on walls/symmetric.py in the reference solver at the document's four motions; prints rows in
 Markdown, of all motions together, then the last cycle begun in each motion and the first free one.
 Histories that are already in DIR are not run again.
 """
@@ -41,12 +41,10 @@ def run(bench, shape, period_s, amplitude_g):
 def main():
     asked = arguments(
         __doc__, option("shapes", nargs="*", metavar="SHAPE", help=f"of {', '.join(SHAPES)}; by default all"),
-        option("--motion", nargs=2, type=float, action="append", metavar=("PERIOD_S", "AMPLITUDE_G"),
-               help="instead of the four; can be given again"),
         option("--out", type=Path, default=Path("results/other_starts"), metavar="DIR"))
     bench = Bench(asked.out)
     for shape in chosen(asked.shapes, SHAPES, "shape"):
-        found = [summarise(run(bench, shape, *motion)) for motion in asked.motion or MOTIONS]
+        found = [summarise(run(bench, shape, *motion)) for motion in MOTIONS]
         cycles = [", ".join("-" if one[name] is None else f"{one[name]:.3f}"
                             for name in ("last_cycle_s", "first_free_cycle_s")) for one in found]
         cycles[0] = f"last and first free cycle [s]: {cycles[0]}"

@@ -39,6 +39,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.strain import brick_modes, elasticity_of, modes_of
+from verification.triangles import Mesh
 
 BRICK, JOINT = Brick(), Joint()
 LENGTH, HEIGHT, THICKNESS = BRICK.length, BRICK.height, BRICK.thickness
@@ -264,8 +265,6 @@ def test_first_periods_of_the_walls(name, by_order_2, by_order_3):
 @pytest.mark.parametrize("name", ["solid", "symmetric"])
 def test_first_periods_are_those_of_a_triangle_mesh(name):
     """Four cells a brick, of four constant-strain triangles each, whose nodes are the unknowns; two points a cell."""
-    from paper.deformable import Mesh
-
     by_modes, by_mesh = (lay_out(load_wall(f"walls/{name}.py"), ModelOptions(contacts="gauss", cells=cells,
                                                                              bricks="deformable")) for cells in (2, 4))
     assert natural_modes(by_modes, 1).period_s[0] == pytest.approx(Mesh(by_mesh, 4).first_period(), rel=3e-3)
