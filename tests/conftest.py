@@ -12,6 +12,8 @@ import h5py
 import pytest
 
 from damage.errors import InputError
+from damage.mechanics.tables import INPUT
+from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from yade_scripts import COMMAND
 
@@ -92,6 +94,12 @@ def one_line_error(function, *arguments, **named):
     assert "\n" not in message
     assert "expected" in message or "run pip install" in message
     return message
+
+
+def total_energy(solver):
+    """Of a wall, weight included; constant but for what comes in, which is counted [J]."""
+    lifted = GRAVITY * solver.layout.bodies.mass @ solver.displacement[:, 1]
+    return solver.kinetic_energy() + solver.elastic_energy() + lifted + solver.energy[1:].sum() - solver.energy[INPUT]
 
 
 def contents(path):

@@ -105,14 +105,6 @@ def test_an_elastic_joint_never_breaks():
     assert states[-1].shear_stress == approx(KS * 0.5)
 
 
-def test_mirrored_shear_gives_mirrored_state():
-    path = [(-1e-6 * (1 + math.sin(k / 5)), 2e-5 * math.sin(k / 9)) for k in range(500)]
-    here, _ = follow(path)
-    there, _ = follow([(opening, -shear) for opening, shear in path])
-    for a, b in zip(here, there):
-        assert (a.normal_stress, a.shear_stress, a.slip) == (b.normal_stress, -b.shear_stress, -b.slip)
-
-
 def test_sliding_under_a_changing_normal_stress_balances_step_by_step():
     """Coarse steps: the normal stress falls from 1 MPa to nothing and rises again while the joint slides."""
     state, work, opening = ContactState(broken=True), 0.0, -1e6 / KN

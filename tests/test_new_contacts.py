@@ -7,9 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from conftest import total_energy
 from numpy.testing import assert_allclose
 from PIL import Image
-from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, come_to_rest, ended, run_to_the_end, shove, total_energy
+from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, come_to_rest, ended, run_to_the_end, shove
 from test_widths import ACTIONS, act, make
 
 from damage.draw.animation import write_film
