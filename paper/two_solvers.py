@@ -54,8 +54,7 @@ def in_both(bench, wall, words, name):
 def figures_in_words(result, figures):
     """(key, label, YADE's value, the members' median, its range, what may be allowed, verdict) in words of FIGURES."""
     for key, (label, factor, digits, *_) in figures.items():
-        row = result["figures"][key]
-        if row["first"] is not None:
+        if row := result["figures"].get(key):
             first, median, allowed, *ends = (f"{factor * value:.{digits}f}" for value in (
                 row["first"], row["median"], row["allowed"], *row["range"]))
             yield key, label, first, median, ends, allowed, in_words(row["agrees"])
