@@ -13,6 +13,8 @@ import h5py
 import pytest
 
 from damage.errors import InputError
+from damage.mechanics.tables import INPUT
+from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from yade_scripts import COMMAND
 
@@ -107,6 +109,12 @@ def running(folder):
     """Command lines of the processes that name this folder."""
     lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
     return [line for line in lines if str(folder) in line]
+
+
+def total_energy(solver):
+    """Of a wall, weight included; constant but for what comes in, which is counted [J]."""
+    lifted = GRAVITY * solver.layout.bodies.mass @ solver.displacement[:, 1]
+    return solver.kinetic_energy() + solver.elastic_energy() + lifted + solver.energy[1:].sum() - solver.energy[INPUT]
 
 
 def contents(path):
