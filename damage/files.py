@@ -14,6 +14,8 @@ from pathlib import Path
 from damage.errors import InputError
 
 _PACKAGE = Path(__file__).parent
+YADE = str(_PACKAGE.parent / "yade"), "-n", "-j1"
+"""Command that runs a script in YADE without a screen, on one core, and without YADE's network servers; of a clone."""
 DATA = _PACKAGE / "data"
 """Records and tests that ship with the package; each folder's README says what they are."""
 

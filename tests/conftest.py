@@ -6,12 +6,15 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import h5py
 import pytest
 
 from damage.errors import InputError
+from damage.mechanics.tables import INPUT
+from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from yade_scripts import COMMAND
 
@@ -92,6 +95,26 @@ def one_line_error(function, *arguments, **named):
     assert "\n" not in message
     assert "expected" in message or "run pip install" in message
     return message
+
+
+def wait_until(condition, at_most_s=300):
+    """Wait until a function of nothing returns what is true."""
+    until = time.monotonic() + at_most_s
+    while not condition():
+        assert time.monotonic() < until, "waited in vain"
+        time.sleep(0.005)
+
+
+def running(folder):
+    """Command lines of the processes that name this folder."""
+    lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
+    return [line for line in lines if str(folder) in line]
+
+
+def total_energy(solver):
+    """Of a wall, weight included; constant but for what comes in, which is counted [J]."""
+    lifted = GRAVITY * solver.layout.bodies.mass @ solver.displacement[:, 1]
+    return solver.kinetic_energy() + solver.elastic_energy() + lifted + solver.energy[1:].sum() - solver.energy[INPUT]
 
 
 def contents(path):

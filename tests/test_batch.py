@@ -1,5 +1,7 @@
 """Studies on their way: what they leave, interrupted, killed, without a process, with a deleted lock, twice at once."""
 
+import errno
+import fcntl
 import hashlib
 import io
 import os
@@ -10,7 +12,7 @@ from types import SimpleNamespace
 
 import pandas as pd
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, contents
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, contents, wait_until
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -86,13 +88,6 @@ def whole(tmp_path_factory):
     return one
 
 
-def wait_until(condition, at_most_s=300):
-    until = time.monotonic() + at_most_s
-    while not condition():
-        assert time.monotonic() < until, "waited in vain"
-        time.sleep(0.005)
-
-
 @pytest.mark.slow
 class TestBatch:
     def test_members_differ_by_seed_and_an_intact_wall_has_but_one(self, whole):
@@ -156,7 +151,7 @@ class TestBatch:
         os.kill(victim, signal.SIGKILL)
         printed, errors = batch.communicate(timeout=300)
         assert batch.returncode == 0 and "3 of 3 points done" in printed, errors
-        assert "warning: a process was ended from outside (SIGKILL): " in errors and "begin again" in errors
+        assert "warning: a process was lost (SIGKILL): " in errors and "begin again" in errors
         assert batches.tables() == whole.tables()
 
     def test_with_histories_of_a_sample_alone_the_tables_are_the_same_and_any_run_can_be_made_again(self, batches):
@@ -327,8 +322,8 @@ class TestFolder:
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
         study, out = self.study(tmp_path), tmp_path / "out"
         lock = folder.claim(out, study)
-        for path in out.glob(".lock"):
-            path.unlink()
+        for path in out.rglob("*"):
+            path.unlink() if path.is_file() else None
         for shared in (False, True):
             with pytest.raises(InputError, match="another batch is at work"):
                 folder.claim(out, study, shared)
@@ -338,6 +333,23 @@ class TestFolder:
             folder.claim(out, study)
         os.close(lock)
         os.close(folder.claim(out, study))
+
+    def test_where_folders_cannot_be_locked_a_file_is(self, tmp_path, monkeypatch):
+        """As on NFS, which wants a descriptor to write to."""
+        flock = fcntl.flock
+
+        def of_files(descriptor, how):
+            if os.path.isdir(f"/proc/self/fd/{getattr(descriptor, 'fileno', lambda: descriptor)()}"):
+                raise OSError(errno.EBADF, "Bad file descriptor")
+            return flock(descriptor, how)
+
+        monkeypatch.setattr(fcntl, "flock", of_files)
+        monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
+        lock = folder.claim(tmp_path / "out", self.study(tmp_path))
+        with pytest.raises(InputError, match="another batch is at work"):
+            folder.claim(tmp_path / "out", self.study(tmp_path))
+        os.close(lock)
+        os.close(folder.claim(tmp_path / "out", self.study(tmp_path), shared=True))
 
     def test_a_slice_twice_at_once_is_refused(self, tmp_path):
         with folder.open_records(tmp_path / "records-1-of-2.jsonl"), pytest.raises(InputError, match="another batch"):
@@ -364,6 +376,13 @@ class TestFolder:
         """Behind the package, and from any working folder."""
         monkeypatch.setenv("PYTHONPATH", f"mine:{REPOSITORY}::/obspy")
         assert folder.python_path() == f"{REPOSITORY}:{os.getcwd()}/mine:/obspy"
+
+    @pytest.mark.parametrize(("words", "said"), [
+        (("--slice", "1/2", "--run", "x"), "--slice and --run given together"),
+        (("--slice", "1/2", "--slurm"), "--slice and --slurm given together")])
+    def test_what_does_not_go_together_is_refused(self, words, said):
+        with pytest.raises(InputError, match=said):
+            command.run_study(["quick", *words])
 
     @pytest.mark.parametrize("word", ["0/2", "3/2", "2", "a/b", "1/2/3", "-1/2"])
     def test_a_slice_is_one_of_its_parts(self, word, tmp_path):

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import h5py
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, running
 
 from damage.batch.folder import forecast
 from damage.studies.definition import load_study
@@ -192,16 +192,3 @@ def test_a_study_with_too_little_memory_is_reported_in_one_line(study, tmp_path)
     words = f"{REPOSITORY}/run_all.sh {study} --solver reference -j2 --out {tmp_path}/out"
     done = run("bash", "-c", f"ulimit -v 300000; {words}")
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "out of memory: ulimit -v is 307 MB" in done.stderr
-
-
-def wait_until(condition, at_most_s=60):
-    until = time.monotonic() + at_most_s
-    while not condition():
-        assert time.monotonic() < until, "waited in vain"
-        time.sleep(0.05)
-
-
-def running(folder):
-    """Command lines of the processes that name this folder."""
-    lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
-    return [line for line in lines if str(folder) in line]

@@ -18,8 +18,8 @@ from damage.run.options import free_name, make_parser, parse_run
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL, ModelOptions
 from damage.wall.parameters import Wall
-from paper.choices_figure import choice
 from paper.evidence import SHAPE
+from paper.study_figures import choice
 
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])

@@ -55,7 +55,8 @@ class Folder:
         (self.out / "tables").mkdir()
         (run,) = self.load().runs
         history = make_history(self.out / "runs" / f"{run.first}.h5", broken=[0])
-        (self.out / "tables" / f"{run.first}_index.csv").touch()
+        for name in (f"{run.first}_index.csv", "summary.csv"):
+            (self.out / "tables" / name).touch()
         record = record_of(history, run.first, "p")
         record["row"] |= {"model_digest": model_digest(CODE["reference"])} | row
         results = Results(self.out)

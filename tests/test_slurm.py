@@ -103,7 +103,7 @@ def test_a_study_on_slurm(tmp_path):
         assert done.returncode == 1, done.stderr  # of the run with too large a step, which stops no other
         assert "failed: bad_reference; see" in done.stderr and "2 of 3 points done" in done.stdout
         tables[name] = {path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
-    assert len(list((tmp_path / "slurm" / "logs" / "slurm").glob("*.log"))) == 2  # the shard, and what it came to
+    assert len(list((tmp_path / "slurm" / "logs" / "slurm").glob("*.log"))) == 1  # of the slice
     assert len(tables["here"]) == 11 and tables["slurm"] == tables["here"]
 
 
@@ -117,7 +117,7 @@ vary = { g = [0.5, 0.4, 0.3, 0.2] }
 '''
 KILLED = """
 setsid "$@" & batch=$!
-until [ "$(cat "$OUT"/shards/*.rows 2>/dev/null | grep -c .)" -ge 30 ]; do sleep 0.05; done
+until [ "$(cat "$OUT"/records*.jsonl 2>/dev/null | grep -c '"run"')" -ge 30 ]; do sleep 0.05; done
 kill -KILL -- -$batch
 scancel --full --signal=KILL --name=drawn
 until [ -z "$(squeue -h)" ]; do sleep 0.5; done
@@ -127,7 +127,7 @@ exec "$@"
 
 
 @on_slurm
-def test_two_hundred_runs_in_shards_killed_and_gone_on_with(tmp_path):
+def test_two_hundred_runs_in_slices_killed_and_gone_on_with(tmp_path):
     (tmp_path / "tiny.py").write_text(
         "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n")
     (tmp_path / "study.toml").write_text(DRAWN)
@@ -148,6 +148,6 @@ def test_two_hundred_runs_in_shards_killed_and_gone_on_with(tmp_path):
     tables = [{path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
               for name in ("slurm", "here")]
     assert len(tables[0]) == 4 * 4 + 3 and tables[0] == tables[1]
-    assert len(list((tmp_path / "slurm" / "shards").glob("*.done"))) == 4
+    assert len(list((tmp_path / "slurm" / "logs").glob("slice-*-of-4.done"))) == 4
     assert len(list((tmp_path / "slurm" / "runs").glob("*.h5"))) == 200
     assert len(list((tmp_path / "here" / "runs").glob("*.h5"))) == 4

@@ -5,14 +5,13 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, running, wait_until
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -311,19 +310,6 @@ class Batches:
                                    **self.options())
         wait_until(self.calls.read_text)
         return process
-
-
-def wait_until(condition, at_most_s=300):
-    until = time.monotonic() + at_most_s
-    while not condition():
-        assert time.monotonic() < until, "waited in vain"
-        time.sleep(0.1)
-
-
-def running(folder):
-    """Command lines of the processes that name this folder."""
-    lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
-    return [line for line in lines if str(folder) in line]
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from damage.batch.folder import ROOT
 from damage.batch.outdated import other_versions
 from damage.batch.pool import Pool
 from damage.batch.tasks import Task
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY
 from damage.measure.register import names
@@ -38,10 +38,8 @@ def make_again(name, study, results, lock):
                          f"{', '.join(changed[:_NAMED])}; expected the same, restore them, or run the study again")
     row = record.get("row")
     if row is None:
-        print(f"warning: --run {name}: no record of it in {results.folder}: its values are not compared",
-              file=sys.stderr, flush=True)
-    for warning in other_versions(row, run.solver):
-        print(f"warning: --run {name}: {warning}", file=sys.stderr, flush=True)
+        warn(f"--run {name}: no record of it in {results.folder}: its values are not compared")
+    warn(*(f"--run {name}: {warning}" for warning in other_versions(row, run.solver)))
     status = simulate(Task(results.folder, run, number, True), lock)
     if status != 0 or row is None:
         return status

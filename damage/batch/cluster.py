@@ -7,6 +7,7 @@ cluster-generic.
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, version
@@ -15,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.batch.folder import environment, open_log
+from damage.batch.folder import end_with_parent, environment, handled, open_log
 from damage.errors import InputError
+from damage.start import EXIT_INTERRUPTED
 from damage.studies.members import most_members
 
 HERE = Path(__file__).parent
@@ -59,30 +61,42 @@ def number_of_slices(runs, size):
     return max(1, round(sum(most_members(run) * (1 if run.solver == "reference" else YADE) for run in runs) / size))
 
 
-def run_slices(study, folder, options, n, only, asked, say):
-    """Run slices (numbers from 1) of n as jobs of a cluster; returns Snakemake's exit status.  An interrupt ends them.
+def run_slices(study, folder, options, n, only, jobs, cores, say):
+    """Run slices (numbers from 1) of n as jobs of a cluster; returns Snakemake's exit status, EXIT_INTERRUPTED where an
+    interrupt or a polite kill has cancelled them.
 
-    options: words of `python3 -m damage study` for each; asked: jobs, at a time, and cores of each.
+    options: words of `python3 -m damage study` for each; jobs: at a time; cores: of each; say(line): prints a line.
     """
     done = [f"logs/slice-{k}-of-{n}.done" for k in only]
     for name in done:
         (folder / name).unlink(missing_ok=True)
-    config = {"study": study.path, "slices": n, "only": ",".join(map(str, only)), "cores": asked.cores,
+    config = {"study": study.path, "slices": n, "only": ",".join(map(str, only)), "cores": cores,
               "options": shlex.join(options)}
-    command = [sys.executable, "-m", "snakemake", *done, *slurm_words(study.name, folder, asked.jobs), "--snakefile",
+    command = [sys.executable, "-m", "snakemake", *done, *slurm_words(study.name, folder, jobs), "--snakefile",
                HERE / "Snakefile", "--directory", folder, "--scheduler", "greedy", "--nolock", "--nocolor",
                "--keep-going", "--rerun-incomplete", "--config", *(f"{key}={value}" for key, value in config.items())]
     # For Snakemake 7, which imports distutils: a virtual environment would load all of setuptools for it, 0.3 s.
     faster = {"SETUPTOOLS_USE_DISTUTILS": "stdlib"} if sys.version_info < (3, 12) else {}
-    say(f"{len(only)} jobs of the cluster, {asked.jobs} at a time; {folder / 'logs' / 'snakemake.log'}")
+    say(f"{len(only)} jobs of the cluster, {jobs} at a time; {folder / 'logs' / 'snakemake.log'}")
     with open_log(folder / "logs" / "snakemake.log") as log:
-        snakemake = subprocess.Popen(list(map(str, command)), cwd=folder, env={**environment(folder), **faster},
-                                     stdin=subprocess.DEVNULL, stdout=log, stderr=log)
-        while True:
-            try:
-                return snakemake.wait()
-            except KeyboardInterrupt:  # it has it, too, where it came from the terminal; it cancels its jobs
-                snakemake.terminate()
+        snakemake = subprocess.Popen(
+            list(map(str, command)), cwd=folder, env={**environment(folder), **faster}, stdin=subprocess.DEVNULL,
+            stdout=log, stderr=log, process_group=0, preexec_fn=_prepare)
+    interrupted = []
+
+    def interrupt(*_):
+        interrupted.append(True)
+        snakemake.send_signal(signal.SIGINT)
+
+    with handled(interrupt):
+        status = snakemake.wait()
+    return EXIT_INTERRUPTED if interrupted else status
+
+
+def _prepare():
+    """Snakemake cancels its jobs at SIGINT, even where this program was started without, and when this program dies."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    end_with_parent(signal.SIGINT)
 
 
 def slurm_words(name, folder, jobs, release=None):

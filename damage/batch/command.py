@@ -36,6 +36,11 @@ def run_study(arguments):
     if words[0].startswith("-") and words[0] not in ("-h", "--help"):
         raise InputError(f"{words[0]} comes where a study should; give python3 -m damage study STUDY [OPTIONS]")
     asked = parse(words)
+    if asked.slice and (asked.slurm or asked.run):
+        raise InputError(f"--slice and {'--slurm' if asked.slurm else '--run'} given together; expected one of them, "
+                         "leave the other out")
+    if (asked.cores or asked.shard) and not asked.slurm:
+        warn("--cores and --shard have no effect without --slurm: -j is how many processes work")
     if asked.solver != "reference" and not (ROOT / "yade_scripts").is_dir():
         raise InputError(f"--solver {asked.solver}: YADE's programs are in a clone of the repository only, beside "
                          "YADE; expected --solver reference, or ./run_all.sh in a clone")
@@ -69,7 +74,7 @@ def parse(words):
     parser.add_argument("--slice", type=_slice, metavar="K/N", help="the K-th of N parts alone, without tables of the "
                         "whole study: a job of a cluster")
     parser.add_argument("--slurm", action="store_true", help="as jobs of a SLURM cluster, by Snakemake")
-    parser.add_argument("--cores", type=number_from(1, 9_999_999, int), default=1, metavar="N", help="with --slurm: "
+    parser.add_argument("--cores", type=number_from(1, 9_999_999, int), metavar="N", help="with --slurm: "
                         "processors for each job (default 1)")
     parser.add_argument("--shard", type=number_from(1, 9_999_999, int), metavar="RUNS", help="with --slurm: runs of a "
                         f"job (default about an hour's, {cluster.RUNS_AN_HOUR} a processor)")
@@ -170,7 +175,7 @@ class Batch:
             name = NAME
             results.write(verdict)
         if self.asked.slurm:
-            return self._on_cluster(results)
+            return self._on_cluster()
         with open_records(self.folder / name) as file:
             if self.asked.slice:
                 file.write(results.lines_of(verdict))
@@ -216,9 +221,10 @@ class Batch:
         status = 0 if self.asked.slice else self._sum_up()
         return self._report(pool.failed) or status
 
-    def _on_cluster(self, results):
+    def _on_cluster(self):
         """Run slices as jobs, then the tables; returns the exit status."""
-        size = self.asked.shard or cluster.RUNS_AN_HOUR * self.asked.cores
+        cores = self.asked.cores or 1
+        size = self.asked.shard or cluster.RUNS_AN_HOUR * cores
         n = cluster.number_of_slices(self.runs, size)
         left = {point.run for point in self.points.values() if not point.done or point.next_pictures()}
         only = [k for k, runs in enumerate(cluster.slices(self.runs, n), start=1) if left.intersection(runs)]
@@ -226,15 +232,16 @@ class Batch:
         status = 0
         if only:
             lock_as(self.lock, self.folder, shared=True)
-            status = cluster.run_slices(self.study, self.folder, options, n, only, self.asked, say)
+            status = cluster.run_slices(self.study, self.folder, options, n, only, self.asked.jobs, cores, say)
             lock_as(self.lock, self.folder)
         results = Results(self.folder)
         results.write(results.judge(self.runs))
         self.points = {run.id: Point(run, results, self.asked.keep == "all", False) for run in self.runs}
         failed = [task for point in self.points.values() for task in point.next_tasks()]
-        if status < 0 or status == EXIT_INTERRUPTED:
-            return EXIT_INTERRUPTED
-        return self._sum_up() or self._report(failed) or min(status, 1)
+        if status == EXIT_INTERRUPTED:
+            self._count()
+            return status
+        return max(self._sum_up(), self._report(failed), min(status, 1))
 
     @property
     def _done(self):

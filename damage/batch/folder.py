@@ -1,11 +1,15 @@
-"""The folder of a study: where it is, who works in it, its logs, and the room on its disk."""
+"""The folder of a study: where it is, who works in it, how these end, its logs, and the room on its disk."""
 
 import errno
 import fcntl
 import os
 import re
 import shutil
+import signal
+import sys
 import time
+from contextlib import contextmanager
+from ctypes import CDLL
 from pathlib import Path
 
 from damage.errors import InputError
@@ -16,13 +20,13 @@ ROOT = shipped("studies").parent
 """Where the paths of studies that ship start: the repository, or damage/share of an installed package."""
 RESULTS = ROOT / "results" if (ROOT / "run_all.sh").is_file() else Path.cwd() / "results"
 """Where studies go unless --out says it: into the repository; of an installed package, below the working folder."""
-YADE = str(ROOT / "yade"), "-n", "-j1"
-"""Command that runs a script in YADE without a screen, on one core, and without YADE's network servers."""
 LOCK_PATIENCE_S = 10.0
 """How long to wait for a folder that a killed batch's last processes may still hold [s]."""
 LEAST_FREE = 20_000_000
 """Room for a study to start and to go on [bytes]: tens of runs write less between two looks, and tables need some."""
 NO_ROOM = errno.ENOSPC, errno.EDQUOT
+_PR_SET_PDEATHSIG = 1
+_LIBC = CDLL(None)
 _ALREADY = "another batch is at work in {}; wait for its end, or choose another --out"
 
 
@@ -37,7 +41,7 @@ def claim(folder, study, shared=False):
     try:
         folder.mkdir(parents=True, exist_ok=True)
         check_room(folder)
-        lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)  # a file could be deleted, and a second one be locked
+        lock = _open_lock(folder)
         try:
             lock_as(lock, folder, shared)
             owner = _name_in(kept)
@@ -52,6 +56,21 @@ def claim(folder, study, shared=False):
             (folder / name).mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
+    return lock
+
+
+def _open_lock(folder):
+    """A descriptor to be locked: of the folder itself, since a file in it can be deleted while others hold it; of a
+    file where folders cannot be locked, as on NFS."""
+    lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(lock, fcntl.LOCK_UN)
+    except BlockingIOError:
+        pass
+    except OSError:
+        os.close(lock)
+        return plain_file(folder / ".lock", os.O_RDWR | os.O_CREAT)
     return lock
 
 
@@ -76,8 +95,9 @@ def open_records(path):
     except BlockingIOError:
         file.close()
         raise InputError(_ALREADY.format(path.parent)) from None
-    if path.stat().st_size and not path.read_bytes().endswith(b"\n"):
-        file.write("\n")
+    with open(path, "rb") as written:
+        if path.stat().st_size and written.seek(-1, os.SEEK_END) and written.read() != b"\n":
+            file.write("\n")
     return file
 
 
@@ -112,6 +132,25 @@ def environment(folder=None):
     places = {"XDG_CACHE_HOME": "cache", "MPLCONFIGDIR": "matplotlib", "IPYTHONDIR": "ipython"} if folder else {}
     return {**os.environ, "PYTHONPATH": python_path(), "PYTHONSAFEPATH": "1", "PYTHONUNBUFFERED": "1",
             **{name: str(folder / ".cache" / place) for name, place in places.items()}}
+
+
+def end_with_parent(signal_number):
+    """Have this process sent a signal when its parent dies, however that happens (Linux only)."""
+    if sys.platform == "linux":
+        _LIBC.prctl(_PR_SET_PDEATHSIG, int(signal_number), 0, 0, 0)
+
+
+@contextmanager
+def handled(handler):
+    """While this lasts an interrupt, a polite kill and a terminal that closes call a handler of signals."""
+    names = [name for name in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+             if signal.getsignal(name) != signal.SIG_IGN]  # as nohup leaves SIGHUP
+    before = {name: signal.signal(name, handler) for name in names}
+    try:
+        yield
+    finally:
+        for name, one in before.items():
+            signal.signal(name, one)
 
 
 def free_bytes(folder):

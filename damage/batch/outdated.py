@@ -36,12 +36,11 @@ _FILE = re.compile(r"(.*?)(?:\.part|\.differs)?\.h5")
 
 @dataclass
 class Verdict:
-    """inputs: {StudyRun: (key, its Inputs)}; names: {StudyRun.id: names of runs that are there}; changed: {StudyRun of
-    other inputs: how they differ, words}; unknown: single runs without a note of their inputs, which are kept; models:
-    {name of a run: the other model that made it}; measures: names of runs of other measures."""
+    """inputs: {StudyRun: (key, its inputs as JSON)}; changed: {StudyRun of other inputs: how they differ, words};
+    unknown: single runs without a note of their inputs, which are kept; models: {name of a run: the other model that
+    made it}; measures: names of runs of other measures."""
 
     inputs: dict = field(default_factory=dict)
-    names: dict = field(default_factory=dict)
     changed: dict = field(default_factory=dict)
     unknown: list = field(default_factory=list)
     models: dict = field(default_factory=dict)
@@ -63,13 +62,13 @@ class Results:
 
     def judge(self, runs):
         """The Verdict on StudyRuns.  Raises InputError where a wall, an option or a record is bad."""
-        verdict = Verdict()
+        verdict, there = Verdict(), defaultdict(list)
         for name in sorted({*self.records.runs, *self.histories}):
-            verdict.names.setdefault(point_of(name), []).append(name)
+            there[point_of(name)].append(name)
         for run in runs:
-            inputs = inputs_of(run, ROOT)
-            verdict.inputs[run] = key_of(as_json(inputs)), inputs
-            names = verdict.names.setdefault(run.id, [])
+            inputs, names = inputs_of(run, ROOT), there[run.id]
+            content = as_json(inputs)
+            verdict.inputs[run] = key_of(content), content
             differing = list(dict.fromkeys(one for key in {self._key(name) for name in names}
                                            for one in self.changes(run, inputs, key)))
             if differing == [_NO_NOTE] and not run.is_ensemble:
@@ -119,6 +118,9 @@ class Results:
             self._remove(name)
         for name in verdict.measures:
             self._forget(name)
+        if gone or verdict.measures or (remake and verdict.models):  # tables of the whole have rows that are gone
+            for name in ("summary.csv", "points.csv", "study.h5"):
+                (self.folder / "tables" / name).unlink(missing_ok=True)
         return [*self.records.faults, *_warnings(verdict, remake)]
 
     def _remove(self, name):
@@ -135,7 +137,7 @@ class Results:
 
     def lines_of(self, verdict):
         """Today's inputs of points, as a slice writes them before its records."""
-        return "".join(point_line(run.id, key, as_json(inputs)) for run, (key, inputs) in verdict.inputs.items()
+        return "".join(point_line(run.id, key, inputs) for run, (key, inputs) in verdict.inputs.items()
                        if self.records.points.get(run.id) != key)
 
     def write(self, verdict):
@@ -143,7 +145,7 @@ class Results:
         earlier versions and slices kept in its place goes."""
         for run, (key, inputs) in verdict.inputs.items():
             self.records.orderly &= self.records.points.get(run.id) == key
-            self.records.points[run.id], self.records.inputs[key] = key, as_json(inputs)
+            self.records.points[run.id], self.records.inputs[key] = key, inputs
         if self.records.orderly:
             return
         write_text(self.folder / NAME, self.records.text())

@@ -10,14 +10,15 @@ import os
 import signal
 import sys
 import time
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from multiprocessing.connection import wait
 
-from damage.batch.folder import NO_ROOM, is_short
+from damage.batch.folder import NO_ROOM, handled, is_short
 from damage.batch.tasks import RUN
 from damage.batch.worker import work
+from damage.errors import warn
 from damage.mechanics.compiled import COMPILING, is_cached
 from damage.provenance import measures_digest, versions
 from damage.reference.lanes import MOST_LANES
@@ -96,7 +97,7 @@ class Pool:
         self._add(sorted(tasks, key=lambda task: order.get(task.company, len(order))))
         if first := next((task for task in self._waiting if task.steps), None):
             load_compiled(first, self._say)
-        with self._signals():
+        with handled(self._interrupt):
             try:
                 self._work(follow)
             finally:
@@ -192,8 +193,7 @@ class Pool:
         failed = [task for task in worker.tasks if task.alone]
         self.failed += failed
         if again:
-            print(f"warning: a process was ended from outside ({how}): {len(again)} runs or pictures begin again",
-                  file=sys.stderr, flush=True)
+            warn(f"a process was lost ({how}): {len(again)} runs or pictures begin again")
         for task in failed:
             with open(task.log, "a", encoding="utf-8") as log:
                 log.write(f"error: {task.name}: its process was ended twice ({how})\n")
@@ -207,18 +207,6 @@ class Pool:
     def _end_all(self):
         for worker in self._workers:
             worker.end_politely()
-
-    @contextmanager
-    def _signals(self):
-        """While this lasts an interrupt, a polite kill and a terminal that closes end what runs."""
-        names = [name for name in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-                 if signal.getsignal(name) != signal.SIG_IGN]  # as nohup leaves SIGHUP
-        before = {name: signal.signal(name, self._interrupt) for name in names}
-        try:
-            yield
-        finally:
-            for name, handler in before.items():
-                signal.signal(name, handler)
 
     def _interrupt(self, *_):
         if not self.interrupted:

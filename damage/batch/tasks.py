@@ -6,7 +6,7 @@ from pathlib import Path
 
 from damage.run.options import parse_run
 from damage.studies.definition import StudyRun
-from damage.studies.members import most_members, runs_needed
+from damage.studies.members import runs_needed
 
 RUN, PICTURES = "run", "pictures"
 
@@ -70,11 +70,12 @@ def company_of(point):
 
 
 class Point:
-    """A point on its way: which of its runs are done, asked for, failed; results: `damage.batch.outdated.Results`."""
+    """A point on its way: records, {number: record} of its runs that are done, and which tasks were handed out."""
 
     def __init__(self, run, results, keeps_all, pictures):
+        """results: `damage.batch.outdated.Results` of the folder; keeps_all: all histories; pictures: of the first."""
         self.run, self._folder, self._keeps_all, self._pictures = run, results.folder, keeps_all, pictures
-        self._asked, self.failed = set(), []  # tasks that failed
+        self._asked = set()
         self.records = {number: record for number, record in results.records.of_point(run).items()
                         if results.is_whole(self._task(number))}
 
@@ -85,11 +86,6 @@ class Point:
     def done(self):
         """Whether all of its runs are done."""
         return all(number in self.records for number in range(1, runs_needed(self.run, self.records) + 1))
-
-    @property
-    def most_left(self):
-        """How many runs may still be made."""
-        return 0 if self.done else most_members(self.run) - len(self.records)
 
     def next_tasks(self):
         """The tasks that the results so far ask for and that were not handed out yet."""

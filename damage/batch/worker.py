@@ -12,11 +12,11 @@ import subprocess
 import sys
 import time
 from collections import deque
-from ctypes import CDLL
 
-from damage.batch.folder import ROOT, YADE, environment, open_log
+from damage.batch.folder import ROOT, end_with_parent, environment, open_log
 from damage.batch.tasks import PICTURES
 from damage.errors import InputError
+from damage.files import YADE
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.reader import read_history
 from damage.measure.tables import write_run_tables
@@ -28,8 +28,6 @@ from damage.studies.records import record_of
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
-_PR_SET_PDEATHSIG = 1
-_LIBC = CDLL(None)
 _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")  # of damage.run.session.Progress
 
 
@@ -38,7 +36,8 @@ def work(connection, parent, lock):
     that a solver holds as long as it runs."""
     # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended leave their records.
     signal.signal(signal.SIGTERM, lambda *_: _leave_without(parent))
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent's to answer
+    for name in (signal.SIGINT, signal.SIGHUP):  # of a terminal: the parent's to answer
+        signal.signal(name, signal.SIG_IGN)
     end_with_parent(signal.SIGTERM)
     _leave_without(parent)
     os.chdir(ROOT)
@@ -57,12 +56,6 @@ def work(connection, parent, lock):
             connection.send((task, status, record))
         if status == EXIT_INTERRUPTED:  # nothing more begins
             return
-
-
-def end_with_parent(signal_number):
-    """Have this process sent a signal when its parent dies, however that happens (Linux only)."""
-    if sys.platform == "linux":
-        _LIBC.prctl(_PR_SET_PDEATHSIG, int(signal_number), 0, 0, 0)
 
 
 def _leave_without(parent):
@@ -126,14 +119,15 @@ def conclude(task, kept=None):
         path = task.history if task.history.is_file() else task.part
         history = read_history(path) if kept is None else kept.history(path)
         if history.status != "complete":
-            raise InputError(f"the history is marked {history.status}; expected complete")
+            raise InputError(f"the history is marked {history.status}; expected complete; run the study again")
         if task.kept and path == task.part:
             os.replace(path, task.history)
         if task.number == 1:
             write_run_tables(history, task.folder / "tables" / task.name)
         return EXIT_OK, record_of(history, task.name, task.point.point)
     except (InputError, OSError) as error:
-        print(f"error: {task.name}: {error}; delete it", file=sys.stderr, flush=True)
+        remedy = f"; delete {task.history}" if task.history.is_file() else ""
+        print(f"error: {task.name}: {error}{remedy}", file=sys.stderr, flush=True)
         return EXIT_FAILED, None
 
 

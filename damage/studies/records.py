@@ -70,10 +70,9 @@ class Records:
 
     def text(self):
         """The content of NAME that holds all of this."""
-        used = {record.get("inputs") for record in self.runs.values()}
-        named = {key: point for point, key in self.points.items()}
+        others = {record.get("inputs") for record in self.runs.values()} & self.inputs.keys() - {*self.points.values()}
         lines = [point_line(point, key, self.inputs[key]) for point, key in self.points.items()]
-        lines += [point_line("", key, self.inputs[key]) for key in sorted(used & self.inputs.keys() - named.keys())]
+        lines += [point_line("", key, self.inputs[key]) for key in sorted(others)]
         return "".join([*lines, *map(line_of, self.runs.values())])
 
 
