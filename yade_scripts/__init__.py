@@ -20,5 +20,6 @@ def current_scene():
 
     return Scene.current
 
+
 COMMAND = (str(Path(__file__).resolve().parents[1] / "yade"), "-n", "-j1")
 """Command that runs a script in YADE without a screen, on one core, and without YADE's network servers."""

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from yade import O
 
-from yade_scripts import COMMAND
 from yade_scripts.servers import close_servers
 
 
@@ -38,7 +37,8 @@ def close_with_a_word():
     """Close YADE's servers, and say so."""
     if close_servers() and "--quiet" not in sys.argv:
         print(f"YADE's servers listened on all network interfaces during the first {_age_s():.1f} s; they are "
-              f"closed. {COMMAND[0]} starts YADE without them", file=sys.stderr, flush=True)
+              f"closed. {Path(__file__).resolve().parents[1] / 'yade'} starts YADE without them", file=sys.stderr,
+              flush=True)
 
 
 def _age_s():

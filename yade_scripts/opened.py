@@ -1,4 +1,4 @@
-"""The scene of a wall, open to scripts and to YADE's prompt: joints by name and place, stages, engines beside its own."""
+"""The scene of a wall, open to scripts and to YADE's prompt: joints by place, stages, engines beside its own."""
 
 import io
 import signal
@@ -7,16 +7,18 @@ from contextlib import redirect_stdout
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import yade
 from yade import O
 
 from damage.errors import InputError, RunError
 from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
-from damage.run.session import attended, prepare, simulate
+from damage.history.writer import HistoryWriter, layout_tables
 from damage.run.run import Run
+from damage.run.session import attended, prepare, simulate
 from damage.run.turns import take_turns
-from damage.wall.geometry import joint_table
+from damage.wall.kinds import KINDS
 
 _OWN = (yade.ForceResetter, yade.Collider, yade.InteractionLoop, yade.TimeStepper, yade.NewtonIntegrator)
 """Engines that a wall has by itself, as every new scene of YADE's; the time step is the run's."""
@@ -40,6 +42,9 @@ class Scene:
         self._prepared, self._settled, self._finished = None, False, False
         Scene.current = self
 
+    def __repr__(self):
+        return f"<Scene {self.wall.name}: {len(self.layout.bodies)} bodies, {self.layout.n_joints} contact points>"
+
     @property
     def wall(self):
         """damage.Wall."""
@@ -47,8 +52,9 @@ class Scene:
 
     @property
     def joints(self):
-        """DataFrame, a row a contact point, as `history.joints`: place, length, area, stiffnesses, strengths."""
-        return joint_table(self.layout)
+        """DataFrame, a row a contact point, as `history.joints`: bodies, place, length, stiffnesses, strengths."""
+        table = pd.DataFrame(layout_tables(self.layout)["joints"])
+        return table.assign(kind=np.array(KINDS)[table["kind"]])
 
     @property
     def history(self):
@@ -56,8 +62,8 @@ class Scene:
         return read_history(self.run.writer.path)
 
     def joint_at(self, x, z, kind=None):
-        """Number of the contact point nearest to a place in the undeformed wall [m]; kind: "bed", "head", "base" or
-        None for any."""
+        """Number of the contact point nearest to a place in the undeformed wall [m]; kind: one of KINDS, as "bed" and
+        "head", or None for any."""
         joints = self.joints
         if kind is not None and kind not in set(joints["kind"]):
             raise InputError(f"joint_at(kind={kind!r}): expected one of {', '.join(sorted(set(joints['kind'])))}; "
@@ -134,17 +140,11 @@ def open_scene(backend, settings, wall_file, wall):
     """The Scene of a damage.Wall as these settings build it, weightless and intact; arguments: as of `prepare`."""
     with redirect_stdout(io.StringIO()):
         prepared = prepare(backend, wall_file, lambda: wall, settings, HistoryInMemory if settings.out is None else
-                           _writer())
+                           HistoryWriter)
         backend.make(prepared.layout, prepared.time_step, prepared.settings)
     scene = Scene.current
     scene._prepared = prepared
     return scene
-
-
-def _writer():
-    from damage.history.writer import HistoryWriter
-
-    return HistoryWriter
 
 
 def engines_beside(more):
@@ -187,17 +187,17 @@ def name_of(engine):
 def prompt(scene, stage, then="", **more):
     """YADE's prompt, with what is in YADE's own and the parts of a Scene; stage: "before" or "after" the run; then:
     what follows; more: {name: value} beside these."""
-    import __main__
-    from IPython.terminal.embed import InteractiveShellEmbed
+    from IPython.terminal.embed import InteractiveShellEmbed  # noqa: T100
 
     names = {"O": O, "scene": scene, "wall": scene.wall, "run": scene.run, **more}
-    vars(__main__).update(names)
-    shell = InteractiveShellEmbed()  # as YADE has set it up
+    main = sys.modules["__main__"]  # where YADE's own prompt is
+    vars(main).update(names)
+    shell = InteractiveShellEmbed()  # noqa: T100, as YADE has set it up
     shell.banner1 = _PROMPT.format(wall=scene.wall.name, stage=stage, run_stage=scene.run.stage, time=scene.run.time,
                                    names=", ".join(names), then=then) + "\n"
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # of the run it would end it
     try:
         with redirect_stdout(sys.__stdout__):
-            shell(module=__main__, local_ns=vars(__main__))
+            shell(module=main, local_ns=vars(main))
     finally:
         signal.signal(signal.SIGINT, before)

@@ -71,6 +71,7 @@ def _run(make_wall, path, engines):
 def _backend(engines):
     """The Backend of YADE with these engines beside the wall's own."""
     import yade
+    from yade import O
 
     from damage.run.session import Backend
     from damage.run.settings import Softening
@@ -84,8 +85,9 @@ def _backend(engines):
         versions["yade_engines"] = ", ".join(map(name_of, engines))  # they may have moved the wall
 
     def make(layout, time_step, settings):
-        solver = YadeSolver(layout, time_step, settings.new_contacts, engines)
+        solver = YadeSolver(layout, time_step, settings.new_contacts)
         Scene(layout, solver, settings.console)
+        O.engines = [*O.engines, *engines]  # at the end of a step positions and forces are of the same time
         return solver
 
     def begins(run):

@@ -41,12 +41,9 @@ ON_FACE = 1e-2
 
 
 class YadeSolver(Solver):
-    """A wall in YADE as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`.
+    """A wall in YADE as Solver of a Run; methods without a docstring: `damage.run.solver.Solver`."""
 
-    engines: YADE engines that are called at the end of each step, when positions and forces are of the same time.
-    """
-
-    def __init__(self, layout, time_step, new_contacts=False, engines=()):
+    def __init__(self, layout, time_step, new_contacts=False):
         self.layout, self.time_step = layout, time_step
         self.model = build(layout, time_step, CORNER_RADIUS * layout.wall.brick.length if new_contacts else 0.0)
         self.scene = SceneReader(self.model)
@@ -64,7 +61,7 @@ class YadeSolver(Solver):
         self._tags, self._advancing = O.tags, False  # of this scene, which O.load and O.reset replace
         builtins.masonry_solver = self  # for the command of the engine
         O.engines = [self.model.newton, *O.engines[:-1],
-                     PyRunner(command=LOOK, iterPeriod=1, label="masonry_look"), *engines]
+                     PyRunner(command=LOOK, iterPeriod=1, label="masonry_look")]
         self.model.newton.warnNoForceReset = False  # forces are reset, but after their integration
         O.step()  # computes the initial forces; without a field nothing moves
 
@@ -158,9 +155,9 @@ class YadeSolver(Solver):
     def _check_scene(self):
         """Raise RunError where this wall's scene was replaced."""
         self._tags["masonry"] = f"{id(self)} {self.clock}"
-        if not O.tags.has_key("masonry") or O.tags["masonry"] != self._tags["masonry"]:  # noqa: W601
-            raise RunError("the wall's scene was replaced, by O.load or O.reset: expected it as it was built; start the "
-                           "run again, and load saved scenes in another process")
+        if not O.tags.has_key("masonry") or O.tags["masonry"] != self._tags["masonry"]:
+            raise RunError("the wall's scene was replaced, by O.load or O.reset: expected it as it was built; start "
+                           "again, and load saved scenes in another process")
 
     # --- one step -------------------------------------------------------------------------------
 

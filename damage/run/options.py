@@ -120,7 +120,8 @@ def parse_run(arguments, prog, solver):
         after_fall=getattr(parsed, "after_fall", False), accept_implausible=parsed.accept_implausible,
         step=getattr(parsed, "step", STEPS[0]), out=parsed.out, overwrite=parsed.overwrite,
         pictures=parsed.pictures, quiet=parsed.quiet, view=getattr(parsed, "view", False),
-        console=getattr(parsed, "console", None), command=f"{prog} {shown_command(arguments)}".strip(), model=_model(parsed))
+        console=getattr(parsed, "console", None), model=_model(parsed),
+        command=f"{prog} {shown_command(arguments)}".strip())
 
 
 @lru_cache(maxsize=4)  # a study asks for one for each of its runs
