@@ -58,7 +58,7 @@ class Backend:
     keeps_state: whether the history has the state at its end, from which another run continues; it is in a checkpoint
     otherwise;
     run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
-    it runs one wall only.
+    it runs one wall only; begins(run): called with the Run before its first step.
     """
 
     name: str
@@ -71,6 +71,7 @@ class Backend:
     brick_cells: int = 0
     keeps_state: bool = True
     run_members: Callable | None = None
+    begins: Callable = lambda run: None
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
@@ -290,6 +291,7 @@ def simulate(prepared, keep_going, settled=None):
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
         run = Run(layout, prepared.settings, solver, writer, keep_going, settled, prepared.state,
                   checkpoints=prepared.checkpoints, resumed=prepared.resumed)
+        prepared.backend.begins(run)
         finished = yield from run.settle_under_gravity()
         if finished:
             run.start(prepared.modes.shape[0])

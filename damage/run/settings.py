@@ -82,8 +82,8 @@ class RunSettings:
     run, which goes on from its checkpoint, or None; past_collapse_s: how long bodies are followed after the first brick
     fell [s]; new_contacts: loose bricks collide (in YADE they do in any case, but with sharper corners); after_fall:
     follow them until they rest; accept_implausible: do not check whether the wall and the motion are plausible; out:
-    history file, None for a name of its own below `results/`; quiet: print warnings and errors only; command: what
-    asked for it.
+    history file, None for a name of its own below `results/`; quiet: print warnings and errors only; console: when
+    YADE's prompt comes, "before" or "after" the run, or None; command: what asked for it.
     """
 
     loading: object
@@ -124,6 +124,7 @@ class RunSettings:
     pictures: bool = True
     quiet: bool = False
     view: bool = False
+    console: str | None = None
     command: str = ""
 
     def __post_init__(self):
