@@ -315,7 +315,8 @@ class YadeSolver(Solver):
             kinetic_j=0.5 * float(np.sum(self.scene.mass * speed**2)),
             elastic_j=self.scene.elastic_energy(tracker.broken), input_j=self._input_energy - self._in_springs(),
             friction_j=friction,
-            fracture_j=tracker.fracture_energy, damping_j=None)
+            fracture_j=tracker.fracture_energy, damping_j=None,
+            joint_stress_pa=self.scene.joint_stresses(self.layout.n_joints) if self.with_stresses else None)
 
     def forces(self):
         return self.scene.resultants(), self.scene.contact_forces()

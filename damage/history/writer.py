@@ -49,7 +49,7 @@ class File:
             _write_run(self._file, attributes)
             _write_tables(self._file, layout)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the disk is full.
-            self._growing = _create_growing(self._file, layout)
+            self._growing = _create_growing(self._file, layout, json.loads(attributes["parameters_json"]))
             self._state = self._file.create_dataset(schema.STATE, shape=(0,), maxshape=(None,), chunks=(1 << 16,),
                                                     dtype=schema.STATE_COLUMN.dtype)
             self._state.attrs["unit"] = schema.STATE_COLUMN.unit
@@ -250,16 +250,18 @@ def _write_tables(file, layout):
             file.create_dataset(f"{group}/{name}", data=values).attrs["unit"] = schema.TABLES[group][name].unit
 
 
-def _create_growing(file, layout):
+def _create_growing(file, layout, parameters):
     """Empty datasets {group: [in the order of its columns]}: rows of frames are of the joints, those of ground of the
-    supports, those of displacements of the bodies."""
+    supports, those of displacements of the bodies; parameters: of the run."""
     shapes = {"frames": (layout.n_joints,), "ground": (len(layout.supports), 3),
+              "stresses": (layout.n_joints, 2), "points": (len(parameters.get("points", ())), 2),
               "displacement": (len(layout.bodies), 3), "stress_pa": (len(layout.bodies), 5, 3)}
-    chunks = {"events": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
+    chunks = {"events": 1024, "static_stage": 1024, "snapshots": CHUNK // SNAPSHOT_SAMPLES}
     made = {group: [] for group in schema.GROWING}
     for group, columns in schema.GROWING.items():
+        file.create_group(group)
         for name, column in columns.items():
-            if f"{group}/{name}" in schema.OPTIONAL and layout.strain is None:
+            if not schema.is_kept(f"{group}/{name}", layout.strain is not None, parameters):
                 continue
             shape = shapes.get(group, shapes.get(name, ()))
             made[group].append(file.create_dataset(

@@ -89,10 +89,11 @@ class ReferenceSolver(ReferenceWall, Solver):
         totals, joints = samples.totals, self.active_contacts()
         bodies, supports = np.split(samples.displacement[..., :RIGID], [len(self.layout.bodies)], axis=1)
         strain = samples.displacement[:, :len(self.layout.bodies), RIGID:] if self.layout.strain else None
+        stress = np.moveaxis(self.of_joints(samples.stress), 1, 2) if self.with_stresses else None
         return Instants(clock, bodies, supports, samples.support_force, joints, self.contact_data(samples, joints),
                         np.full(len(clock), self.push_force()), totals[:, KINETIC],
                         np.add.reduce(samples.stored, axis=1) + totals[:, ELASTIC],
-                        totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain)
+                        totals[:, KINETIC + 1] - self._in_springs(bodies), *totals[:, KINETIC + 2:ELASTIC].T, strain, stress)
 
     def _in_springs(self, displacement):
         """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]: work of the push that

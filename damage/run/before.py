@@ -119,12 +119,17 @@ def read_earlier(path, layout, model, option="--continue", ended=True):
 
 def zero_of(state, now):
     """Instants `now` with the values at the first run's time zero in place of KEPT."""
-    return now._replace(**{name: state[f"zero_{name}"] for name in KEPT})
+    return now._replace(**{name: state[f"zero_{name}"] for name in _kept(now)})
 
 
 def with_zero(state, zero):
     """A solver's state with the KEPT values of Instants at time zero."""
-    return state | {f"zero_{name}": np.asarray(getattr(zero, name)) for name in KEPT}
+    return state | {f"zero_{name}": np.asarray(getattr(zero, name)) for name in _kept(zero)}
+
+
+def _kept(zero):
+    """KEPT, and of deformable bricks their strain, which moves material points."""
+    return KEPT if zero.strain is None else (*KEPT, "strain")
 
 
 # --- surveyed cracks ---------------------------------------------------------------------------------------

@@ -108,10 +108,10 @@ def resumed(path, layout, parameters, model, like):
         raise InputError(f"--resume {path}: its run is complete; expected one that was interrupted or killed; to start "
                          f"another one from its end give --continue {path}")
     now = json.loads(json.dumps(parameters, sort_keys=True))
-    other = [name for name, value in now.items() if name not in ("command", "wall_file", "outside_validity")
-             and history.parameters.get(name) != value]
+    other = [name for name in now | history.parameters if name not in ("command", "wall_file", "outside_validity")
+             and history.parameters.get(name) != now.get(name)]
     if other:
-        raise InputError(f"--resume {path}: {other[0]} is {one_line(now[other[0]])}, and was "
+        raise InputError(f"--resume {path}: {other[0]} is {one_line(now.get(other[0]))}, and was "
                          f"{one_line(history.parameters.get(other[0]))}; expected the options of the run that was "
                          f"interrupted ({history.command}); give them")
     tables = read_checkpoint(checkpoint_path(path), like)

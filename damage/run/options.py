@@ -108,6 +108,7 @@ def parse_run(arguments, prog, solver):
         "life": life, "settlement": settlement_of(parsed), "cracked": _surveyed(parsed), "model": _model(parsed),
         "continued": getattr(parsed, "continue") and str(getattr(parsed, "continue")), "alpha_1_s": alpha_1_s,
         "checkpoint_s": math.inf if parsed.checkpoint is None else 60 * parsed.checkpoint,
+        "points": tuple(map(tuple, parsed.point or ())),
         "resumed": parsed.resume and str(parsed.resume), "out": parsed.out or parsed.resume,
         "beta_s": beta_s, "command": f"{prog} {shown_command(arguments)}".strip()})
 
@@ -148,6 +149,8 @@ def _option(action, name, value):
         if not isinstance(value, bool):
             raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return [option] if value is action.const else []
+    if isinstance(action, argparse._AppendAction):
+        return [word for one in value for word in (option, *map(str, one))]
     values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
     words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
     return [option, *words] if action.nargs else [option, ",".join(words)]
@@ -320,6 +323,10 @@ def _add_run(group, solver):
     group.add_argument("--out", type=file_path, metavar="FILE.h5", help="history file "
                        "(default: a free name below results/)")
     group.add_argument("--overwrite", action="store_true", help="replace an existing FILE.h5 and its pictures in FILE")
+    group.add_argument("--stresses", action="store_true", help="keep normal and shear stress of all joints at every sample "
+                       "(size: as the run says; docs/guides/stresses.md)")
+    group.add_argument("--point", nargs=2, type=float, action="append", metavar=("X_M", "Z_M"), help="keep the "
+                       "displacement of this point of the wall at every sample; repeatable")
     group.add_argument("--checkpoint", type=number_from(1e-3, 1e5), metavar="MINUTES", help="keep the state in "
                        "FILE.checkpoint after so many minutes of computing each, and in YADE at the end (default: at "
                        "an interruption)")

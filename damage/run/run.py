@@ -24,6 +24,7 @@ from damage.run.settings import (
 from damage.run.solver import LOOK_STEPS, NO_MOTION
 from damage.run.watch import (
     BaseMotion,
+    MaterialPoints,
     fastest_fallen,
     have_fallen,
     have_left,
@@ -69,6 +70,8 @@ class Run:
         self._last = None  # snapshot of the last sample: of what else is kept all samples share the memory
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
         self._lowest = lowest_places(layout)
+        self._points = MaterialPoints(layout, settings.points) if settings.points else None
+        solver.with_stresses, self._looks = settings.stresses, []  # (time [s], unbalanced force) in the static stage
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring, and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
         self._balance_j, self._damped_j = state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
@@ -118,12 +121,15 @@ class Run:
             solver.restore(self._resumed)
         if self._state is not None:
             solver.resume(self._state)
-        elif self._resumed is not None or self._settled is None or not self._settled.recall(solver):
+        elif self._resumed is not None or self._settled is None or (looks := self._settled.recall(solver)) is None:
             finished = yield from self._come_to_rest()
             if not finished:
                 return False
             if self._settled is not None:
-                self._settled.keep(solver)
+                self._settled.keep(solver, self._looks)
+        else:
+            for look in looks:
+                self.writer.look(*look)
         events, now = solver.drain_events(), solver.instants()
         self.writer.static_stage(
             base_reaction_n=solver.base_reaction(), weight_n=self.layout.total_mass * GRAVITY,
@@ -136,8 +142,10 @@ class Run:
         """Advance until the wall is at rest; returns False when interrupted."""
         while self._goes_on():
             yield from self._advance(LOOK_STEPS)
-            held = self.time - self._ramp_s
-            if held >= HOLD_S and (self._unbalanced_force() < AT_REST or held > HOLD_AT_MOST_S):
+            held, unbalanced = self.time - self._ramp_s, self._unbalanced_force()
+            self._looks.append((self.time, unbalanced))
+            self.writer.look(*self._looks[-1])
+            if held >= HOLD_S and (unbalanced < AT_REST or held > HOLD_AT_MOST_S):
                 return True
         return False
 
@@ -394,7 +402,7 @@ class Run:
         ground = {"displacement": now.support_displacement - self._zero.support_displacement,
                   "force": now.support_force}
         self.writer.extend(self.stage, rows, now.joints, *({name: values[:end] for name, values in columns.items()}
-                                                           for columns in (now.contacts, ground)))
+                                                           for columns in (now.contacts, ground, self._beside(now))))
         if self.stage != "settling" and end > 0:
             self._balance.add(rows)
         for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
@@ -406,6 +414,14 @@ class Run:
             events = [event for event in events if end > 0 and event[0] <= now.clock[end - 1]]
         self._write_events(events)
         self._samples += end
+
+    def _beside(self, now):
+        """Stresses of the joints and displacements of material points, of a run that keeps them, as of
+        `Buffer.extend`."""
+        found = {} if now.joint_stress_pa is None else {"stresses": now.joint_stress_pa}
+        if self._points is not None:
+            found["points"] = np.subtract(*(self._points.of(one.displacement, one.strain) for one in (now, self._zero)))
+        return found
 
     def _snapshot(self, time_s, now, motion, k):
         """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of sample k."""

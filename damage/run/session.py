@@ -26,7 +26,7 @@ from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed
-from damage.run.opening import opening_lines, record_lines, sequence_lines
+from damage.run.opening import opening_lines, record_lines, sequence_lines, kept_lines
 from damage.run.options import free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
@@ -201,7 +201,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     made_by = versions(backend.code) | backend.versions
     state = _past(backend, settings, layout, made_by["model"], time_step)
     print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
-          *sequence_lines(settings), sep="\n", flush=True)
+          *sequence_lines(settings), *kept_lines(settings, layout, time_step), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,

@@ -81,9 +81,10 @@ class RunSettings:
     computing time between two checkpoints [s], infinity for one at an interruption only; resumed: history of this very
     run, which goes on from its checkpoint, or None; past_collapse_s: how long bodies are followed after the first brick
     fell [s]; new_contacts: loose bricks collide (in YADE they do in any case, but with sharper corners); after_fall:
-    follow them until they rest; accept_implausible: do not check whether the wall and the motion are plausible; out:
-    history file, None for a name of its own below `results/`; quiet: print warnings and errors only; console: when
-    YADE's prompt comes, "before" or "after" the run, or None; command: what asked for it.
+    follow them until they rest; stresses: keep those of all joints at every sample; points: places (x, z) in the
+    undeformed wall whose displacement is kept [m]; accept_implausible: do not check whether the wall and the motion are
+    plausible; out: history file, None for a name of its own below `results/`; quiet: print warnings and errors only;
+    console: when YADE's prompt comes, "before" or "after" the run, or None; command: what asked for it.
     """
 
     loading: object
@@ -118,6 +119,8 @@ class RunSettings:
     resumed: str | None = None
     new_contacts: bool = False
     after_fall: bool = False
+    stresses: bool = False
+    points: tuple[tuple[float, float], ...] = ()
     accept_implausible: bool = False
     out: Path | None = None
     overwrite: bool = False
@@ -243,7 +246,8 @@ class RunSettings:
         """Settings of each member: seeds 1, 2, ... or from `seed` on, scatter SCATTER where neither it nor `perturb_m`
         is given."""
         first, scatter = self.seed or 1, self.scatter or (0.0 if self.perturb_m else SCATTER)
-        return [replace(self, members=1, seed=first + k, scatter=scatter) for k in range(self.members)]
+        return [replace(self, members=1, seed=first + k, scatter=scatter, stresses=self.stresses and k == 0)
+                for k in range(self.members)]
 
     @property
     def duration_s(self):
@@ -263,6 +267,8 @@ class RunSettings:
                 "beta_s": self.beta_s, "relaxation": self.relaxation, "perturb_m": self.perturb_m,
                 "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,
                 "new_contacts": self.new_contacts, "after_fall": self.after_fall,
+                **({"stresses": True} if self.stresses else {}),
+                **({"points": [list(place) for place in self.points]} if self.points else {}),
                 "command": self.command}
 
 
