@@ -22,13 +22,13 @@ OFTEN = ("--checkpoint", "0.001")
 SHAKE = (SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.1", "--no-pictures", "--quiet")
 RUNS = {
     "brittle": (),
-    "settled": ("--settle", "hogging", "--distortion", "1/500"),
+    "settled": ("--settle", "hogging", "--distortion", "1/500", "--stresses", "--point", "0.3", "0.3"),
     "pushed": (SMALL, "--pushover", "0.02", "--no-pictures", "--quiet"),
     "falling": (SMALL, "--harmonic", "0.1", "1.5", "--rest", "0.1", "--new-contacts", "--after-fall", "--no-pictures",
                 "--quiet"),
     "deformable": ("--bricks", "deformable", "--rest", "0"),
-    "fibres": ("soft.toml", "--harmonic", "0.06", "0.9", "--rest", "0", "--fibres", "4", "--perturb", "1e-8", "--seed", "2",
-               "--no-pictures", "--quiet"),
+    "fibres": ("soft.toml", "--harmonic", "0.06", "0.9", "--rest", "0", "--fibres", "4", "--perturb", "1e-8", "--seed",
+               "2", "--no-pictures", "--quiet"),
 }
 SOFT = ('name = "soft"\nlength = 0.9\nheight = 0.6\nprecompression = 0.1e6\n'
         'joint = { mode_i_fracture_energy = 12.4, mode_ii_fracture_energy = 124.0 }\n')
@@ -143,7 +143,8 @@ def test_a_checkpoint_that_no_run_wrote_is_one_line(interrupted, tmp_path, monke
     monkeypatch.chdir(REPOSITORY)
     shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)
     tables = read_checkpoint(tmp_path / "cut.checkpoint")
-    for change, said in (({"bodies": np.array([{}], object)}, "table bodies is"), ({"rows": None}, "tables rows are in"),
+    for change, said in (({"bodies": np.array([{}], object)}, "table bodies is"),
+                         ({"rows": None}, "tables rows are in"),
                          ({"states": np.zeros(3)}, "table states is 8 bytes"),
                          ({"clock": np.array(-5)}, "the clock of the checkpoint"),
                          ({"rows": np.array([10**7] * len(tables["rows"]))}, "cannot be read up to its checkpoint")):
@@ -184,7 +185,7 @@ def test_kills_of_a_run_in_yade_leave_every_bit(tmp_path, yade_command):
     done = yade_command(*words, "--resume", cut)
     assert done.returncode == 0 and "YADE executes the names of the engines" in done.stderr, done.stderr
     assert differences(tmp_path / "whole.h5", cut) == []
-    assert_array_equal(damage.read_history(cut).snapshot_time_s, damage.read_history(tmp_path / "whole.h5").snapshot_time_s)
+    assert_array_equal(*(damage.read_history(path).snapshot_time_s for path in (cut, tmp_path / "whole.h5")))
 
 
 def run_until_a_checkpoint(command, path, sign):

@@ -105,7 +105,9 @@ def test_a_run_that_continues_starts_from_a_checkpoint_and_says_what_that_execut
     assert second.broken[0].any() and n == np.sum(whole.series["shock"] == 2) + 1
     for name in second.series.columns.drop(["time_s", "shock", "stage"]):
         expected = whole.series[name].to_numpy()[1 - n:]
-        assert_array_equal(second.series[name].to_numpy()[1:], expected, name)
+        # The work that comes in is summed over time, which begins at zero again: the length of a step rounds otherwise.
+        assert_allclose(second.series[name].to_numpy()[1:], expected, err_msg=name, rtol=0, atol=1e-12 * np.max(
+            np.abs(expected), initial=0) if name in ("input_energy_j", "damping_energy_j") else 0)
     for name in ("opening_m", "slip_m", "offset_m", "broken", "at_limit", "support_force"):
         assert_array_equal(getattr(second, name), getattr(whole, name)[-n:], name)
 

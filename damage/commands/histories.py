@@ -82,8 +82,8 @@ def _plot(asked):
          "arches", HISTORY, JSON,
          arg("--at", metavar="MOMENT,...", default="rest,max,end", help="rest, max, end, times [s] (default "
              "rest,max,end)"),
-         arg("--joint", action="append", default=[], metavar="NAME", help="a row of the joints, the place X,Z [m] of the "
-             "nearest, or bed:X,Z, head:X,Z; repeatable"),
+         arg("--joint", action="append", default=[], metavar="NAME", help="a row of the joints, the place X,Z [m] of "
+             "the nearest, or bed:X,Z, head:X,Z; repeatable"),
          out("folder for tables, of each joint over time too, and pictures", required=False))
 def _stresses(asked):
     from damage.measure.joint_stress import describe, stress_report

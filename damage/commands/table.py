@@ -90,8 +90,8 @@ GROUPS = {
     "first steps": ("demo", "new-wall", "help"),
     "a wall": ("materials", "draw", "modes", "wall-schema"),
     "ground motion": ("record", "exposure"),
-    "one run": ("reference", "index", "check", "info", "plot", "stresses", "animate", "report", "tables", "compare", "export",
-                "cracks", "cycles", "laboratory"),
+    "one run": ("reference", "index", "check", "info", "plot", "stresses", "animate", "report", "tables", "compare",
+                "export", "cracks", "cycles", "laboratory"),
     "many runs": ("study", "study-tables", "study-schema", "fragility", "dictionary"),
     "lives at an address": ("life", "lives"),
 }

@@ -155,14 +155,15 @@ def contact_force_picture(history, moment="max"):
     figure, ax = style.new_figure(1.0)
     ax.add_collection(PolyCollection(corners, facecolors=[style.BODY_COLOURS[kind] for kind in kinds],
                                      edgecolors="0.85", linewidths=0.2))
-    largest = max(np.hypot(*force.T).max(), 1.0)
+    size = np.hypot(*force.T)
+    largest = max(size.max(), 1.0)
     half = 0.5 * history.masonry_wall.brick.length / largest * force
     pulls = history.joint_stress_pa[sample, :, 0] > 0
     ax.add_collection(LineCollection(np.stack([place - half, place + half], axis=1), linewidths=0.6,
                                      colors=np.where(pulls, style.VERMILLION, style.BLUE)))
     _draw_thrust(ax, history, moment)
-    handles = [Line2D([], [], color=style.BLUE, lw=0.9, label=f"compression, up to {largest / 1e3:.3g} kN"),
-               Line2D([], [], color=style.VERMILLION, lw=0.9, label="tension"),
+    handles = [*(Line2D([], [], color=colour, lw=0.9, label=f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
+                 for colour, label, of in ((style.BLUE, "compression", ~pulls), (style.VERMILLION, "tension", pulls))),
                Line2D([], [], color=style.BLACK, lw=0.9, label="thrust"),
                Line2D([], [], color=style.BLACK, lw=0.5, ls=":", label="middle third")]
     time_s = history.series["time_s"].iloc[sample]
@@ -174,11 +175,11 @@ def _draw_thrust(ax, history, moment):
     table = sections_table(history, [moment]).set_index(["part", "place_m"])
     found = {}
     for part, left, right, is_bed, across, _ in sections(history):
-        row = table.loc[(part, across)]
-        inside = abs(row["eccentricity_m"]) <= (right - left) / 2
-        middle = row[["thrust_x_m", "thrust_z_m"]].to_numpy(float) - np.array(
-            [row["eccentricity_m"], 0.0] if is_bed else [0.0, row["eccentricity_m"]])
-        third = KERN * row["length_m"] * np.array([1.0, 0.0] if is_bed else [0.0, 1.0])
+        row = table.loc[part, across]
+        inside = abs(row["eccentricity_m"]) <= row["length_m"] / 2
+        middle, along = np.array([(left + right) / 2, across]), np.array([1.0, 0.0])
+        middle, along = (middle, along) if is_bed else (middle[::-1], along[::-1])
+        third = KERN * row["length_m"] * along
         thrust = row[["thrust_x_m", "thrust_z_m"]].to_numpy(float) if inside else np.full(2, np.nan)
         found.setdefault(part, []).append((thrust, middle - third, middle + third))
     for lines in found.values():

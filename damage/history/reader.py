@@ -112,10 +112,10 @@ class History:
     n_bodies, 5, 3) along x, along z and shear at the centre and the corners of each brick, None where bricks are rigid.
     supports: DataFrame, a row a support (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]:
     (n_times, n_supports, 3); all three None in a file that has none (before schema version 5).
-    joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of each contact point, None
-    without `--stresses`; point_displacement: (n_times, n_points, 2) along x and z of the material `points` [m], None
-    without `--point`; static_stage: DataFrame, a row a look at the static stage (time_s, unbalanced_force), None before
-    schema version 8.
+    joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of each contact point,
+    None without `--stresses`; point_displacement: (n_times, n_points, 2) along x and z of the material `points` [m],
+    None without `--point`; static_stage: DataFrame, a row a look at the static stage (time_s, unbalanced_force), None
+    before schema version 8.
     static: results of the static stage; parameters: everything that defined the run, as stored in the file; `loading`,
     `model` and `masonry_wall` return most of it as records; `wall` is the wall's name.
     status: complete, interrupted, failed, or unfinished (still running, or killed).
@@ -363,7 +363,7 @@ def opened(path):
 def _is_growing(path):
     """Whether a run still writes the file, or was killed: HDF5's mark in its superblock.  Read in this mode, a damaged
     finished file would make HDF5 wait for ever."""
-    with path.open("rb") as file:
+    with Path(path).open("rb") as file:
         block = file.read(HEAD_BYTES + 12)
     start = 0 if block.startswith(HDF5) else HEAD_BYTES
     return block[start + 11:start + 12] >= b"\4"  # of its consistency flags that of a single writer with many readers

@@ -115,8 +115,8 @@ SNAPSHOTS = {
                         "left; zero of caps", "f4", since=6),
 }
 STRESSES = {
-    "joint_stress_pa": Column("Pa", "only with `--stresses`: normal stress, tension positive, and shear stress, signed as "
-                              "`slip_m`, of each contact point: its force over its area", "f4", since=8),
+    "joint_stress_pa": Column("Pa", "only with `--stresses`: normal stress, tension positive, and shear stress, signed "
+                              "as `slip_m`, of each contact point: its force over its area", "f4", since=8),
 }
 POINTS = {
     "displacement": Column("m", "only with `--point`: of each material point, in the order of the run's parameter "
@@ -124,8 +124,8 @@ POINTS = {
 }
 STATIC_STAGE = {
     "time_s": Column("s", "since the start of the static stage, every 500 steps", since=8),
-    "unbalanced_force": Column("1", "mean resultant on a body over mean contact force, the solve ratio of UDEC and YADE: "
-                               "the stage ends below 1e-5", since=8),
+    "unbalanced_force": Column("1", "mean resultant on a body over mean contact force, the solve ratio of UDEC and "
+                               "YADE: the stage ends below 1e-5", since=8),
 }
 STATE = "state/solver"
 STATE_COLUMN = Column("bytes", "NumPy archive of the solver's own tables at the end of a complete run, with which "

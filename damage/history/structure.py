@@ -175,8 +175,7 @@ def check_values(history):
     _check_columns("joints", joints, infinite=("tensile_strength_pa", "cohesion_pa"))
     _check_columns("bodies", bodies)
     _check_columns("events", events)
-    if history.static_stage is not None:
-        _check_columns("static_stage", history.static_stage)
+    _check_columns("static_stage", {} if history.static_stage is None else history.static_stage)
     # A column that a solver does not provide is empty: it has all its values or none.
     empty = [name for name, values in series.items() if values.dtype.kind == "f" and np.isnan(values.to_numpy()).all()
              and name not in ("time_s", "drift_ratio")]
@@ -185,9 +184,7 @@ def check_values(history):
         for name in names:
             values = table[name].to_numpy()
             _refuse(~(values > 0), name, "a number above zero", values)
-    if history.point_displacement is not None and history.point_displacement.shape[1] != len(history.points):
-        raise InputError(f"points/displacement is of {history.point_displacement.shape[1]} points, expected one of each "
-                         f"of parameter points, {len(history.points)}")
+    _check_points(history)
     n_supports = 1 if history.supports is None else len(history.supports)
     for table, name, least, end in ((joints, "first_body", -n_supports, len(bodies)),
                                     (joints, "second_body", 0, len(bodies)), (events, "joint", 0, len(joints))):
@@ -206,6 +203,13 @@ def check_values(history):
         if not fine.all():
             raise InputError(f"{name} is no number that can be in row {int(np.argmin(fine))}: its run "
                              "blew up, give it a smaller --dt")
+
+
+def _check_points(history):
+    """Raise InputError where the material points are not those of the parameters."""
+    if history.point_displacement is not None and history.point_displacement.shape[1] != len(history.points):
+        raise InputError(f"points/displacement is of {history.point_displacement.shape[1]} points, expected each of "
+                         f"parameter points, {len(history.points)}")
 
 
 def _check_columns(table, frame, infinite=()):

@@ -6,7 +6,8 @@ the stresses sigma (tension positive), tau and areas A of its contact points, at
     N = sum sigma A,   V = sum tau A,   M = sum sigma A s,   e = M / N
 
 e is the eccentricity: where the thrust passes.  Joints that transmit no tension are pressed all over up to e = 1/6 of
-the section's length.  Places are those of the undeformed wall.
+the section's length.  Places and directions are those of the undeformed wall: a joint that has turned by an angle has
+its forces along axes turned so.
 """
 
 import re
@@ -17,7 +18,6 @@ import pandas as pd
 from damage.errors import InputError
 from damage.history.moments import choose_samples
 from damage.history.schema import Column
-from damage.units import rounded
 from damage.wall.lintels import ARCH_COURSE
 
 MOMENTS = "rest", "max", "end"
@@ -154,7 +154,7 @@ def joint_of(history, name):
     if chosen.empty:
         raise InputError(f"{expected}: there is no joint of kind {kind}; choose another")
     away = np.hypot(chosen["x_m"] - x, chosen["z_m"] - z)
-    row = int(away.idxmin())
+    row = int(away.fillna(np.inf).idxmin())
     if not away[row] <= history.masonry_wall.brick.length:
         raise InputError(f"{expected}: the nearest, {row}, is at {joints['x_m'][row]:.4g},{joints['z_m'][row]:.4g}; "
                          "choose another")
@@ -247,8 +247,8 @@ def describe(report):
 
 
 def _range(numbers, kind):
-    return " to ".join(rounded(numbers[f"{which}_{kind}_stress_pa"] / _MEGA, 3) for which in ("min", "max"))
+    return " to ".join(f"{numbers[f'{which}_{kind}_stress_pa'] / _MEGA + 0.0:.4f}" for which in ("min", "max"))
 
 
 def _kilo(value):
-    return rounded(value / _KILO, 3)
+    return f"{value / _KILO:.3f}"

@@ -3,9 +3,10 @@
 `python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv, _cycles.csv,
 _static_stage.csv (the unbalanced force over it), for a sequence _shocks.csv, for a wall with floors _storeys.csv, of
 deformable bricks _bricks.csv, with --stresses _stresses.csv and _sections.csv, with --point _points.csv, and
-STEM_info.json, their origin.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.  With `--members
-N`, a run repeated with slightly scattered strengths as a measure of its precision, FILE_members.csv beside FILE.h5, the
-history of the first member, has a row for each member with the columns of summary.csv.
+STEM_info.json, their origin.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` writes a row for each
+history. With `--members N`, a run repeated with slightly scattered strengths as a measure of its precision,
+FILE_members.csv beside FILE.h5, the history of the first member, has a row for each member with the columns of
+summary.csv.
 """
 
 from dataclasses import asdict
@@ -176,7 +177,8 @@ def _has(history):
 def write_run_tables(history, stem, names=RUN_TABLES):
     """Write tables of a run to STEM_index.csv and so on, and their origin to STEM_info.json; returns the paths.
 
-    names: keys of RUN_TABLES; those that a run has not (`_has`) are left out.  Raises InputError where the history has no sample.
+    names: keys of RUN_TABLES; those that a run has not (`_has`) are left out.  Raises InputError where the history has
+    no sample.
     """
     if len(history.series) == 0:
         raise InputError(f"{history.path} holds no sample yet ({history.status}); let the run continue")

@@ -52,8 +52,8 @@ class Settled:
         return self._state.looks
 
     def keep(self, solver, looks):
-        """Store the state of a solver at the end of its static stage, and the looks at it, unless its bricks have found new contacts by
-        then."""
+        """Store the state of a solver at the end of its static stage, and the looks at it, unless its bricks have found
+        new contacts by then."""
         if solver.loose is None or not solver.loose.counts.any():
             self._walls.put(self._digest, State(solver, looks))
 
@@ -61,7 +61,7 @@ class Settled:
 class State:
     """Copy of the tables of a ReferenceWall and its clock; looks: at its static stage, (time [s], unbalanced force)."""
 
-    def __init__(self, wall, looks):
+    def __init__(self, wall, looks=()):
         self.looks = tuple(looks)
         self._step, of = wall.step, (wall.lanes.tables, wall.lanes.lane_of(wall))
         self._tables = join([of], capacity=int(wall.system.n_events[0]))

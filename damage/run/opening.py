@@ -66,7 +66,8 @@ def kept_lines(settings, layout, time_step):
     interval = sample_steps(time_step)
     samples = stages(settings, layout, time_step, interval)[-1].end_step // interval + 1
     return [*lines, f"stresses of {layout.n_joints} contact points at {samples} samples: "
-            f"{8e-6 * samples * layout.n_joints:.3g} MB in memory where the history is read, less in the file"]
+            f"{8e-6 * samples * layout.n_joints:.3g} MB in memory where the history is read, "
+            "in the file up to four fifths of that"]
 
 
 def record_lines(settings):

@@ -26,7 +26,7 @@ from damage.motion.plausible import faint_warnings
 from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed
-from damage.run.opening import opening_lines, record_lines, sequence_lines, kept_lines
+from damage.run.opening import kept_lines, opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
