@@ -54,6 +54,13 @@ class HistoryInMemory(Buffer):
             self._writer.finish(status, collapsed_at_s)
         self._status, self._collapsed_at_s = status, collapsed_at_s
 
+    def begin_again(self, parameters):
+        """As of a HistoryWriter."""
+        if self._writer is not None:
+            self._writer.finish("interrupted")
+            self.path.unlink()
+        self.__init__(self.path, self._layout, **self._made | {"parameters": parameters})
+
     def _write(self):
         """Continue in a file."""
         self._writer = HistoryWriter(self.path, self._layout, **self._made)

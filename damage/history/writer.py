@@ -48,7 +48,8 @@ class HistoryWriter(Buffer):
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         super().__init__(layout)
-        self.path = Path(path)
+        self.path, self._layout = Path(path), layout
+        self._made = {"solver": solver, "parameters": parameters, "versions": versions}
         self.attributes = run_attributes(layout, solver, parameters, versions)
         with self._writing():
             self._file = _create_file(self.path, overwrite)
@@ -80,6 +81,11 @@ class HistoryWriter(Buffer):
             for name, value in values.items():
                 self._file["static"][name][()] = value
         self.flush()
+
+    def begin_again(self, parameters):
+        """Begin anew, as if nothing had been written, with other parameters."""
+        self.finish("interrupted")
+        self.__init__(self.path, self._layout, **self._made | {"parameters": parameters}, overwrite=True)
 
     def keep_state(self, state):
         with self._writing():

@@ -14,6 +14,7 @@ from scipy.sparse.linalg import eigsh, splu
 
 from damage.errors import InputError
 from damage.units import GRAVITY
+from damage.wall.kinds import rows as rows_of
 
 _ROUNDING = 100 * np.finfo(float).eps
 """A squared frequency below this share of the highest is rounding, of a part that can move freely."""
@@ -37,17 +38,19 @@ def contact_normals(contacts):
     return np.column_stack([head, ~head]).astype(float)
 
 
-def kinematic_matrix(layout, directions):
+def kinematic_matrix(layout, directions, supports=False):
     """Sparse (n_contacts, coordinates n_bodies): relative displacement of second to first along `directions`, which
-    are the normals or the tangents where bricks deform."""
+    are the normals or the tangents where bricks deform; supports: with their coordinates behind those of the bodies."""
     contacts, bodies, strain = layout.contacts, layout.bodies, layout.strain
-    coordinates = 3 + (strain.n_modes if strain else 0)
+    coordinates, n = 3 + (strain.n_modes if strain else 0), len(bodies) + supports * len(layout.supports)
+    x, z = np.append(bodies.x, layout.supports.x), np.append(bodies.z, np.zeros(len(layout.supports)))
     rows, columns, values = [], [], []
     for body, shape, sign in ((contacts.second, strain and strain.second, 1.0),
                               (contacts.first, strain and strain.first, -1.0)):
+        body = rows_of(body, len(bodies)) if supports else body
         moving = np.flatnonzero(body >= 0)
         index = body[moving]
-        rx, rz = contacts.x[moving] - bodies.x[index], contacts.z[moving] - bodies.z[index]
+        rx, rz = contacts.x[moving] - x[index], contacts.z[moving] - z[index]
         dx, dz = directions[moving].T
         by_modes = () if strain is None else np.where(
             np.any(directions * contact_normals(contacts), axis=1)[moving, None],
@@ -57,17 +60,23 @@ def kinematic_matrix(layout, directions):
             columns.append(coordinates * index + dof)
             values.append(sign * value)
     return coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-                      shape=(len(contacts), coordinates * len(bodies))).tocsr()
+                      shape=(len(contacts), coordinates * n)).tocsr()
+
+
+def joint_stiffness(layout, factors=(1.0, 1.0), supports=False):
+    """Sparse stiffness of all contact points [N/m, N, N m], times factors across and along each; supports: as of
+    `kinematic_matrix`."""
+    contacts = layout.contacts
+    normals = contact_normals(contacts)
+    across = kinematic_matrix(layout, normals, supports)
+    along = kinematic_matrix(layout, normals[:, ::-1], supports)
+    return (across.T @ diags(factors[0] * (contacts.normal_stiffness * contacts.area)) @ across
+            + along.T @ diags(factors[1] * (contacts.shear_stiffness * contacts.area)) @ along)
 
 
 def stiffness_matrix(layout):
     """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]."""
-    contacts = layout.contacts
-    normals = contact_normals(contacts)
-    across = kinematic_matrix(layout, normals)
-    along = kinematic_matrix(layout, normals[:, ::-1])
-    joints = (across.T @ diags(contacts.normal_stiffness * contacts.area) @ across
-              + along.T @ diags(contacts.shear_stiffness * contacts.area) @ along)
+    joints = joint_stiffness(layout)
     if layout.strain is None:
         return joints
     return joints + diags(np.hstack([np.zeros((len(layout.bodies), 3)), layout.strain.stiffness]).ravel())
@@ -91,18 +100,23 @@ def static_displacement(layout):
     return moved.reshape(weight.shape)
 
 
+def elastic_key(layout):
+    """All that masses and stiffnesses of a layout's intact wall depend on, a tuple of bytes."""
+    bodies, contacts = layout.bodies, layout.contacts
+    strain = () if layout.strain is None else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
+    return tuple(values.tobytes() for values in (
+        bodies.x, bodies.z, bodies.mass, bodies.inertia, contacts.kind, contacts.first, contacts.second, contacts.x,
+        contacts.z, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness, layout.drift_bodies,
+        *strain))
+
+
 def natural_modes(layout, n_modes=6):
     """The `n_modes` longest natural periods, their shapes, and 2 / omega_max.
 
     Those of the last walls are kept: members of an ensemble differ by their strengths alone, which modes do not know.
     Raises InputError of a wall that has none in the numbers of this machine.
     """
-    bodies, contacts = layout.bodies, layout.contacts
-    strain = () if layout.strain is None else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
-    asked = n_modes, *(values.tobytes() for values in (
-        bodies.x, bodies.z, bodies.mass, bodies.inertia, contacts.kind, contacts.first, contacts.second, contacts.x,
-        contacts.z, contacts.area, contacts.normal_stiffness, contacts.shear_stiffness, layout.drift_bodies,
-        *strain))
+    asked = n_modes, *elastic_key(layout)
     if asked not in _KEPT:
         while len(_KEPT) >= _MOST_KEPT:
             del _KEPT[next(iter(_KEPT))]

@@ -46,7 +46,8 @@ def summary_row(history, run="", point=""):
     row |= {"settlement": settlement.get("profile"), "distortion": settlement.get("distortion")}
     row |= _motion_columns(history) | asdict(history.model) | {"joints": history.joint_normals}
     row |= {name: history.parameters.get(name) for name in (
-        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "time_step_s", "eigen_period_s")}
+        "alpha_1_s", "beta_s", "perturb_m", "scatter", "seed", "mass_scaling", "time_step_s", "repeats",
+        "repeated_for", "eigen_period_s")}
     joint = history.masonry_wall.joint
     row |= {f"{name}_j_m2": getattr(joint, name) or 0.0
             for name in ("mode_i_fracture_energy", "mode_ii_fracture_energy")}

@@ -10,7 +10,7 @@ from damage.provenance import shown_path
 from damage.reference.members import run_members
 from damage.reference.solver import ReferenceSolver
 from damage.run.session import EXIT_INPUT, Backend, reported, run_session
-from damage.run.settings import Softening
+from damage.run.settings import SELECTIVE, Softening
 from damage.wall.file import load_wall, wall_path
 
 PROG = "python3 -m damage reference"
@@ -18,11 +18,12 @@ PROG = "python3 -m damage reference"
 
 def _make(layout, time_step, settings):
     """The ReferenceSolver of a Layout and RunSettings."""
-    return ReferenceSolver(layout, time_step, new_contacts=settings.new_contacts)
+    return ReferenceSolver(layout, time_step, beta=settings.beta_s, new_contacts=settings.new_contacts,
+                           scaled=settings.mass_scaling == SELECTIVE)
 
 
 BACKEND = Backend("reference", {"numba": numba.__version__}, _make, Path(__file__).parent, softening=Softening(),
-                  run_members=run_members)
+                  run_members=run_members, scales_masses=True)
 
 
 def run_reference(arguments):

@@ -14,9 +14,10 @@ from damage.law.joint_law import material_of
 from damage.law.modes import static_displacement
 from damage.mechanics import tables
 from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, strain_tables, sum_springs
+from damage.mechanics.factor import scaled_mass
 from damage.mechanics.loose import FULL, INSIDE
 from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Stiffness
-from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
+from damage.mechanics.tables import RIGID, ROTATION, X, Z, copy_lines
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
 
@@ -25,18 +26,20 @@ class ReferenceWall:
     """A wall and its state; time is counted in steps.
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s]; alpha: mass-proportional
-    damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide.  time_step, beta, alpha,
+    damping [1/s]; new_contacts: bodies whose joints have ended, or that had none, collide; scaled: selective mass
+    scaling (`damage.mechanics.scaling`) for this time step and beta, without local damping.  time_step, beta, alpha,
     `local_damping` (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
     changed at any time.
     """
 
-    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False):
+    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False, scaled=False):
         self.layout, self.time_step, self.step = layout, time_step, 0
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         built, row = build(layout, self.material), contact_rows(layout)[0]
         self.strain, self.loose = strain_tables(layout), None
+        self.mass = scaled_mass(layout, time_step, beta) if scaled else None
         self.stiffness = Stiffness(built.contacts["area"].copy(), layout.contacts.normal_stiffness[row],
                                    layout.contacts.shear_stiffness[row])
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
@@ -243,6 +246,10 @@ class ReferenceWall:
         self._held, self._is_driven = bodies, True
         for coordinate in (X, ROTATION) if rotation else (X,):
             self.system.inverse_mass[bodies, coordinate] = self.system.velocity[bodies, coordinate] = 0.0
+        if self.mass:
+            held = np.flatnonzero(self.system.inverse_mass[:len(self.layout.bodies)] == 0)
+            self.mass = scaled_mass(self.layout, self.time_step, self.mass.beta, held.tolist())
+            Lanes([self])
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy is input."""
@@ -264,7 +271,22 @@ class ReferenceWall:
         (`damage.mechanics.samples.input_of_half_a_step`)."""
         change = velocity - self.system.velocity[which]
         self.energy[tables.INPUT] += 0.5 * self.time_step * np.sum(self.system.force[which] * change)
+        if self.mass:
+            self._let_follow(which, change)
         self.system.velocity[which] = velocity
+
+    def _let_follow(self, which, change):
+        """Change free velocities with prescribed ones by the impulse through scaled masses, whose work is input."""
+        system, n, all_of = self.system, len(self.layout.bodies), np.zeros_like(self.system.velocity)
+        all_of[which] = change
+        all_of, gained = self.mass.follow(system.velocity, all_of)
+        all_of[which] = 0.0
+        force = system.force.copy()
+        force[:n, Z] -= GRAVITY * self.layout.bodies.mass
+        if self.strain:
+            force[:, RIGID:] -= self.strain.stiffness * system.place[:, RIGID:]
+        self.energy[tables.INPUT] += gained + 0.5 * self.time_step * np.sum(force * all_of)
+        system.velocity[:] += all_of
 
     @property
     def support_force(self):

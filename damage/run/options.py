@@ -23,6 +23,7 @@ from damage.provenance import shown_command
 from damage.run.before import Surveyed
 from damage.run.settings import (
     AFTER_FALL_S,
+    MASS_SCALING,
     RELAXATIONS,
     SCATTER,
     SOFTENING_BETA_S,
@@ -113,6 +114,7 @@ def parse_run(arguments, prog, solver):
         continued=getattr(parsed, "continue") and str(getattr(parsed, "continue")),
         cracked=_surveyed(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
+        settling=getattr(parsed, "settling", None), mass_scaling=getattr(parsed, "mass_scaling", None),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), new_contacts=getattr(parsed, "new_contacts", False),
         after_fall=getattr(parsed, "after_fall", False), accept_implausible=parsed.accept_implausible,
@@ -279,6 +281,11 @@ def _add_model(group, solver):
         group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
                            help="damping of the static stage and of a pushed top: adaptive (default), or "
                            "local as in YADE")
+        group.add_argument("--settling", choices=RELAXATIONS, help="damping of settling stages (default local, as in "
+                           "YADE; adaptive with mass scaling)")
+        group.add_argument("--mass-scaling", choices=MASS_SCALING, help="selective: steps of 2e-4 s by masses that "
+                           "grow with the stiffness of the intact wall; a run of a doubtful energy balance, or with a "
+                           "falling brick, is repeated explicitly (default: docs/validation/mass-scaling.md)")
     group.add_argument("--perturb", type=float, default=0.0, metavar="M",
                        help="random offsets of the bricks, for ensembles (default 0)")
     group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "

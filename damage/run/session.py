@@ -8,7 +8,7 @@ import threading
 import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from damage.errors import InputError, RunError, WriteError, warn
@@ -32,10 +32,11 @@ from damage.run.run import Run
 from damage.run.schedule import (
     check_size,
     check_top,
-    choose_time_step,
     deformable_warnings,
+    scaling_warnings,
     softening_warnings,
 )
+from damage.run.scheme import DROP, NotAccepted, by_rule, check_energy, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import take_turns
 from damage.start import is_of_output
@@ -54,6 +55,7 @@ class Backend:
     do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softening: what it gives joints with fracture energies; None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
+    scales_masses: whether it has selective mass scaling;
     keeps_state: whether a run can start from the end of another one, which is repeated otherwise;
     run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
     it runs one wall only.
@@ -67,6 +69,7 @@ class Backend:
     open_view: Callable | None = None
     softening: Softening | None = None
     brick_cells: int = 0
+    scales_masses: bool = False
     keeps_state: bool = True
     run_members: Callable | None = None
 
@@ -153,7 +156,9 @@ def _run_to_its_pictures(prepared, show):
 @dataclass(frozen=True)
 class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
-    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first."""
+    state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first;
+    repeats: (RunSettings, time step) of runs that follow until one is accepted (`damage.run.scheme`); parameters: of
+    the history."""
 
     backend: Backend
     settings: RunSettings
@@ -163,6 +168,18 @@ class Prepared:
     writer: HistoryWriter
     state: dict | None = None
     earlier: tuple[RunSettings, ...] = ()
+    repeats: tuple[tuple[RunSettings, float], ...] = ()
+    parameters: dict = field(default_factory=dict)
+
+    def repeated(self, reason):
+        """The Prepared run that follows one that was not accepted, by a NotAccepted; its history begins anew."""
+        skipped = len(self.repeats) - 1 if reason.code == DROP else 0
+        (settings, time_step), *others = self.repeats[skipped:]
+        parameters = self.parameters | settings.as_dict() | {
+            "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": reason.code}
+        print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
+        self.writer.begin_again(parameters)
+        return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters)
 
 
 def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
@@ -176,6 +193,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
                          "not know; leave them out, or use the reference solver: python3 -m damage reference")
     settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
+    settings = by_rule(settings, wall, backend.scales_masses)
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
@@ -189,10 +207,12 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    time_step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens, fastest_decay(layout))
+    (settings, time_step), *repeats = schemes(settings, modes.critical_time_step_s, wall.joint.softens,
+                                              fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
+    warn(*scaling_warnings(settings, wall.joint.softens), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
     if isinstance(settings.loading, Recorded) and not settings.events:
@@ -205,14 +225,14 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
           *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
+                  "time_step_s": time_step, "repeats": 0, "repeated_for": None, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     writer = write(out, layout, solver=backend.name, parameters=parameters,
                    versions=made_by, overwrite=settings.overwrite)
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier, tuple(repeats), parameters)
 
 
 def _past(backend, settings, layout, model, time_step):
@@ -247,8 +267,17 @@ def attended(label, show=None, quiet=False):
 
 
 def simulate(prepared, keep_going, settled=None):
-    """Run all stages of a Prepared run; the history is closed and marked however this ends.  A generator for
-    `take_turns`, which returns the exit status; settled: as of Run."""
+    """Run all stages of a Prepared run, until one is accepted; the history is closed and marked however this ends.  A
+    generator for `take_turns`, which returns the exit status; settled: as of Run."""
+    while prepared.repeats:
+        try:
+            return (yield from _simulate(prepared, keep_going, settled))
+        except NotAccepted as reason:
+            prepared, settled = prepared.repeated(reason), None
+    return (yield from _simulate(prepared, keep_going, settled))
+
+
+def _simulate(prepared, keep_going, settled):
     layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
     try:
         solver = prepared.backend.make(layout, prepared.time_step, prepared.settings)
@@ -259,12 +288,18 @@ def simulate(prepared, keep_going, settled=None):
         if collapsed is not None and collapsed <= 0 and prepared.settings.settlement:
             raise RunError(f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s before "
                            "time zero; expected a wall that stands; give a smaller --distortion")
+        if finished:
+            check_energy(prepared.settings, run.energy_error)
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
+    except NotAccepted:
+        status = None  # its history begins again
+        raise
     finally:
-        writer.finish(status, collapsed)
+        if status is not None:
+            writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
 
 
