@@ -14,7 +14,6 @@ from scipy.sparse.linalg import eigsh, splu
 
 from damage.errors import InputError
 from damage.units import GRAVITY
-from damage.wall.kinds import rows as rows_of
 
 _ROUNDING = 100 * np.finfo(float).eps
 """A squared frequency below this share of the highest is rounding, of a part that can move freely."""
@@ -38,19 +37,17 @@ def contact_normals(contacts):
     return np.column_stack([head, ~head]).astype(float)
 
 
-def kinematic_matrix(layout, directions, supports=False):
+def kinematic_matrix(layout, directions):
     """Sparse (n_contacts, coordinates n_bodies): relative displacement of second to first along `directions`, which
-    are the normals or the tangents where bricks deform; supports: with their coordinates behind those of the bodies."""
+    are the normals or the tangents where bricks deform."""
     contacts, bodies, strain = layout.contacts, layout.bodies, layout.strain
-    coordinates, n = 3 + (strain.n_modes if strain else 0), len(bodies) + supports * len(layout.supports)
-    x, z = np.append(bodies.x, layout.supports.x), np.append(bodies.z, np.zeros(len(layout.supports)))
+    coordinates = 3 + (strain.n_modes if strain else 0)
     rows, columns, values = [], [], []
     for body, shape, sign in ((contacts.second, strain and strain.second, 1.0),
                               (contacts.first, strain and strain.first, -1.0)):
-        body = rows_of(body, len(bodies)) if supports else body
         moving = np.flatnonzero(body >= 0)
         index = body[moving]
-        rx, rz = contacts.x[moving] - x[index], contacts.z[moving] - z[index]
+        rx, rz = contacts.x[moving] - bodies.x[index], contacts.z[moving] - bodies.z[index]
         dx, dz = directions[moving].T
         by_modes = () if strain is None else np.where(
             np.any(directions * contact_normals(contacts), axis=1)[moving, None],
@@ -60,16 +57,15 @@ def kinematic_matrix(layout, directions, supports=False):
             columns.append(coordinates * index + dof)
             values.append(sign * value)
     return coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-                      shape=(len(contacts), coordinates * n)).tocsr()
+                      shape=(len(contacts), coordinates * len(bodies))).tocsr()
 
 
-def joint_stiffness(layout, factors=(1.0, 1.0), supports=False):
-    """Sparse stiffness of all contact points [N/m, N, N m], times factors across and along each; supports: as of
-    `kinematic_matrix`."""
+def joint_stiffness(layout, factors=(1.0, 1.0)):
+    """Sparse stiffness of all contact points [N/m, N, N m], times factors across and along each."""
     contacts = layout.contacts
     normals = contact_normals(contacts)
-    across = kinematic_matrix(layout, normals, supports)
-    along = kinematic_matrix(layout, normals[:, ::-1], supports)
+    across = kinematic_matrix(layout, normals)
+    along = kinematic_matrix(layout, normals[:, ::-1])
     return (across.T @ diags(factors[0] * (contacts.normal_stiffness * contacts.area)) @ across
             + along.T @ diags(factors[1] * (contacts.shear_stiffness * contacts.area)) @ along)
 

@@ -1,21 +1,7 @@
 """Conversion between rows of the tables and the arguments and results of `damage.mechanics.interfaces`."""
 
-import numpy as np
-
-from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.eight import (
-    add,
-    add_three,
-    either,
-    four,
-    lane,
-    lanes,
-    load,
-    rows_of,
-    store,
-    store_where,
-    wall_of,
-)
+from damage.mechanics.compiled import inlined
+from damage.mechanics.eight import add, add_three, either, four, load, store, store_where
 from damage.mechanics.interfaces import Dashpots, Line, Pose, RelativeMotion, Resultant, Springs
 from damage.mechanics.tables import COS1, PLACE, RIGID, ROTATION, SIN, X, Z
 
@@ -60,16 +46,6 @@ def push_at(n, bodies, first, second, p, forces, which):
     x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
     add_three(n, bodies, first, second, p, PLACE + RIGID, (x, z, either(which, forces.moment_a, 0.0)),
               (-x, -z, -either(which, forces.moment_b, 0.0)))
-
-
-@compiled
-def turn_far(n, places, b, far, angle):
-    """Write cosine less one, and sine, of those rotations `far` (bits) of body b that are not small."""
-    for w in range(lanes(n)):
-        if far >> w & 1:
-            row = b + w if rows_of(n) > 1 else b
-            store(wall_of(n, w), places, row, COS1, np.cos(lane(angle, w)) - 1.0)
-            store(wall_of(n, w), places, row, SIN, np.sin(lane(angle, w)))
 
 
 @inlined

@@ -7,10 +7,12 @@ sqrt(2) / dt.  The kinetic energy has the same matrix, by which the energy balan
 The solution is by a block factor L D L' (`damage.mechanics.factor`), one order of operations for any width.
 """
 
+import numpy as np
+
 from damage.mechanics import bodies
 from damage.mechanics.compiled import compiled, entry, inlined
-from damage.mechanics.eight import add_part, bits, load, store, zero
-from damage.mechanics.rows import first_force, turn_far
+from damage.mechanics.eight import add_part, bits, lane, lanes, load, rows_of, store, wall_of, zero
+from damage.mechanics.rows import first_force
 from damage.mechanics.tables import (
     ALPHA,
     BASE_X,
@@ -76,6 +78,16 @@ def turn(n, places, b):
     far = bits(abs(angle) >= bodies.SMALL)
     if far:
         turn_far(n, places, b, far, angle)
+
+
+@compiled
+def turn_far(n, places, b, far, angle):
+    """Write cosine less one, and sine, of those rotations `far` (bits) of body b that are not small."""
+    for w in range(lanes(n)):
+        if far >> w & 1:
+            row = b + w if rows_of(n) > 1 else b
+            store(wall_of(n, w), places, row, COS1, np.cos(lane(angle, w)) - 1.0)
+            store(wall_of(n, w), places, row, SIN, np.sin(lane(angle, w)))
 
 
 @compiled

@@ -51,10 +51,9 @@ from damage.mechanics.rows import (
     push_at,
     springs_in,
     springs_of,
-    turn_far,
 )
 from damage.mechanics.samples import observe
-from damage.mechanics.scaling import move_scaled
+from damage.mechanics.scaling import move_scaled, turn_far
 from damage.mechanics.strain import kinetic_of_modes, motion_at, move_modes, points_at_once, push_modes
 from damage.mechanics.tables import (
     ALPHA,

@@ -131,9 +131,8 @@ class Lanes:
 
 
 def are_alike(wall, other):
-    """Whether two walls have equal bricks, stiffnesses, friction and scaled masses, so that they can be members of one
-    batch."""
-    return wall.material == other.material and _key(wall) == _key(other) and all(
+    """Whether two walls have equal bricks, stiffnesses, friction and scaled mass: can be members of one batch."""
+    return wall.material == other.material and all(
         np.array_equal(one, two, equal_nan=True) for one, two in zip(_shared(wall), _shared(other)))
 
 
@@ -141,12 +140,7 @@ def kind_of(wall):
     """Key that is equal for walls that are `are_alike`, whether they find new contacts, material and a digest of what
     is shared."""
     parts = [np.ascontiguousarray(values).tobytes() for values in _shared(wall)]
-    return wall.loose is None, wall.material, _key(wall), hashlib.sha256(b"".join(parts)).digest()
-
-
-def _key(wall):
-    """Key of the wall's ScaledMass, None without."""
-    return wall.mass and wall.mass.key
+    return wall.loose is None, wall.material, hashlib.sha256(b"".join(parts)).digest()
 
 
 def _shared(wall):
@@ -154,7 +148,7 @@ def _shared(wall):
     system = wall.system
     of_modes = (system.mass[:, tables.RIGID:], *wall.strain) if wall.strain else ()
     return [*(table[name] for table in (system.interfaces, system.contacts) for name in table.dtype.names), *of_modes,
-            np.array(len(system.radiation))]
+            np.array(len(system.radiation)), np.frombuffer(wall.mass.key if wall.mass else b"", "u1")]
 
 
 def _in_turn(ends):

@@ -23,7 +23,7 @@ def _make(layout, time_step, settings):
 
 
 BACKEND = Backend("reference", {"numba": numba.__version__}, _make, Path(__file__).parent, softening=Softening(),
-                  run_members=run_members, scales_masses=True)
+                  run_members=run_members)
 
 
 def run_reference(arguments):

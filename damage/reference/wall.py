@@ -17,7 +17,7 @@ from damage.mechanics.build import CAPACITY, build, build_loose, contact_rows, s
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.loose import FULL, INSIDE
 from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Samples, Stiffness
-from damage.mechanics.tables import RIGID, ROTATION, X, Z, copy_lines
+from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
 
@@ -271,22 +271,7 @@ class ReferenceWall:
         (`damage.mechanics.samples.input_of_half_a_step`)."""
         change = velocity - self.system.velocity[which]
         self.energy[tables.INPUT] += 0.5 * self.time_step * np.sum(self.system.force[which] * change)
-        if self.mass:
-            self._let_follow(which, change)
         self.system.velocity[which] = velocity
-
-    def _let_follow(self, which, change):
-        """Change free velocities with prescribed ones by the impulse through scaled masses, whose work is input."""
-        system, n, all_of = self.system, len(self.layout.bodies), np.zeros_like(self.system.velocity)
-        all_of[which] = change
-        all_of, gained = self.mass.follow(system.velocity, all_of)
-        all_of[which] = 0.0
-        force = system.force.copy()
-        force[:n, Z] -= GRAVITY * self.layout.bodies.mass
-        if self.strain:
-            force[:, RIGID:] -= self.strain.stiffness * system.place[:, RIGID:]
-        self.energy[tables.INPUT] += gained + 0.5 * self.time_step * np.sum(force * all_of)
-        system.velocity[:] += all_of
 
     @property
     def support_force(self):

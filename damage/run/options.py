@@ -24,6 +24,7 @@ from damage.run.before import Surveyed
 from damage.run.settings import (
     AFTER_FALL_S,
     MASS_SCALING,
+    NONE,
     RELAXATIONS,
     SCATTER,
     SOFTENING_BETA_S,
@@ -114,7 +115,7 @@ def parse_run(arguments, prog, solver):
         continued=getattr(parsed, "continue") and str(getattr(parsed, "continue")),
         cracked=_surveyed(parsed), rest_s=parsed.rest, time_step_s=parsed.dt,
         alpha_1_s=alpha_1_s, beta_s=beta_s, relaxation=getattr(parsed, "relaxation", "local"),
-        settling=getattr(parsed, "settling", None), mass_scaling=getattr(parsed, "mass_scaling", None),
+        settling=getattr(parsed, "settling", None), mass_scaling=getattr(parsed, "mass_scaling", NONE),
         perturb_m=parsed.perturb, scatter=parsed.scatter, seed=parsed.seed, members=parsed.members,
         past_collapse_s=getattr(parsed, "past_collapse", 0.0), new_contacts=getattr(parsed, "new_contacts", False),
         after_fall=getattr(parsed, "after_fall", False), accept_implausible=parsed.accept_implausible,
@@ -283,9 +284,10 @@ def _add_model(group, solver):
                            "local as in YADE")
         group.add_argument("--settling", choices=RELAXATIONS, help="damping of settling stages (default local, as in "
                            "YADE; adaptive with mass scaling)")
-        group.add_argument("--mass-scaling", choices=MASS_SCALING, help="selective: steps of 2e-4 s by masses that "
-                           "grow with the stiffness of the intact wall; a run of a doubtful energy balance, or with a "
-                           "falling brick, is repeated explicitly (default: docs/validation/mass-scaling.md)")
+        group.add_argument("--mass-scaling", choices=MASS_SCALING, default=NONE, help="selective: steps of up to 2e-4 "
+                           "s by masses that grow with the stiffness of the intact wall, for joints with fracture "
+                           "energies; a run of a doubtful energy balance, or with a falling brick, is repeated in "
+                           "smaller steps (default none)")
     group.add_argument("--perturb", type=float, default=0.0, metavar="M",
                        help="random offsets of the bricks, for ensembles (default 0)")
     group.add_argument("--scatter", type=float, default=0.0, metavar="COV", help="scatter of the joints' strengths, "

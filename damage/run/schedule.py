@@ -9,17 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import (
-    LOCAL_DAMPING,
-    LONGEST_S,
-    MOST_SCALED_STEP_S,
-    MOST_STATES,
-    MOST_STEPS,
-    SAMPLE_S,
-    SCALED_STEP_S,
-    SELECTIVE,
-    SETTLE_S,
-)
+from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SELECTIVE, SETTLE_S
 from damage.run.solver import NO_MOTION
 
 STEP_FACTOR = 0.643
@@ -51,8 +41,6 @@ def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
     Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
     xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
     """
-    if settings.mass_scaling == SELECTIVE:
-        return _scaled_step(settings, critical_s)
     xi = (settings.beta_s or 0.0) / critical_s + (settings.alpha_1_s + decay_1_s) * critical_s / 4
     limit = critical_s * min(np.sqrt(1 + xi**2) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
     if settings.time_step_s is None:
@@ -62,16 +50,6 @@ def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
         raise InputError(f"--dt {settings.time_step_s:g} s is above the stable time step {limit:.4g} s "
                          f"(critical {critical_s:.4g} s, lowered by damping); give a smaller one")
     return settings.time_step_s
-
-
-def _scaled_step(settings, critical_s):
-    """The time step with selective mass scaling [s]; InputError below the explicit one, and above what was shown."""
-    asked = SCALED_STEP_S if settings.time_step_s is None else settings.time_step_s
-    if not critical_s < asked <= MOST_SCALED_STEP_S:
-        raise InputError(f"--mass-scaling selective with a time step of {asked:g} s: expected more than the critical "
-                         f"one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s; give another "
-                         "--dt, or --mass-scaling none")
-    return settings.loading.preferred_step_s(asked) if settings.time_step_s is None else asked
 
 
 def check_top(settings, layout, time_step):
@@ -95,14 +73,6 @@ def softening_warnings(settings, time_step, critical_s, softening):
         found.append(f"--beta {settings.beta_s:g} s: expected at least {softening.beta_s:g} where joints soften, or "
                     "cracks follow rounding and step; leave --beta out")
     return found
-
-
-def scaling_warnings(settings, softens):
-    """What of a run with mass scaling is outside of what it was shown to be accurate for: a list of lines."""
-    if settings.mass_scaling == SELECTIVE and not softens:
-        return ["--mass-scaling selective with brittle joints: DI comes out up to 13 % and residual DI several times too "
-                "high; expected joints with fracture energies (docs/validation/mass-scaling.md)"]
-    return []
 
 
 def deformable_warnings(model, wall):

@@ -29,14 +29,8 @@ from damage.run.progress import Progress
 from damage.run.repeat import Unwritten, earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
-from damage.run.schedule import (
-    check_size,
-    check_top,
-    deformable_warnings,
-    scaling_warnings,
-    softening_warnings,
-)
-from damage.run.scheme import DROP, NotAccepted, by_rule, check_energy, schemes
+from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
+from damage.run.scheme import DROP, NotAccepted, check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import take_turns
 from damage.start import is_of_output
@@ -55,7 +49,6 @@ class Backend:
     do; open_view: opens a live view and returns a function that refreshes it; None where there is none;
     softening: what it gives joints with fracture energies; None where it does not know them;
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
-    scales_masses: whether it has selective mass scaling;
     keeps_state: whether a run can start from the end of another one, which is repeated otherwise;
     run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
     it runs one wall only.
@@ -69,7 +62,6 @@ class Backend:
     open_view: Callable | None = None
     softening: Softening | None = None
     brick_cells: int = 0
-    scales_masses: bool = False
     keeps_state: bool = True
     run_members: Callable | None = None
 
@@ -193,7 +185,6 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         raise InputError(f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver does "
                          "not know; leave them out, or use the reference solver: python3 -m damage reference")
     settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
-    settings = by_rule(settings, wall, backend.scales_masses)
     backend.check(settings)
     out = settings.out or free_name(wall, settings, backend.name)
     check_output(out, settings.overwrite)
@@ -207,12 +198,11 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    (settings, time_step), *repeats = schemes(settings, modes.critical_time_step_s, wall.joint.softens,
-                                              fastest_decay(layout))
+    (settings, time_step), *repeats = schemes(settings, wall, modes, fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
-    warn(*scaling_warnings(settings, wall.joint.softens), code="mass_scaling")
+    warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:
         warn(*faint_warnings(settings.peak_g), code="faint_motion")
     if isinstance(settings.loading, Recorded) and not settings.events:

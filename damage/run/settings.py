@@ -52,8 +52,8 @@ SCATTER, MOST_MEMBERS = 0.001, 100
 """Of members: coefficient of variation of the strengths where nothing else is asked for
 (docs/guides/number-of-runs.md), and how many a single run may have."""
 MASS_SCALING = NONE, SELECTIVE = "none", "selective"
-SCALED_STEP_S, MOST_SCALED_STEP_S = 2e-4, 4e-4
-"""Time step with selective mass scaling, and the largest one [s] (docs/validation/mass-scaling.md)."""
+MOST_SCALED_STEP_S = 4e-4
+"""Largest time step with selective mass scaling [s]."""
 ACCEPTED_ERROR, ACCEPTED_DROP_M = 0.004, 0.5e-3
 """Of a run with selective mass scaling: energy balance error [-] above which, and drop of a brick [m] from which, it is
 repeated with a smaller step."""
@@ -83,7 +83,7 @@ class RunSettings:
     rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
     solver;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
-    joints need (`for_joint`); mass_scaling: one of MASS_SCALING, None for what the wall gets (`damage.run.scheme`);
+    joints need (`for_joint`); mass_scaling: one of MASS_SCALING (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion, one of RELAXATIONS,
     settling None for local, adaptive with mass scaling; perturb_m: size of random
     offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
@@ -107,7 +107,7 @@ class RunSettings:
     time_step_s: float | None = None
     alpha_1_s: float = 0.0
     beta_s: float | None = 0.0
-    mass_scaling: str | None = None
+    mass_scaling: str = NONE
     relaxation: str = "local"
     settling: str | None = None
     perturb_m: float = 0.0
@@ -276,7 +276,7 @@ class RunSettings:
                 "sequence": [float(factor) for factor in self.sequence], **as_table(self.events),
                 **({"life": self.life} if self.life else {}),
                 "model": asdict(self.model), "rest_s": self.rest_s, "settle_s": SETTLE_S, "alpha_1_s": self.alpha_1_s,
-                "beta_s": self.beta_s, "mass_scaling": self.mass_scaling or NONE, "relaxation": self.relaxation,
+                "beta_s": self.beta_s, "mass_scaling": self.mass_scaling, "relaxation": self.relaxation,
                 "settling": self.settles, "perturb_m": self.perturb_m,
                 "scatter": self.scatter, "seed": self.seed, "past_collapse_s": self.past_collapse_s,
                 "new_contacts": self.new_contacts, "after_fall": self.after_fall,

@@ -26,39 +26,31 @@ def have_fallen(motion, lowest):
 
 
 class Borne:
-    """Which bricks bear each brick of a layout: those below its bed joints or, where there is none, those of the
-    nearest bricks of its course on both sides that lie on some."""
+    """Which bodies bear each brick of a layout: those below its bed joints or, where there is none, those that bear the
+    nearest such bricks of its course on both sides."""
 
     def __init__(self, layout):
-        bodies, beds = layout.bodies, ~layout.contacts.upright
-        first, second = layout.contacts.first[beds], layout.contacts.second[beds]
-        pairs = {pair for pair in zip(first.tolist(), second.tolist()) if pair[0] != pair[1]}
-        below = {brick: [] for brick in range(layout.n_bricks)}
-        for a, b in pairs:
-            low, high = (a, b) if a < 0 or bodies.z[a] < bodies.z[b] else (b, a)
-            if 0 <= high < layout.n_bricks:
-                below[high].append(low)
-        carried = np.array([bool(of) for of in below.values()])
-        found = [(brick, low) for brick, of in below.items() for low in of if low >= 0]
-        for brick in np.flatnonzero(~carried):
+        bodies, contacts, n = layout.bodies, layout.contacts, layout.n_bricks
+        x, below = bodies.x, [set() for _ in bodies.x]
+        for pair in np.column_stack([contacts.first, contacts.second])[~contacts.upright].tolist():
+            low, high = sorted(pair, key=lambda body: -np.inf if body < 0 else bodies.z[body])
+            below[high].add(low)
+        lies = np.flatnonzero([bool(of) for of in below[:n]])
+        for brick in sorted({*range(n)} - {*lies}):
             for side in (-1, 1):
-                beside = np.flatnonzero(carried & (bodies.course[:layout.n_bricks] == bodies.course[brick])
-                                        & (side * (bodies.x[:layout.n_bricks] - bodies.x[brick]) > 0))
-                if len(beside):
-                    nearest = beside[np.argmin(np.abs(bodies.x[beside] - bodies.x[brick]))]
-                    found += [(brick, low) for low in below[nearest] if low >= 0]
-        self._brick, self._low = np.array(sorted(found), int).reshape(-1, 2).T
+                beside = lies[(bodies.course[lies] == bodies.course[brick]) & (side * (x[lies] - x[brick]) > 0)]
+                below[brick] |= below[min(beside, key=lambda one: abs(x[one] - x[brick]))] if len(beside) else set()
+        pairs = [(brick, low) for brick in range(n) for low in below[brick] if low >= 0]
+        self._brick, self._low = np.array(sorted(pairs), int).reshape(-1, 2).T
         self._start = np.flatnonzero(np.diff(self._brick, prepend=-1))
         reach = bodies.length[self._low] / 2
-        self._arm = np.clip(bodies.x[self._brick] - bodies.x[self._low], -reach, reach)
+        self._arm = np.clip(x[self._brick] - x[self._low], -reach, reach)
 
     def largest_drop(self, motion):
         """By how much a brick has moved down from all that bore it (n,) [m]; motion: (n, n_bodies, 3) [m, m, rad]."""
-        if len(self._start) == 0:
-            return np.zeros(len(motion))
         z, rotation = motion[:, :, 1], motion[:, :, 2]
         drop = z[:, self._low] + np.sin(rotation[:, self._low]) * self._arm - z[:, self._brick]
-        return np.minimum.reduceat(drop, self._start, axis=1).max(axis=1)
+        return np.minimum.reduceat(drop, self._start, axis=1).max(axis=1, initial=0.0)
 
 
 def have_left(layout, motion, joints, state):
