@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks.small_wall import wall as small_wall
+from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.sparse.linalg import splu
 
 import damage
-from conftest import REPOSITORY
+from benchmarks.small_wall import wall as small_wall
 from damage.errors import InputError
 from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.mechanics.factor import scaled_mass
@@ -55,7 +55,8 @@ def test_a_mode_vibrates_with_the_period_of_the_closed_form(mode, time_step):
     modes = natural_modes(layout)
     exact = 2 * np.pi / modes.period_s[mode]
     slower = 2 / time_step * np.arcsin(time_step / 2 * exact / np.sqrt(1 + time_step**2 * exact**2 / 2))
-    wall, shape, n = free_wall(layout, time_step), 1e-7 * modes.shape[mode], round(9.75 * 2 * np.pi / slower / time_step)
+    wall, shape = free_wall(layout, time_step), 1e-7 * modes.shape[mode]
+    n = round(9.75 * 2 * np.pi / slower / time_step)
     wall.displacement = shape
     wall.velocity = shape * (1 - np.cos(slower * time_step)) / time_step
     wall.run(n)

@@ -59,7 +59,7 @@ def move_coordinate(n, tables, room, dt, i, k, b, c):
     old, rate, lost = load(n, inertia, b, VELOCITY + 3 * c), load(n, room, i, k), load(n, room, i, LOST + k)
     free, mass = load(n, inertia, b, INVERSE_MASS + 3 * c), load(n, inertia, b, MASS + 3 * c)
     new = old + dt * rate
-    if c == X or c == Z:
+    if c in (X, Z):
         add_part(n, sums, SWEPT_X + c, b, bodies.work_of_field(mass, free, old, new))
     add_part(n, sums, DRIVEN, b, bodies.power_of_drive(load(n, places, b, first_force(places) + c), free, new))
     add_part(n, sums, TAKEN, b, lost * (old + 0.5 * dt * rate))
@@ -183,16 +183,20 @@ def factorise(start, below, lower, diagonal, inverse):
     for i in range(len(diagonal)):
         invert(diagonal[i], inverse[i])
         for e in range(start[i], start[i + 1]):
-            k, at = below[e], start[below[e]]
-            for f in range(e, start[i + 1]):  # less B_f D^-1 B_e' in the block of both rows
-                if f == e:
-                    subtract(diagonal[k], lower[f], inverse[i], lower[e])
-                else:
-                    while below[at] != below[f]:
-                        at += ROW(1)
-                    subtract(lower[at], lower[f], inverse[i], lower[e])
+            subtract(diagonal[below[e]], lower[e], inverse[i], lower[e])
+            subtract_below(start, below, lower, inverse[i], e, start[i + 1])
         for e in range(start[i], start[i + 1]):
             multiply(lower[e], inverse[i])
+
+
+@inlined
+def subtract_below(start, below, lower, inverse, e, stop):
+    """Subtract B_f D^-1 B_e' from the block of both rows, for the blocks f behind e in its column."""
+    at = start[below[e]]
+    for f in range(e + ROW(1), stop):
+        while below[at] != below[f]:
+            at += ROW(1)
+        subtract(lower[at], lower[f], inverse, lower[e])
 
 
 @inlined

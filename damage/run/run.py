@@ -49,7 +49,7 @@ class Run:
         self.writer, self.keep_going, self._settled = writer, keep_going, settled
         self._state = state
         self.stage, self.collapsed_at_s, self.rests_at_s, self._samples = "static", None, None, 0
-        self.sample_steps = schedule.sample_steps(solver.time_step)
+        self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self._zero_step = schedule.zero_step(self.stages)
         self.base, self._prescribed = NO_MOTION, []  # (velocities in each interval, what moves by them, first interval)

@@ -9,7 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.run.settings import LOCAL_DAMPING, LONGEST_S, MOST_STATES, MOST_STEPS, SAMPLE_S, SELECTIVE, SETTLE_S
+from damage.run.settings import (
+    LOCAL_DAMPING,
+    LONGEST_S,
+    MOST_STATES,
+    MOST_STEPS,
+    NONE,
+    SAMPLE_S,
+    SELECTIVE,
+    SETTLE_S,
+)
 from damage.run.solver import NO_MOTION
 
 STEP_FACTOR = 0.643
@@ -19,8 +28,7 @@ SOFTENING_STEP_FACTOR = 0.35
 """The same where joints soften (docs/validation/step-and-damping.md)."""
 
 JOINT_STEPS = 10
-"""Steps of which the interval of samples is a multiple, up to SAMPLE_S: a solver may update its failed joints at this
-interval."""
+"""Steps of which the interval of samples is a multiple: a solver may update its failed joints at this interval."""
 
 
 @dataclass(frozen=True)
@@ -91,15 +99,14 @@ def deformable_warnings(model, wall):
     return found
 
 
-def sample_steps(time_step):
+def sample_steps(time_step, mass_scaling=NONE):
     """Steps between two samples, nearest to SAMPLE_S; time_step [s].
 
-    >>> sample_steps(3e-5), sample_steps(4e-4)
+    >>> sample_steps(3e-5), sample_steps(4e-4, "selective")
     (70, 5)
     """
-    if time_step > SAMPLE_S / JOINT_STEPS:
-        return max(1, round(SAMPLE_S / time_step))
-    return JOINT_STEPS * max(1, round(SAMPLE_S / time_step / JOINT_STEPS))
+    multiple = 1 if mass_scaling == SELECTIVE else JOINT_STEPS
+    return multiple * max(1, round(SAMPLE_S / time_step / multiple))
 
 
 def stages(settings, layout, time_step, sample_steps):
@@ -140,7 +147,7 @@ def zero_step(stages):
 
 def check_size(settings, layout, time_step):
     """Raise InputError of a run that is longer than can be, before anything is made for it; time_step [s]."""
-    loading, interval = settings.loading, sample_steps(time_step)
+    loading, interval = settings.loading, sample_steps(time_step, settings.mass_scaling)
     length_s = loading.length_s(layout.pushed_height) if loading.drive.quasi_static else settings.duration_s
     length_s += settlement_s(settings, layout)
     if length_s > LONGEST_S:

@@ -49,9 +49,9 @@ def _scaled_step(settings, wall, modes):
         step_s = settings.loading.preferred_step_s(
             DEFORMABLE_STEP_S if settings.model.has_modes else SLENDER_STEP_S if slender else STIFF_STEP_S)
     if not critical_s < step_s <= MOST_SCALED_STEP_S:
-        raise InputError(f"--mass-scaling selective with a time step of {step_s:.4g} s: expected more than the critical "
-                         f"one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s; give another "
-                         "--dt, or leave --mass-scaling out")
+        raise InputError(f"--mass-scaling selective with a time step of {step_s:.4g} s: expected more than the "
+                         f"critical one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s; give "
+                         "another --dt, or leave --mass-scaling out")
     return step_s
 
 

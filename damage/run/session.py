@@ -215,8 +215,9 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
           *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
-                  "time_step_s": time_step, "repeats": 0, "repeated_for": None, "critical_time_step_s": modes.critical_time_step_s,
-                  "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
+                  "time_step_s": time_step, "repeats": 0, "repeated_for": None,
+                  "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
+                  "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     writer = write(out, layout, solver=backend.name, parameters=parameters,
