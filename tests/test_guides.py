@@ -27,7 +27,7 @@ SHORTER = (("--rest 1 ", "--rest 0.1 "), ("--members 8", "--members 2"), ("--sca
 """What is typed with other numbers, or without pictures of the run, which decide nothing but how long it takes: (in the
 guide, here)."""
 BLOCK = re.compile(r"^```(sh|python|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NEEDED = ("damage", "walls", "studies", "workflow", "scripts", "yade_scripts", "run_all.sh", "yade", "pyproject.toml")
+NEEDED = ("damage", "walls", "studies", "scripts", "yade_scripts", "run_all.sh", "yade", "pyproject.toml")
 
 pytestmark = pytest.mark.xdist_group("guides")
 

@@ -9,25 +9,6 @@ from damage.run.options import parse_run
 from damage.run.settings import Softening
 
 
-class Unwritten:
-    """Takes what a run gives to its HistoryWriter, and keeps nothing."""
-
-    def static_stage(self, **values):
-        """Ignore what is known of the static stage."""
-
-    def extend(self, *samples):
-        """Ignore samples."""
-
-    def snapshot(self, *values):
-        """Ignore a snapshot."""
-
-    def event(self, *values):
-        """Ignore an event."""
-
-    def keep_state(self, packed):
-        """Ignore the solver's state."""
-
-
 def earlier_runs(settings, layout, backend, model, time_step):
     """RunSettings of all runs that `settings` continues, the first one first.
 
@@ -64,7 +45,7 @@ def settings_of(history, joint, backend):
     settings = settings.for_joint(joint, backend.softening or Softening()).for_bricks(backend.brick_cells)
     settings = settings.for_period(history.eigen_period_s)
     other = [name for name, value in json.loads(json.dumps(settings.as_dict())).items()
-             if name != "command" and history.parameters[name] != value]
+             if name != "command" and history.parameters.get(name, value) != value]
     if other:
         raise InputError(f"--continue {history.path}: its command, {command!r}, no longer describes it: {other[0]} was "
                          f"{history.parameters[other[0]]!r}; expected its files unchanged in this folder; run it again")

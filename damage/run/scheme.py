@@ -1,20 +1,24 @@
 """How a run integrates in time: explicitly, or with selective mass scaling; and which runs are accepted.
 
-A run with mass scaling whose energy balance error exceeds ACCEPTED_ERROR is repeated with half the step, then
-explicitly; one in which a brick drops by ACCEPTED_DROP_M from what bore it is repeated explicitly at once, since the
-scaled masses of failed joints would hold it up.
+One rule (`is_shown`) decides where nothing is asked for.  A run with mass scaling whose energy balance error exceeds
+ACCEPTED_ERROR is repeated with half the step, then explicitly; one in which a brick drops by ACCEPTED_DROP_M from what
+bore it is repeated explicitly at once, since the scaled masses of failed joints would hold it up.
 """
 
 from dataclasses import replace
 
 from damage.errors import InputError, RunError
+from damage.motion.loading import Harmonic, Recorded
 from damage.run.schedule import choose_time_step
 from damage.run.settings import ACCEPTED_DROP_M, ACCEPTED_ERROR, MOST_SCALED_STEP_S, NONE, SELECTIVE
+from damage.wall.model_options import ModelOptions
 
 SLENDER_S = 0.15
 """First period from which on a wall with openings takes the longest of the steps below [s]."""
 SLENDER_STEP_S, STIFF_STEP_S, DEFORMABLE_STEP_S = 2e-4, 1e-4, 5e-5
 """Time steps with selective mass scaling [s] (docs/validation/mass-scaling.md)."""
+_AS_SHOWN = "contacts", "cells", "soil", "fibres", "bricks"
+"""Model options that have their defaults in the runs of that table."""
 ENERGY, DROP, STEP = "energy", "drop", "step"
 
 
@@ -26,33 +30,37 @@ class NotAccepted(RunError):
         self.code = code
 
 
-def schemes(settings, wall, modes, decay_1_s):
-    """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted; wall: damage.Wall;
-    modes, decay_1_s: its natural ones, and `damage.wall.soil.fastest_decay`."""
-    critical_s = modes.critical_time_step_s
-
-    def explicit(settings):
-        return settings, choose_time_step(settings, critical_s, wall.joint.softens, decay_1_s)
-
-    if settings.mass_scaling != SELECTIVE:
-        return (explicit(settings),)
-    step_s = _scaled_step(settings, wall, modes)
-    half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
-    return ((settings, step_s), *half, explicit(replace(settings, mass_scaling=NONE, time_step_s=None)))
+def is_shown(settings, wall):
+    """Whether a damage.Wall under RunSettings is of a kind that was shown to need no explicit steps: softening joints,
+    openings, bricks that stay whole, shaken by a record or harmonically."""
+    model, usual = settings.model, ModelOptions()
+    return (wall.joint.softens and len(wall.openings) > 0 and not wall.brick.splits
+            and wall.joint.compressive_strength is None and isinstance(settings.loading, Harmonic | Recorded)
+            and all(getattr(model, name) == getattr(usual, name) for name in _AS_SHOWN)
+            and settings.time_step_s is None and not settings.new_contacts
+            and "local" not in (settings.relaxation, settings.settling))
 
 
-def _scaled_step(settings, wall, modes):
-    """The first time step with mass scaling [s]; InputError below the explicit one, and above what was shown."""
-    step_s, critical_s = settings.time_step_s, modes.critical_time_step_s
-    if step_s is None:
-        slender = len(wall.openings) > 0 and modes.period_s[0] >= SLENDER_S
-        step_s = settings.loading.preferred_step_s(
-            DEFORMABLE_STEP_S if settings.model.has_modes else SLENDER_STEP_S if slender else STIFF_STEP_S)
+def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
+    """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted; wall: damage.Wall, its
+    critical time step and first period [s], and `damage.wall.soil.fastest_decay`.  Raises InputError where steps with
+    mass scaling are no longer than explicit ones, or longer than was shown."""
+    step_s = settings.time_step_s or settings.loading.preferred_step_s(
+        DEFORMABLE_STEP_S if settings.model.has_modes else
+        SLENDER_STEP_S if wall.openings and period_s >= SLENDER_S else STIFF_STEP_S)
+    if settings.mass_scaling is None:
+        shown = is_shown(settings, wall) and step_s > critical_s
+        settings = replace(settings, mass_scaling=SELECTIVE if shown else NONE)
+    explicit = settings if settings.mass_scaling == NONE else replace(settings, mass_scaling=NONE, time_step_s=None)
+    explicit = explicit, choose_time_step(explicit, critical_s, wall.joint.softens, decay_1_s)
+    if settings.mass_scaling == NONE:
+        return (explicit,)
     if not critical_s < step_s <= MOST_SCALED_STEP_S:
         raise InputError(f"--mass-scaling selective with a time step of {step_s:.4g} s: expected more than the "
                          f"critical one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s; give "
                          "another --dt, or leave --mass-scaling out")
-    return step_s
+    half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
+    return ((settings, step_s), *half, explicit)
 
 
 def check_energy(settings, error):

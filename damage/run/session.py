@@ -5,18 +5,21 @@ import os
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable
 from contextlib import contextmanager, nullcontext, redirect_stdout
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from damage.errors import InputError, RunError, WriteError, warn
+from damage.history.buffer import Buffer
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.law.modes import Modes, natural_modes
+from damage.measure.energy import ENERGY_FAILURE
 from damage.measure.evidence import evidence_for, facts, outside
-from damage.measure.warnings import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.motion.intensity import applied_measures, end_warnings
 from damage.motion.loading import Recorded
@@ -25,8 +28,7 @@ from damage.provenance import file_origin, versions
 from damage.run.before import read_state, with_cracks
 from damage.run.opening import opening_lines, record_lines, sequence_lines
 from damage.run.options import free_name, parse_run
-from damage.run.progress import Progress
-from damage.run.repeat import Unwritten, earlier_runs
+from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
@@ -150,18 +152,19 @@ class Prepared:
     """A run that can begin: its wall is laid out and its history is there, without a sample; time_step [s];
     state: of the run that it continues, None without one; earlier: RunSettings of runs that are repeated first;
     repeats: (RunSettings, time step) of runs that follow until one is accepted (`damage.run.scheme`); parameters: of
-    the history."""
+    the history, write(parameters=...): makes another."""
 
     backend: Backend
     settings: RunSettings
     layout: Layout
     modes: Modes
     time_step: float
-    writer: HistoryWriter
+    writer: Buffer
     state: dict | None = None
     earlier: tuple[RunSettings, ...] = ()
     repeats: tuple[tuple[RunSettings, float], ...] = ()
     parameters: dict = field(default_factory=dict)
+    write: Callable | None = None
 
     def repeated(self, reason):
         """The Prepared run that follows one that was not accepted, by a NotAccepted; its history begins anew."""
@@ -170,7 +173,7 @@ class Prepared:
         parameters = self.parameters | settings.as_dict() | {
             "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": reason.code}
         print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
-        self.writer.begin_again(parameters)
+        self.writer.begin_again(partial(self.write, parameters=parameters))
         return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters)
 
 
@@ -198,7 +201,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
         settings.settlement.check_length(wall.length)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    (settings, time_step), *repeats = schemes(settings, wall, modes, fastest_decay(layout))
+    (settings, time_step), *repeats = schemes(settings, wall, modes.critical_time_step_s, float(modes.period_s[0]),
+                                              fastest_decay(layout))
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
@@ -212,7 +216,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
              code="softening_step")
     made_by = versions(backend.code) | backend.versions
     state, earlier = _past(backend, settings, layout, made_by["model"], time_step)
-    print(*opening_lines(layout, settings.loading, modes, time_step), *record_lines(settings),
+    print(*opening_lines(layout, settings.loading, modes, time_step, settings.mass_scaling), *record_lines(settings),
           *sequence_lines(settings), sep="\n", flush=True)
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "repeats": 0, "repeated_for": None,
@@ -220,10 +224,11 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                   "pier_stress_pa": layout.pier_stress,
                   **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
-    writer = write(out, layout, solver=backend.name, parameters=parameters,
-                   versions=made_by, overwrite=settings.overwrite)
+    write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
+    writer = write(parameters=parameters)
     print(f"history: {writer.where}", flush=True)
-    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier, tuple(repeats), parameters)
+    return Prepared(backend, settings, layout, modes, time_step, writer, state, earlier, tuple(repeats), parameters,
+                    write)
 
 
 def _past(backend, settings, layout, model, time_step):
@@ -300,8 +305,8 @@ def _all_runs(prepared, solver, keep_going, settled):
     state, first_mode = prepared.state, prepared.modes.shape[0]
     for settings in (*prepared.earlier, prepared.settings):
         last = settings is prepared.settings
-        run = Run(prepared.layout, settings, solver, prepared.writer if last else Unwritten(), keep_going,
-                  settled, state)
+        run = Run(prepared.layout, settings, solver, prepared.writer if last else Buffer(prepared.layout),
+                  keep_going, settled, state)
         finished = yield from run.settle_under_gravity()
         if finished:
             run.start(first_mode)
@@ -334,3 +339,46 @@ class _Interrupts:
 
     def _ask(self, *_):
         self.asked = True
+
+
+class Progress:
+    """Rewrites one line on a terminal; prints one every few seconds into a log."""
+
+    def __init__(self, label, stream=None):
+        self.label = label
+        self.stream = stream or sys.stderr
+        self.live = self.stream.isatty()
+        self.shown, self.shown_any = time.monotonic(), False
+        self.started = None  # when the first stage after the static one began
+
+    def show(self, simulated_s, run):
+        """Show the stage and the index of a Run, at most twice a second (every ten seconds in a log)."""
+        now, stage = time.monotonic(), run.stage
+        if stage != "static" and self.started is None:
+            self.started = now
+        if now - self.shown < (0.5 if self.live else 10.0):
+            return
+        self.shown, self.shown_any = now, True
+        line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
+        if stage != "static":
+            line = (f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
+                    f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left")
+        self._write(f"\r{line}\033[K" if self.live else f"{line}\n")
+
+    def _left(self, now, simulated_s, total_s):
+        if simulated_s < 0.01 * total_s:
+            return "--:--"
+        left = int((now - self.started) * max(0.0, total_s / simulated_s - 1))
+        return f"{left // 60}:{left % 60:02d}"
+
+    def close(self):
+        """End the live line."""
+        if self.live and self.shown_any:
+            self._write("\n")
+
+    def _write(self, text):
+        try:
+            self.stream.write(text)
+            self.stream.flush()
+        except OSError:  # no room for a log, or nobody looks any more: that ends no run
+            pass
