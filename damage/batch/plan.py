@@ -154,7 +154,7 @@ def estimate(run, way, machine):
 
 @cache
 def _wall(path, model):
-    """(damage.Wall, contact points, critical time step and first period [s], height of what is pushed [m]) of a file."""
+    """(damage.Wall, contact points, critical time step and period [s], height of what is pushed [m]) of a file."""
     layout = lay_out(load_wall(path), model)
     modes = natural_modes(layout)
     return (layout.wall, layout.n_joints, modes.critical_time_step_s, float(modes.period_s[0]), layout.pushed_height)

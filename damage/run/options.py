@@ -10,6 +10,8 @@ from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
 
+import numpy as np
+
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 from damage.exposure.lives import events_of, read_address
@@ -32,8 +34,8 @@ USUAL_DISTORTION = 1 / 500
 _EXAMPLES = {
     "reference": ("python3 -m damage reference symmetric --harmonic 0.2 0.05 --members 8",
                   "python3 -m damage reference my_wall.toml --record record.csv --window 17 27 --out run.h5"),
-    "yade": ("./yade walls/symmetric.py --harmonic 0.2 0.05",
-             "./yade walls/solid.py --pushover 0.1 --boundary fixed --out pushed.h5")}
+    "yade": ("./yade symmetric --harmonic 0.2 0.05 --console",
+             "./yade solid --pushover 0.1 --boundary fixed --out pushed.h5")}
 
 BY_FILE = "file"
 """Of --unit: the unit that the file names; for tables whose cells may not be empty."""
@@ -121,6 +123,31 @@ def make_parser(prog, solver):
     _add_model(parser.add_argument_group("model"), solver)
     _add_run(parser.add_argument_group("run"), solver)
     return parser
+
+
+def words_of(options, solver, call):
+    """Command line, a list of words, for options of a solver by their names in Python; call: the function that took
+    them.  Raises InputError for an unknown name."""
+    actions = {action.dest: action for action in make_parser("", solver)._actions if action.dest != "help"}
+    unknown = [name for name in options if name not in actions]
+    if unknown:
+        raise InputError(f"{call}({unknown[0]}=...): expected one of {', '.join(actions)}"
+                         f"{did_you_mean(unknown[0], actions)}")
+    return [word for name, value in options.items() for word in _option(actions[name], name, value)]
+
+
+def _option(action, name, value):
+    """Words of one option on the command line; none where its value is None or the default of a flag."""
+    if value is None:
+        return []
+    option = action.option_strings[0]
+    if action.nargs == 0:
+        if not isinstance(value, bool):
+            raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
+        return [option] if value is action.const else []
+    values = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
+    words = [repr(float(one)) if isinstance(one, np.floating) else str(one) for one in values]
+    return [option, *words] if action.nargs else [option, ",".join(words)]
 
 
 def _add_motion(group):
@@ -308,6 +335,8 @@ def _add_run(group, solver):
     if solver == "yade":
         _add_settings(group, "past_collapse_s")
         group.add_argument("--view", action="store_true", help="with a screen: the 3D view")
+        group.add_argument("--console", nargs="?", const="after", choices=("before", "after"), help="YADE's prompt "
+                           "before or after (default) the run, with O, wall, run, scene, and history after it")
 
 
 _LONGEST_STEM = 200  # bytes; a character has up to four

@@ -53,7 +53,7 @@ class Backend:
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
     keeps_state: whether a run can start from the end of another one, which is repeated otherwise;
     run_members(backend, wall_file, make_wall, settings): runs all members of a run, returns the exit status; None where
-    it runs one wall only.
+    it runs one wall only; begins(run): called with the Run before its first step.
     """
 
     name: str
@@ -66,6 +66,7 @@ class Backend:
     brick_cells: int = 0
     keeps_state: bool = True
     run_members: Callable | None = None
+    begins: Callable = lambda run: None
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
@@ -307,6 +308,8 @@ def _all_runs(prepared, solver, keep_going, settled):
         last = settings is prepared.settings
         run = Run(prepared.layout, settings, solver, prepared.writer if last else Buffer(prepared.layout),
                   keep_going, settled, state)
+        if last:
+            prepared.backend.begins(run)
         finished = yield from run.settle_under_gravity()
         if finished:
             run.start(first_mode)

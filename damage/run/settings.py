@@ -90,7 +90,8 @@ class RunSettings:
     but with sharper corners); after_fall: follow them until they rest; accept_implausible: do not check whether the
     wall and the motion are plausible; out: history file, None for a name of its own below
     `results/`;
-    quiet: print warnings and errors only; command: what asked for it.
+    quiet: print warnings and errors only; console: when YADE's prompt comes, "before" or "after" the run, or None;
+    command: what asked for it.
     """
 
     loading: object
@@ -131,6 +132,7 @@ class RunSettings:
     pictures: bool = True
     quiet: bool = False
     view: bool = False
+    console: str | None = None
     command: str = ""
 
     def __post_init__(self):
