@@ -94,7 +94,7 @@ RUN = {
     "mass_scaling": Column("", "none, or selective: with masses that grow with the intact wall's stiffness"),
     "repeats": Column("1", "how often the run was repeated in smaller steps until it was accepted; `mass_scaling` and "
                       "`time_step_s` are of the last one"),
-    "repeated_for": Column("", "why it was repeated last: energy (balance), drop (of a brick), step (too large)"),
+    "repeated_for": Column("", "why it was repeated last: energy (balance), drop (of a brick), failure (any other)"),
     "collapsed_at_s": Column("s", "when a brick had dropped by half its height"),
     **_model(seeds=True),
     "seed": Column("1", "of the bricks' random offsets and of `scatter`"),

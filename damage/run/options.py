@@ -24,7 +24,7 @@ from damage.motion.record import aligned_with
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
-from damage.run.settings import AFTER_FALL_S, MASS_SCALING, RELAXATIONS, RunSettings, rayleigh_factors
+from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
 from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
 from damage.wall.plausible import ACCEPT
@@ -264,7 +264,7 @@ def add_model_options(group, names):
 
 def _add_field(group, one, **more):
     """Add the option of a field to a parser, or a group of one."""
-    kind = float if one.default is None else type(one.default)
+    kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
     group.add_argument(option_of(one), type=kind, choices=one.metadata["choices"], metavar=one.metadata["metavar"],
                        **{"help": one.metadata["help"],
                           "default": None if None in one.metadata["words"] else one.default} | more)
@@ -302,11 +302,7 @@ def _add_model(group, solver):
         group.add_argument("--relaxation", default="adaptive", choices=RELAXATIONS,
                            help="damping of the static stage and of a pushed top: adaptive (default), or "
                            "local as in YADE")
-        group.add_argument("--settling", choices=RELAXATIONS, help="damping of settling stages (default: local, as in "
-                           "YADE, and adaptive with mass scaling)")
-        group.add_argument("--mass-scaling", choices=MASS_SCALING, help="selective: steps of up to 2e-4 s by masses "
-                           "that grow with the stiffness of the intact wall; a run that is not accepted is repeated in "
-                           "smaller steps (default: by the wall and its motion, docs/validation/mass-scaling.md)")
+        _add_settings(group, "settling", "mass_scaling")
     _add_settings(group, "perturb_m", "scatter", "seed", "members")
     add_accept(group)
 

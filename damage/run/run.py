@@ -1,7 +1,6 @@
 """One wall under one loading, with any solver: static stage, events or a push, samples into a history."""
 
 import math
-from functools import partial
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.run import schedule
 from damage.run.before import as_bytes, with_zero, zero_of
-from damage.run.scheme import STEP, NotAccepted, check_drop
+from damage.run.scheme import check_drop
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
     AFTER_FALL_S,
@@ -293,8 +292,7 @@ class Run:
     def _failure(self, problem, time_s=None):
         time_s = self.time if time_s is None else time_s
         stage = f"static stage, {time_s:.6g} s" if self.stage == "static" else f"{time_s:.6g} s"
-        kind = partial(NotAccepted, STEP) if self._borne else RunError
-        return kind(f"the run blew up ({stage}): {problem}; expected finite numbers; give a smaller --dt, or look "
+        return RunError(f"the run blew up ({stage}): {problem}; expected finite numbers; give a smaller --dt, or look "
                         "at the wall's stiffnesses and masses")
 
     def _unbalanced_force(self):

@@ -38,7 +38,7 @@ from damage.run.repeat import earlier_runs
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
-from damage.run.scheme import DROP, NotAccepted, check_energy, scaling_warnings, schemes
+from damage.run.scheme import DROP, FAILURE, check_energy, scaling_warnings, schemes
 from damage.run.settings import RunSettings, Softening
 from damage.run.turns import as_they_end, run_each, take_turns
 from damage.start import is_of_output
@@ -237,11 +237,12 @@ class Prepared:
     write: Callable | None = None
 
     def repeated(self, reason):
-        """The Prepared run that follows one that was not accepted, by a NotAccepted; its history begins anew."""
-        skipped = len(self.repeats) - 1 if reason.code == DROP else 0
+        """The Prepared run that follows one that was not accepted, by a RunError; its history begins anew."""
+        code = getattr(reason, "code", FAILURE)
+        skipped = len(self.repeats) - 1 if code == DROP else 0
         (settings, time_step), *others = self.repeats[skipped:]
         parameters = self.parameters | settings.as_dict() | {
-            "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": reason.code}
+            "time_step_s": time_step, "repeats": self.parameters["repeats"] + 1, "repeated_for": code}
         print(f"{reason}: repeated {'explicitly' if not others else f'in steps of {time_step:.3g} s'}", flush=True)
         self.writer.begin_again(partial(self.write, parameters=parameters))
         return replace(self, settings=settings, time_step=time_step, repeats=tuple(others), parameters=parameters)
@@ -338,7 +339,7 @@ def simulate(prepared, keep_going, settled=None):
     while prepared.repeats:
         try:
             return (yield from _simulate(prepared, keep_going, settled))
-        except NotAccepted as reason:
+        except RunError as reason:
             prepared, settled = prepared.repeated(reason), None
     return (yield from _simulate(prepared, keep_going, settled))
 
@@ -361,8 +362,8 @@ def _simulate(prepared, keep_going, settled):
             raise RunError(f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to "
                            f"{100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at the wall")
         status = "complete" if finished else "interrupted"
-    except NotAccepted:
-        status = None  # its history begins again
+    except RunError:
+        status = None if prepared.repeats else status  # its history begins again
         raise
     finally:
         if status is not None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from damage.checks import check_range
 from damage.errors import InputError
-from damage.fields import MOST_SEED, check_fields, option_of, quantity
+from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
 from damage.index import THRESHOLD
 from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
@@ -80,15 +80,14 @@ class RunSettings:
     rest_s: free vibration after each event [s], which ends with a settling stage; time_step_s: None for the one of the
     solver;
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None for what the
-    joints need (`for_joint`); mass_scaling: one of MASS_SCALING (`damage.run.scheme`);
+    joints need (`for_joint`); mass_scaling: one of MASS_SCALING, None for what suits the wall (`damage.run.scheme`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion, one of RELAXATIONS,
-    settling None for local, adaptive with mass scaling; perturb_m: size of random
-    offsets of the bricks [m], scatter: coefficient of variation of the joints' strengths [-], both drawn with `seed`:
-    by it the members of an ensemble differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long
-    bodies are followed after the first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case,
-    but with sharper corners); after_fall: follow them until they rest; accept_implausible: do not check whether the
-    wall and the motion are plausible; out: history file, None for a name of its own below
-    `results/`;
+    settling None for local, adaptive with mass scaling; perturb_m: size of random offsets of the bricks [m], scatter:
+    coefficient of variation of the joints' strengths [-], both drawn with `seed`: by it the members of an ensemble
+    differ; members: how many runs with seeds from `seed` on; past_collapse_s: how long bodies are followed after the
+    first brick fell [s]; new_contacts: loose bricks collide (in YADE they do in any case, but with sharper corners);
+    after_fall: follow them until they rest; accept_implausible: do not check whether the wall and the motion are
+    plausible; out: history file, None for a name of its own below `results/`;
     quiet: print warnings and errors only; console: when YADE's prompt comes, "before" or "after" the run, or None;
     command: what asked for it.
     """
@@ -108,9 +107,13 @@ class RunSettings:
     alpha_1_s: float = 0.0
     beta_s: float | None = quantity("s", 0, 1, words=(None,), default=0.0, option="beta", metavar="S", help="stiffness"
                                     f"-proportional damping (default 0, and {SOFTENING_BETA_S:g} where joints soften)")
-    mass_scaling: str | None = NONE
+    mass_scaling: str | None = choice(
+        MASS_SCALING, default=None, help="selective: steps of up to 2e-4 s by masses that grow with the stiffness of the "
+        "intact wall; a run that is not accepted is repeated in smaller steps (default: by the wall and its motion, "
+        "docs/validation/mass-scaling.md)")
     relaxation: str = "local"
-    settling: str | None = None
+    settling: str | None = choice(RELAXATIONS, default=None, help="damping of settling stages (default: local, as in "
+                                  "YADE, and adaptive with mass scaling)")
     perturb_m: float = quantity("m", 0, THRESHOLD, default=0.0, option="perturb", metavar="M",  # more is a crack
                                 help="random offsets of the bricks, for ensembles (default 0)")
     scatter: float = quantity("1", 0, MOST_SCATTER, default=0.0, metavar="COV", help="scatter of the joints' "
