@@ -19,7 +19,7 @@ from damage.draw.exposure import exposure_picture
 from damage.exposure import places
 from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import COLUMNS, LEVELS_MM_S, Exposure
-from damage.exposure.ground_motion import GroundMotionModel, model_named, model_names, station_residuals
+from damage.exposure.ground_motion import COMPONENTS, GroundMotionModel, model_named, model_names
 from damage.exposure.models.bommer_2022 import Model
 
 getcontext().prec = 30
@@ -398,6 +398,27 @@ class TestCommand:
         said = capsys.readouterr()
         assert said.out == "" and said.err.startswith("error: ") and said.err.count("\n") == 1
         assert message in said.err and "expected" in said.err
+
+
+ZEERIJP = {"magnitude": 3.4, "x_m": 245789.0, "y_m": 598263.0}
+"""The earthquake: magnitude, epicentre in RD [m], as the catalogue that ships has them."""
+
+
+def station_residuals(model, vs30_m_s=200.0):
+    """DataFrame with a row a station: station, epicentral_km, pgv_mm_s, median_mm_s, residual (of
+    ln PGV).
+
+    model: a GroundMotionModel of component LRG or GEO; PGV as the component defines it, of both horizontal components.
+    """
+    table = pd.read_csv(COMPONENTS, comment="#").groupby("station", sort=False, as_index=False).agg(
+        latitude=("latitude", "first"), longitude=("longitude", "first"), largest=("pgv_mm_s", "max"),
+        product=("pgv_mm_s", "prod"))
+    x_m, y_m = places.to_rd(table["latitude"].to_numpy(), table["longitude"].to_numpy())
+    distance_km = np.hypot(x_m - ZEERIJP["x_m"], y_m - ZEERIJP["y_m"]) / 1e3
+    observed = table["largest"] if model.component == "LRG" else np.sqrt(table["product"])
+    median = model.median_mm_s(ZEERIJP["magnitude"], distance_km, vs30_m_s)
+    return pd.DataFrame({"station": table["station"], "epicentral_km": distance_km, "pgv_mm_s": observed,
+                         "median_mm_s": median, "residual": np.log(observed / median)})
 
 
 class TestResiduals:

@@ -68,13 +68,14 @@ def print_plan(study, folder, jobs, remake=False):
     compiles = not is_cached() and any(run.solver == "reference" for run in left)
     unsure = UNMEASURED if compiles or how is UNKNOWN else 1.0
     once_s = COMPILING_S * python_seconds() / PYTHON_S if compiles else 0.0
+    on = next(path for path in (folder, *folder.parents) if path.is_dir())
     n_bytes = sum(most_members(run) * costs[run].n_bytes for run in left) * scale.n_bytes
     print(f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; runs to make: "
           f"{'up to ' if most != least else ''}{most}\n"
           f"expected: {duration((times[0] + once_s) * LEAST / unsure)} to "
           f"{duration((times[1] + once_s) * MOST * unsure)} with {jobs} at a time, where nothing else runs; "
           f"{n_bytes / 1e6:.3g} MB of histories in {folder}, which has "
-          f"{free_bytes(_existing(folder)) / 1e9:.3g} GB free\n"
+          f"{free_bytes(on) / 1e9:.3g} GB free\n"
           f"by {how}{', YADE by other machines' if 'yade' in ways.values() else ''}{by}"
           + (f"; with compiling the solver once, about {duration(once_s)}" if compiles else ""), flush=True)
 
@@ -193,8 +194,3 @@ def duration(seconds):
     '1:02:05'
     """
     return str(timedelta(seconds=round(seconds)))
-
-
-def _existing(folder):
-    """The folder, or the first above it that is there."""
-    return next(path for path in (folder, *folder.parents) if path.is_dir())

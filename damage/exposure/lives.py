@@ -24,7 +24,7 @@ from damage.exposure.catalogue import SHIPPED, read_catalogue
 from damage.exposure.exposure import Exposure
 from damage.exposure.ground_motion import COMPONENTS, model_named
 from damage.exposure.places import at, at_rd
-from damage.files import is_there, write_text
+from damage.files import is_there
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.loading import Recorded
 from damage.motion.sequence import Event
@@ -200,11 +200,6 @@ def events_of(life, rest_s):
 @lru_cache(maxsize=256)
 def _loading(name, start_s, end_s):
     return Recorded(read_record(shipped_records()[name]), window_s=(float(start_s), float(end_s)))
-
-
-def write_sequence(life, path):
-    """Write a life as a sequence file, which `--sequence` takes; returns its path."""
-    return write_text(path, life[["record", "scale", "start_s", "end_s"]].to_csv(index=False))
 
 
 @lru_cache(maxsize=8)

@@ -8,6 +8,7 @@ What differs between walls is in arrays (rows, fields, W), the wall last, of one
 of these arrays.
 """
 
+from collections import namedtuple
 from typing import NamedTuple
 
 import numba
@@ -94,7 +95,9 @@ READ_OPENING, READ_SHEAR, READ_SIGMA, READ_TAU = range(4)
 displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 
 
-class System(NamedTuple):
+class System(namedtuple("System", (
+        "place velocity force mass inverse_mass trig interfaces limits contacts strengths states readings "
+        "energy events values n_events relaxation last turning radiation"))):
     """Tables of one wall.
 
     place, velocity, force, mass, inverse_mass: (bodies, coordinates), the supports last, strain modes behind the rigid
@@ -116,29 +119,12 @@ class System(NamedTuple):
         along the interface [s], and their resultant in the last step [N, N m]
     """
 
-    place: np.ndarray
-    velocity: np.ndarray
-    force: np.ndarray
-    mass: np.ndarray
-    inverse_mass: np.ndarray
-    trig: np.ndarray
-    interfaces: np.ndarray
-    limits: np.ndarray
-    contacts: np.ndarray
-    strengths: np.ndarray
-    states: np.ndarray
-    readings: np.ndarray
-    energy: np.ndarray
-    events: np.ndarray
-    values: np.ndarray
-    n_events: np.ndarray
-    relaxation: np.ndarray
-    last: np.ndarray
-    turning: np.ndarray
-    radiation: np.ndarray
+    __slots__ = ()
 
 
-class Tables(NamedTuple):
+class Tables(namedtuple("Tables", (
+        "bodies inertia interfaces limits contacts strengths states readings energy events values n_events "
+        "relaxation last turning radiation bench sums others used lines first second every"))):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows, fields, W).
 
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of each coordinate;
@@ -153,30 +139,7 @@ class Tables(NamedTuple):
     vector.
     """
 
-    bodies: np.ndarray
-    inertia: np.ndarray
-    interfaces: np.ndarray
-    limits: np.ndarray
-    contacts: np.ndarray
-    strengths: np.ndarray
-    states: np.ndarray
-    readings: np.ndarray
-    energy: np.ndarray
-    events: np.ndarray
-    values: np.ndarray
-    n_events: np.ndarray
-    relaxation: np.ndarray
-    last: np.ndarray
-    turning: np.ndarray
-    radiation: np.ndarray
-    bench: np.ndarray
-    sums: np.ndarray
-    others: np.ndarray
-    used: np.ndarray
-    lines: np.ndarray
-    first: np.ndarray
-    second: np.ndarray
-    every: np.ndarray
+    __slots__ = ()
 
 
 SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
