@@ -110,6 +110,10 @@ def test_other_kinds_of_walls(clone):
     assert follow("other-walls", clone).count("mode 1: ") == 1
 
 
+def test_a_wall_for_other_programs(clone):
+    assert follow("other-programs", clone).split() == ["opensees_symmetric.py", "symmetric.dat"]
+
+
 def test_walls_of_houses(clone):
     output = follow("houses", clone)
     assert "concrete lintel at 2.106 m" in output and "mode 1: 0.09" in output
