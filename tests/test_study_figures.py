@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 from small_history import make_history
 
+from damage.commands.table import COMMANDS as of_package
 from damage.draw.panels import (
     NOTHING,
     describe_members,
@@ -26,12 +27,14 @@ from damage.draw.panels import (
 )
 from damage.draw.style import BLACK, BLUE, VERMILLION
 from damage.errors import InputError
+from damage.files import shipped_files
 from damage.measure.tables import index_table, write_table
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from damage.units import GRAVITY
 from paper import figures as study_figures
+from paper.__main__ import COMMANDS as of_paper
 from paper.__main__ import main
 from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
@@ -478,7 +481,7 @@ class TestKeptTables:
         missing = {name.split("_")[0] for name, of in made.items() if isinstance(of, str)}
         assert missing == {"fig07", "fig09", "fig10", "cracks"} and all(
             "it needs the study's own folder" in of for of in made.values() if isinstance(of, str))
-        x, y, *_ = medians(panel(made["fig11_residual_small"][0], "Zeerijp"), BLACK)
+        _, y, *_ = medians(panel(made["fig11_residual_small"][0], "Zeerijp"), BLACK)
         kept = results.points[(results.points["record"] == "BGAR_HGE") & (results.points["solver"] == "reference")]
         assert_allclose(y, kept["residual_DI"])
 
@@ -496,6 +499,19 @@ class TestKeptTables:
         variant = next(one for one in variants(points) if one.wall == "symmetric")
         figure = residual_against_pga(variant)
         assert len(variant.reference) == 16 and len(variant.yade) and stars(figure) == {"(a)": (0.16, 0.11)}
+
+
+def test_the_table_of_figures_names_commands_and_studies_that_are_there():
+    page = (REPOSITORY / "docs" / "paper" / "figures.md").read_text(encoding="utf-8")
+    commands = [words.split() for words in re.findall(r"`(python3 [^`]+|\./run_all\.sh [^`]+)`", page)]
+    assert {words[1] for words in commands if words[0] == "./run_all.sh"} - {"STUDY"} <= shipped_files(
+        "studies", ".toml").keys()
+    for words in (words[1:] for words in commands if words[0] == "python3"):
+        if words[0] == "-m":
+            assert words[2] in {"damage": of_package, "paper": of_paper}[words[1]]
+        else:
+            assert (REPOSITORY / words[0]).is_file()
+    assert sum(line.startswith("| ") for line in page.splitlines()) == 16  # the table's rows, with its head
 
 
 class TestCommand:

@@ -75,9 +75,10 @@ def plot_wall(history, ax, t="max", slip="displacement", threshold=THRESHOLD, ma
     `wall_picture`.  InputError for a time outside the run.
     """
     sample = t if t in ("max", "end") else sample_at(history, t)
-    shape = wall_shape(history, sample, slip, threshold, magnify).on_page(ax.get_window_extent().size / ax.figure.dpi * 72)
+    shape = wall_shape(history, sample, slip, threshold, magnify)
+    shape = shape.on_page(ax.get_window_extent().size / ax.figure.dpi * 72)
     draw_wall(ax, shape)
-    ax.set_title("\n".join(_moment(shape, t)), fontsize="medium")
+    ax.set_title("\n".join(_moment(shape, t)), fontsize="small")
     return shape
 
 

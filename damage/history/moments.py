@@ -43,8 +43,8 @@ def sample_at(history, time_s):
     except TypeError:
         inside = False
     if not inside:
-        raise InputError(f"time {time_s!r}: expected seconds from {times[0]:g} to {times[-1]:g}, 'max' or 'end'; choose "
-                         "one of them")
+        raise InputError(f"time {time_s!r}: expected seconds from {times[0]:g} to {times[-1]:g}, 'max' or 'end'; "
+                         "choose one of them")
     return int(np.argmin(np.abs(times - time_s)))
 
 
