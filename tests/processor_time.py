@@ -14,7 +14,7 @@ SUBJECTS = {
     "batches": "batch combinations ensembles full_study paper plan servers slurm study study_export study_figures "
                "study_schema validity outdated",
     "pictures and documents": "animation dictionary document_tables documents examples guides html html_browser "
-                              "model_pictures paraview pictures report site_browser",
+                              "model_pictures paraview pictures programs report site_browser",
     "model and solver": "after_peak any_wall as_built before brick_stress cells columns convergence crack_file cracks "
                         "crushing curves damping deformable ends evidence exposure fields floors fragility history "
                         "hysteresis index intensity joint_law joint_tracker layout life limit_analysis lintel lintels "

@@ -152,6 +152,11 @@ class History:
     def _repr_html_(self):
         return as_html(self)
 
+    def plot_wall(self, ax, t="max", **options):
+        """Draw the wall with its cracks at a time t [s], or "max" (of the damage index) or "end", into axes of a
+        figure of yours: `damage.draw.run.plot_wall`."""
+        return import_module("damage.draw.run").plot_wall(self, ax, t, **options)
+
     @property
     def complete(self):
         """Whether the run came to its end (a collapse is an end, too)."""
