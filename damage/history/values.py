@@ -4,6 +4,7 @@ import numpy as np
 
 from damage.checks import check_number
 from damage.errors import InputError
+from damage.wall.restraints import SIDE_COURSE
 
 _HUGE = 1e30
 """No quantity of a wall comes near this number of its unit."""
@@ -57,7 +58,10 @@ def check_values(history):
     for table, names in ((joints, ("length_m", "area_m2")), (bodies, ("length_m", "height_m", "mass_kg"))):
         for name in names:
             values = table[name].to_numpy()
-            _refuse(~(values > 0), name, "a number above zero", values)
+            wrong = ~(values > 0)
+            if name == "mass_kg":  # party walls have none
+                wrong &= table["course"].to_numpy() != SIDE_COURSE
+            _refuse(wrong, name, "a number above zero", values)
     n_supports = 1 if history.supports is None else len(history.supports)
     for table, name, least, end in ((joints, "first_body", -n_supports, len(bodies)),
                                     (joints, "second_body", 0, len(bodies)), (events, "joint", 0, len(joints))):

@@ -9,6 +9,7 @@ from damage.wall.floors import SLAB_COURSE
 from damage.wall.kinds import KINDS, rows
 from damage.wall.kinematics import rigid_displacement
 from damage.wall.lintels import LINTEL_COURSE
+from damage.wall.restraints import SIDE_COURSE
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]
@@ -24,12 +25,12 @@ def body_table(layout):
 def kinds_of_bodies(course):
     """"bricks", "masses", "slabs" or "lintels" of bodies (n,) by their course; bricks of an arch are bricks.
 
-    >>> kinds_of_bodies([0, -1, -2, -3, -4]).tolist()
-    ['bricks', 'masses', 'slabs', 'lintels', 'bricks']
+    >>> kinds_of_bodies([0, -1, -2, -3, -4, -5]).tolist()
+    ['bricks', 'masses', 'slabs', 'lintels', 'bricks', 'masses']
     """
     course = np.asarray(course)
-    return np.select([course == -1, course == SLAB_COURSE, course == LINTEL_COURSE], ["masses", "slabs", "lintels"],
-                     "bricks")
+    return np.select([np.isin(course, (-1, SIDE_COURSE)), course == SLAB_COURSE, course == LINTEL_COURSE],
+                     ["masses", "slabs", "lintels"], "bricks")
 
 
 def cuts_of_lintels(joints, bodies):
