@@ -14,7 +14,7 @@ shipped() {
 usage() {
     cat <<END
 usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both] [--keep all|summary] [--run ID]
-                          [--slurm] [--cores N] [--shard RUNS] [--remake]
+                          [--slice K/N] [--slurm] [--cores N] [--shard RUNS] [--remake] [--dry-run]
 
 STUDY is one of: $(shipped | paste -sd' '),
 the path of a study file of your own (.toml; copy studies/quick.toml), or all: every one that ships, each into
@@ -25,10 +25,11 @@ DIR/STUDY, then the figures and the verdict on the paper (hours; with YADE days)
   --solver WHAT  what simulates: yade (default), reference (the built-in solver), or both
   --keep WHAT    histories: all (default), or summary: those of each point's first run, and what failed
   --run ID       make the history of this run alone, which was not kept, and compare it with its row in the table
-  --slurm        as jobs of a SLURM cluster that shares this folder; SBATCH_PARTITION and the like
+  --slice K/N    the K-th of N parts alone, without tables of the whole study: a job of a cluster
+  --slurm        as jobs of a SLURM cluster that shares this folder, by Snakemake; SBATCH_PARTITION and the like
                  choose where (docs/reference/studies.md); -j is the number of jobs at a time
-  --cores N      processors that work at a shard of the reference solver's runs (default: -j; with --slurm 1)
-  --shard RUNS   runs of a shard, which is one job (default: about an hour's, 1500 a processor)
+  --cores N      with --slurm: processors of a job (default 1)
+  --shard RUNS   with --slurm: runs of a job (default: about an hour's, 1500 a processor)
   --remake       make runs again that another version of the model made (without it they are kept, and named), or
                  whose index and measures another version made (without it refused where no history is left)
   --dry-run      make nothing: say which runs are there, which are to be made, expected time and disk
@@ -51,28 +52,20 @@ fail() {
     exit 2
 }
 
-study='' jobs=$(nproc) out='' solver=yade slurm='' remake='' dry_run='' more=()
+study='' jobs=$(nproc) out='' solver=yade flags=() more=()
 while [ $# -gt 0 ]; do
     case $1 in
         -h | --help)
             usage
             exit 0
             ;;
-        --slurm)
-            slurm=--slurm
+        --slurm | --remake | --dry-run)
+            flags+=("$1")
             shift
             ;;
-        --remake)
-            remake=--remake
-            shift
-            ;;
-        --dry-run)
-            dry_run=yes
-            shift
-            ;;
-        --out=* | --solver=* | --keep=* | --run=* | --cores=* | --shard=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
+        --out=* | --solver=* | --keep=* | --run=* | --cores=* | --shard=* | --slice=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;;
         -j?*) set -- -j "${1#-j}" "${@:2}" ;;
-        -j | --out | --solver | --keep | --run | --cores | --shard)
+        -j | --out | --solver | --keep | --run | --cores | --shard | --slice)
             [ -n "${2:-}" ] || fail "$1 without a value: expected one after it; see --help"
             case $1 in
                 -j) jobs=$2 ;;
@@ -88,7 +81,7 @@ while [ $# -gt 0 ]; do
             esac
             shift 2
             ;;
-        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --run, --slurm, --cores, --shard, --remake or --dry-run; see --help" ;;
+        -*) fail "unknown option $1: expected -j, --out, --solver, --keep, --run, --slice, --slurm, --cores, --shard, --remake or --dry-run; see --help" ;;
         *)
             [ -z "$study" ] || fail "two studies, $study and $1: expected one; run them one after the other"
             study=$1
@@ -98,18 +91,14 @@ while [ $# -gt 0 ]; do
 done
 
 [ -n "$study" ] || fail "no study given: expected $(shipped | paste -sd' ') or a study file; see --help"
-[ -z "$slurm" ] || [ -n "$(type -P sbatch)" ] || fail "--slurm without sbatch on PATH: run it where SLURM is, or leave it out"
+[[ " ${flags[*]} " != *" --slurm "* ]] || [ -n "$(type -P sbatch)" ] || fail "--slurm without sbatch on PATH: run it where SLURM is, or leave it out"
 [[ $jobs =~ ^[1-9][0-9]{0,3}$ ]] || fail "-j $jobs: expected a whole number, 1 or more; correct it"
 case $solver in
     yade | reference | both) ;;
     *) fail "--solver $solver: expected yade, reference or both; correct it" ;;
 esac
-program=batch.py
 case $study in
-    all)
-        program=all_studies.py
-        file=$root/studies
-        ;;
+    all) ;;
     *.toml)
         [ -f "$study" ] || fail "$study: no such study file; correct the path"
         file=$study
@@ -121,16 +110,16 @@ case $study in
         ;;
 esac
 
-[ -z "$dry_run" ] || program=plan.py
-
 memory=$(ulimit -v)
 least=$((600 + 150 * $(nproc))) # MB, as damage/memory.py has it: with less no library loads, and none seems installed
 if [ "$memory" != unlimited ] && [ $((memory * 1024 / 1000000)) -lt $least ]; then
     echo "error: out of memory: ulimit -v is $((memory * 1024 / 1000000)) MB: expected $least MB or more; raise it" >&2
     exit 1
 fi
+purpose=run
+[[ " ${flags[*]} " != *" --slurm "* ]] || purpose=cluster
 # shellcheck source=scripts/environment.sh
-source "$root/scripts/environment.sh" run
+source "$root/scripts/environment.sh" $purpose
 # Runs side by side are what uses the processors; threads of linear algebra would only wait on them.
 export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 
@@ -143,7 +132,10 @@ show_first_result() {
     PYTHONSAFEPATH=1 "$PYTHON" -m damage reference "$root/walls/symmetric.py" --harmonic 0.2 0.05 --rest 1 --out "$history" --overwrite ||
         [ $? -ne 130 ] || exit 130
 }
-if [[ $study == quick && $program == batch.py && $solver != reference && -z $slurm && ${#more[@]} -eq 0 ]]; then
+if [[ $study == quick && $solver != reference && ${#flags[@]} -eq 0 && ${#more[@]} -eq 0 ]]; then
     show_first_result
 fi
-exec "$PYTHON" "$root/workflow/$program" "$file" -j "$jobs" ${out:+--out "$out"} --solver "$solver" $slurm $remake "${more[@]}"
+export PYTHONSAFEPATH=1 # a folder that was sent may hold a numpy.py
+words=(-j "$jobs" ${out:+--out "$out"} --solver "$solver" "${flags[@]}" "${more[@]}")
+[ "$study" = all ] || exec "$PYTHON" -m damage study "$file" "${words[@]}"
+exec "$PYTHON" -m paper studies "${words[@]}"

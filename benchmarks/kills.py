@@ -3,7 +3,7 @@ it always completes, with the tables of a study that was left alone.
 
     python3 benchmarks/kills.py --out DIR [--kills 20] [--who worker|any] [--seed N] [-j 2]
 
-A worker is a process in which runs of the reference solver step; any: also the shard's own process and Snakemake's.
+A worker is a process in which runs of the reference solver step, which begin again; any: also the batch itself.
 Studies keep all histories and only those of a summary in turns.  DIR must be new.  Exit status: 0 all completed with
 equal tables, 1 not.
 """
@@ -36,7 +36,6 @@ id = "alone"
 wall = "tiny.py"
 options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
 '''
-PROGRAMS = {"worker": "run_shard.py", "any": ("run_shard.py", "simulate.py", "snakemake", "damage study-tables")}
 MOST_CALLS = 3
 """Of the same command after a kill, the last of which must complete."""
 
@@ -46,7 +45,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--kills", type=int, default=20)
-    parser.add_argument("--who", choices=PROGRAMS, default="worker")
+    parser.add_argument("--who", choices=("worker", "any"), default="worker")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("-j", dest="jobs", default="2")
     asked = parser.parse_args()
@@ -86,8 +85,8 @@ class Proof:
     def start(self, name, keep="all"):
         """Start the batch in a folder of this name."""
         return subprocess.Popen(
-            [sys.executable, ROOT / "workflow" / "batch.py", self.out / "study.toml", "--solver", "reference", "-j",
-             self.jobs, "--out", self.out / name, "--keep", keep], cwd=ROOT,
+            [sys.executable, "-m", "damage", "study", self.out / "study.toml", "-j", self.jobs, "--out",
+             self.out / name, "--keep", keep], cwd=ROOT,
             env=os.environ | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
             stdout=subprocess.DEVNULL, stderr=(self.out / f"{name}.log").open("a"))
 
@@ -130,26 +129,17 @@ class Proof:
 
 
 def victims(pid, who):
-    """[(pid, program)] of the descendants of a batch that are to be killed."""
-    found, todo = [], children(pid)
-    while todo:
-        one, parent = todo.pop()
-        if who == "worker" and PROGRAMS[who] in words(one) and PROGRAMS[who] in words(parent) \
-                and "--shard" not in words(parent):
-            found.append((one, "worker"))  # not what it starts itself, as git, which ends nothing
-            continue
-        todo += children(one)
-        if who != "worker":
-            found += [(one, program) for program in PROGRAMS[who] if program in words(one)][:1]
-    return found
+    """[(pid, program)] of the processes of a batch that are to be killed, while it has any at work."""
+    workers = [(one, "worker") for one in children(pid) if words(one) == words(pid)]  # not what it starts, as git
+    return workers + [(pid, "batch")] * (who == "any" and bool(workers))
 
 
 def children(pid):
-    """[(pid, pid of its parent)] of the children of a process."""
+    """Pids of the children of a process."""
     found = []
     for listed in Path(f"/proc/{pid}/task").glob("*/children"):  # of every thread
         try:
-            found += [(int(child), pid) for child in listed.read_text().split()]
+            found += map(int, listed.read_text().split())
         except OSError:  # ended meanwhile
             pass
     return found

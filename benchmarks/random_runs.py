@@ -10,6 +10,7 @@ them does not warn, or where one of them is refused or fails and the other is no
 
 import argparse
 import io
+import json
 import sys
 import warnings
 from contextlib import redirect_stderr, redirect_stdout
@@ -26,8 +27,8 @@ import damage
 from benchmarks.same_bits import differences
 from damage.errors import RunError
 from damage.history.reader import read_history
+from damage.measure.energy import ENERGY_ERROR
 from damage.measure.summary import summarise
-from damage.measure.warnings import ENERGY_ERROR
 from damage.reference.session import run_reference
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -132,7 +133,8 @@ def run(seed, folder):
     row = {"seed": seed, "wall": f"{wall.length:.2f} x {wall.built_height:.2f} m",
            "options": " ".join(f"{name}={value}" for name, value in options.items())}
     file, once, again = (folder / f"{wall.name}{ending}" for ending in (".py", "_once.h5", "_again.h5"))
-    file.write_text(f"from damage import Wall\n\n\ndef wall():\n    return Wall.from_dict({wall.as_dict()!r})\n")
+    plain = json.loads(json.dumps(wall.as_dict()))  # numpy 2 writes its numbers as np.float64(...)
+    file.write_text(f"from damage import Wall\n\n\ndef wall():\n    return Wall.from_dict({plain!r})\n")
     with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()) as said:
         status = run_reference([str(file), *_words(options), "--no-pictures", "--out", str(once)])
     row |= {"status": status, "said": said.getvalue().strip().splitlines()[-1:]}

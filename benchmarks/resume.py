@@ -20,8 +20,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from damage.batch.outdated import Results
 from damage.studies.definition import load_study
-from damage.studies.tables import runs_there
 
 
 def main():
@@ -67,7 +67,7 @@ def run_until_killed(words, folder, points, share):
     began = time.monotonic()
     batch = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while True:
-        done = sum(bool(runs_there(run, folder)) for run in points)
+        done = sum(bool(Results(folder).names_of(run)) for run in points)
         if done >= share * len(points) and list((folder / "runs").glob("*.part.h5")):
             kill_tree(batch.pid)
             batch.wait()

@@ -5,7 +5,7 @@
 
 All ways do all that a member needs: a record, a history, its tables' rows.  One after another is a process that does
 a member whole before the next, as studies did up to now, its summary printed and its history read again for the
-tables; in lanes is what `workflow/run_shard.py` does with a group in one of its processes, where all histories are kept
+tables; in lanes is what `damage/batch/worker.py` does with a group in one process, where all histories are kept
 and where those of each point's first run are.  A round does each of the points in every way, and the last way first
 every second time; the ratio is of the processor's seconds, its median and range over the rounds.  Then come the account
 of the time in each, timed in one more round without which the ratio is taken, the time of two processes at once, bytes
@@ -108,7 +108,7 @@ def one_after_another(folder, asked):
 
 
 def in_lanes(folder, asked, in_memory=()):
-    """As a process of `workflow/run_shard.py` runs a group; in_memory: names of those whose histories are not kept."""
+    """As `damage/batch/worker.py` runs a group; in_memory: names of those whose histories are not kept."""
     histories = {name: HistoryInMemory if name in in_memory else HistoryKept for name in asked}
     for _ in together.run_references(asked.items(), histories):
         pass
@@ -156,7 +156,7 @@ PARTS = {
     "history: begin": (HistoryWriter, ["__init__"]),
     "history: write": (HistoryWriter, ["append", "extend", "event", "snapshot", "static_stage", "flush"]),
     "history: seal": (HistoryWriter, ["finish"]),
-    "history in memory": (HistoryInMemory, ["__init__", "static_stage", "store", "finish", "history"]),
+    "history in memory": (HistoryInMemory, ["__init__", "static_stage", "flush", "finish", "history"]),
     "steps": (lanes.kernel, ["run"]),
     "between stretches": (lanes.Lanes, ["run", "__init__"]),
     "instants, events": (ReferenceSolver, ["instants", "drain_events", "forces", "base_reaction"]),

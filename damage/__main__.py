@@ -1,19 +1,21 @@
 # PYTHON_ARGCOMPLETE_OK
 """`python3 -m damage COMMAND`: run a wall in the reference solver; read histories, records, studies, without YADE."""
 
+import os
+import sys
+
 from damage.start import begin, is_of_output, leave, missing_library
 
 if __name__ == "__main__":
+    if sys.argv[1:2] in (["study"], ["life"]):  # runs side by side use the processors; threads of linear algebra wait
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     begin()  # before what takes its time to import
 
 import logging
-import os
-import sys
 from contextlib import nullcontext, redirect_stdout
 
 import damage.commands  # noqa: F401, fills the table
-from damage.commands.examples import GROUPS, examples_of
-from damage.commands.table import COMMANDS, Silence
+from damage.commands.table import COMMANDS, GROUPS, Silence, examples_of
 from damage.errors import InputError, did_you_mean, one_line
 from damage.memory import hold_buffers
 from damage.provenance import commit
@@ -23,7 +25,7 @@ from damage.version import VERSION
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where no folder takes its cache it warns at length
 
 DELEGATED = {"reference": "run a wall in the reference solver (see reference --help)",
-             "study": "run a study: simulations, tables and pictures, by Snakemake (see study --help)",
+             "study": "run a study: simulations, tables and pictures (see study --help)",
              "help": "the options of a command, with examples: help index"}
 """Commands whose options are those of another program: what they are for."""
 
@@ -58,9 +60,9 @@ def _run(arguments, quiet):
 
         return run_reference([*arguments[1:], *["--quiet"] * (quiet and len(arguments) > 1)])
     if arguments[:1] == ["study"]:  # its options are those of the batch
-        from damage.studies.batch import run_study
+        from damage.batch.command import run_study
 
-        return run_study(arguments[1:], quiet)
+        return run_study(arguments[1:])
     if arguments == ["--version"]:
         print(f"masonry-damage {VERSION}, commit {commit()}")
         return 0

@@ -14,12 +14,14 @@ from pathlib import Path
 from damage.errors import InputError
 
 _PACKAGE = Path(__file__).parent
+YADE = str(_PACKAGE.parent / "yade"), "-n", "-j1"
+"""Command that runs a script in YADE without a screen, on one core, and without YADE's network servers; of a clone."""
 DATA = _PACKAGE / "data"
 """Records and tests that ship with the package; each folder's README says what they are."""
 
 
 def shipped(folder):
-    """Path of `walls`, `studies` or `workflow`: in the installed package below `share`, in a clone beside the package
+    """Path of `walls` or `studies`: in the installed package below `share`, in a clone beside the package
     (pyproject.toml maps one to the other)."""
     inside = _PACKAGE / "share" / folder
     return inside if inside.is_dir() else _PACKAGE.parent / folder

@@ -14,6 +14,7 @@ from damage.commands.table import JSON, command, file_arg, out, output
 from damage.errors import InputError
 from damage.files import json_text, write_text
 from damage.run.options import OneLineParser
+from damage.run.session import EXIT_INPUT, EXIT_INTERRUPTED
 
 COMMANDS = {}
 command = partial(command, table=COMMANDS)
@@ -25,10 +26,26 @@ def main(arguments=None):
 
 
 def _run(arguments):
+    if arguments[:1] == ["studies"]:
+        return _studies(arguments[1:])
     parser = OneLineParser(prog="python3 -m paper", allow_abbrev=False, description=__doc__)
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND", parser_class=OneLineParser), COMMANDS)
     asked = parser.parse_args(arguments)
     return asked.command(asked) or 0
+
+
+def _studies(words):
+    """Run every study that ships, with options of `python3 -m damage study`, then figures and verdict; returns the
+    worst exit status."""
+    from damage.batch.command import RESULTS, parse, run_study
+
+    asked, status = parse(["all", *words]), run_study(["all", *words])
+    if asked.dry_run or status in (EXIT_INPUT, EXIT_INTERRUPTED):
+        return status
+    out, records = asked.out or RESULTS, Path(__file__).parents[1] / "records"
+    print("figures and verdict", flush=True)
+    return max(status, main(["figures", str(out), "--out", str(out / "figures"), "--records", str(records)]),
+               main(["verdict", str(out), "--markdown", str(out / "tables" / "verdict.md")]))
 
 
 @command("figures 6 to 12 of the source paper and crack maps from the results of studies",
@@ -82,18 +99,13 @@ def _readings(asked):
          file_arg("results", "RESULTS", "folder with the study below it"),
          output(file_arg("--markdown", "FILE", "write the document, too")))
 def _combinations(asked):
-    from paper.combinations import (
-        as_markdown,
-        conclusions,
-        judge_combinations,
-        table_of_best,
-        table_of_effects,
-    )
+    from paper import combinations
 
-    found = judge_combinations(asked.results)
+    found = combinations.judge_combinations(asked.results)
     if asked.markdown:
-        write_text(asked.markdown, as_markdown(found))
-    print("\n".join([*conclusions(found), "", *table_of_best(found), "", *table_of_effects(found)]))
+        write_text(asked.markdown, combinations.as_markdown(found))
+    print("\n".join([*combinations.conclusions(found), "", *combinations.table_of_best(found), "",
+                     *combinations.table_of_effects(found)]))
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@
 FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not ship.
 """
 
-import argparse
 import math
 import sys
 from dataclasses import replace
@@ -22,9 +21,10 @@ from scipy.signal import butter, sosfiltfilt
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
 
+from damage.measure.vibration import natural_period
+
 from damage import Brick, Joint, Wall
 from damage.law.modes import natural_modes
-from damage.measure.vibration import natural_period
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from damage.motion.record import Record

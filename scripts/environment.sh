@@ -1,7 +1,8 @@
 # shellcheck shell=bash
 # Finds, or installs on Debian, what the programs of this repository need.  Other scripts source it:
 #
-#     source scripts/environment.sh run     # YADE, a Python with the packages, Snakemake
+#     source scripts/environment.sh run     # YADE, a Python with the packages
+#     source scripts/environment.sh cluster # also Snakemake
 #     source scripts/environment.sh test    # also pytest with xdist, hypothesis and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
 #     source scripts/environment.sh browser # as site, with pytest and selenium; Chromium and its driver
@@ -222,7 +223,8 @@ _env_main() {
     local -x PYTHONSAFEPATH=1 # the working folder may hold a numpy.py that someone sent
     local modules=(numpy scipy pandas h5py matplotlib numba jinja2)
     case ${1:-run} in
-        run) modules+=(snakemake) ;;
+        run) ;;
+        cluster) modules+=(snakemake) ;;
         test) modules+=(snakemake pytest xdist hypothesis) ;;
         coverage) modules+=(snakemake pytest xdist hypothesis coverage) ;;
         browser)
@@ -238,7 +240,7 @@ _env_main() {
             _env_programs=(shellcheck)
             ;;
         *)
-            _env_say "error: environment.sh $1: expected run, test, coverage, browser, site or gates; correct the call"
+            _env_say "error: environment.sh $1: expected run, cluster, test, coverage, browser, site or gates; correct the call"
             return 2
             ;;
     esac

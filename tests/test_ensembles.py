@@ -1,29 +1,20 @@
-"""Grids and ensembles of studies: what a file asks for, whole batches of the reference solver, their tables."""
+"""Grids and ensembles of studies: what a file asks for, and the tables of points."""
 
-import hashlib
-import json
-import os
-import subprocess
-import sys
-import time
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY
+from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from small_history import make_history
 
-from benchmarks.resume import kill_tree
 from damage.errors import InputError
-from damage.history.reader import read_history
 from damage.measure.tables import summary_row
 from damage.studies.definition import StudyRun, load_study
 from damage.studies.grid import expand
 from damage.studies.members import runs_needed
-from damage.studies.tables import points_of, read_study_table
+from damage.studies.tables import points_of
 
 SINE = 'options = { harmonic = [0.2, 0.05] }\n'
 WALL = 'wall = "walls/symmetric.py"\n'
@@ -147,114 +138,6 @@ class TestTables:
         assert "seed" not in points
 
 
-# Three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g.
-TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
-POINTS = ('[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}" }\n'
-          'members = 3\nvary = { g = [%s], rest = [0.5] }\n')
-
-
-class Reference:
-    """Batches of the reference solver in a folder, with the tiny wall."""
-
-    def __init__(self, folder):
-        (folder / "tiny.py").write_text(TINY)
-        self.folder, self.out = folder, folder / "out"
-
-    def command(self, study, *words):
-        return [*BATCH, str(study), "--solver", "reference", "-j2", *words]
-
-    def run(self, study, *words):
-        return subprocess.run(self.command(study, "--out", self.out, *words), timeout=300, capture_output=True,
-                              text=True, env={**os.environ, **BATCH_ENVIRONMENT})
-
-    def start(self, study):
-        return subprocess.Popen(self.command(study, "--out", self.out), stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL,
-                                env={**os.environ, **BATCH_ENVIRONMENT})
-
-    def run_all(self, *words):
-        """All studies of the folder, by the program that ./run_all.sh all starts."""
-        return subprocess.run([sys.executable, REPOSITORY / "workflow/all_studies.py", self.folder, "-j2", "--out",
-                               self.out, *words], timeout=300, capture_output=True, text=True, cwd=REPOSITORY,
-                              env={**os.environ, "PYTHONPATH": str(REPOSITORY)})
-
-    def members(self):
-        return sorted(path for path in (self.out / "runs").glob("*_s?.h5"))
-
-    def checksums(self):
-        return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in self.members()}
-
-    def tables(self):
-        return {path.name: path.read_bytes() for path in (self.out / "tables").glob("*.csv")}
-
-
-@pytest.fixture
-def reference(tmp_path):
-    pytest.importorskip("snakemake")
-    return Reference(tmp_path)
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A batch that was left alone."""
-    pytest.importorskip("snakemake")
-    reference = Reference(tmp_path_factory.mktemp("whole"))
-    reference.done = reference.run(write_study(reference.folder, POINTS % "0.5, 0.4, 0.01"))
-    return reference
-
-
-def test_what_was_made_of_other_inputs_is_removed_and_nothing_else(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
-    from stale import drop, find_stale, note
-
-    wall = tmp_path / "w.py"
-    names = ["a_reference_s1.h5", "a_reference_s12.part.h5", "a_reference_s2.differs.h5", "a_reference.members",
-             "ab_reference_s1.h5", "a.b_yade.h5"]
-    others = {"ab_reference_s1.h5", "a.b_yade.h5"}
-    runs = tmp_path / "runs"
-    for words, text, left, message in (((), TINY, others, "no note"), ((), f"{TINY}# words", set(names), None),
-                                    (("--rest", "1"), TINY, others, "settings.rest_s 2.0 -> 1.0"),
-                                    (("--rest", "1"), TINY.replace("0.6", "0.45"), others, "wall.height 0.6 -> 0.45")):
-        wall.write_text(text)
-        for folder in (runs, tmp_path / "tables"):
-            folder.mkdir(exist_ok=True)
-        for name in names:
-            (runs / name).touch()
-        (tmp_path / "tables" / "summary.csv").touch()
-        run = StudyRun("a", str(wall), words, "reference", ("--strength-seed",), 2)
-        stale = find_stale(SimpleNamespace(runs=[run]), tmp_path)
-        warnings = drop(stale, tmp_path)
-        assert {path.name for path in runs.iterdir() if path.is_file()} == left
-        assert stale.points == ({run.id} if message else set()) == {one.id for one in stale.changed}
-        assert [message in warning for warning in warnings] == [True] * bool(message)
-        assert (tmp_path / "tables" / "summary.csv").exists() == (message is None)
-        assert find_stale(SimpleNamespace(runs=[run]), tmp_path).points == stale.points  # until it is noted
-        note(stale, tmp_path)
-        assert not find_stale(SimpleNamespace(runs=[run]), tmp_path).changed
-
-
-def test_notes_of_an_older_version_count_and_a_single_run_without_one_is_kept(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
-    from stale import drop, find_stale
-
-    (tmp_path / "w.py").write_text(TINY)
-    wall, runs = str(tmp_path / "w.py"), tmp_path / "runs"
-    (runs / ".inputs").mkdir(parents=True)
-    ensemble = StudyRun("a", wall, (), "reference", ("--strength-seed",), 2)
-    single = StudyRun("b", wall, (), "yade")
-    digest = hashlib.sha256(TINY.encode()).hexdigest()
-    (runs / ".inputs" / ensemble.id).write_text(hashlib.sha256(json.dumps(
-        [wall, (), ("--strength-seed",), [digest]]).encode()).hexdigest())  # as 0.2.0.dev0 wrote it
-    for name in ("a_reference_s1.h5", "b_yade.h5"):
-        (runs / name).touch()
-    stale = find_stale(SimpleNamespace(runs=[ensemble, single]), tmp_path)
-    assert not stale.changed and stale.unknown == [single]
-    (warning,) = drop(stale, tmp_path)
-    assert "b_yade" in warning and "kept without a comparison" in warning
-    (tmp_path / "w.py").write_text(f"{TINY}# words")  # of which an old note does not tell that they change nothing
-    assert find_stale(SimpleNamespace(runs=[ensemble]), tmp_path).points == {ensemble.id}
-
-
 @pytest.mark.parametrize(("intact", "spread", "needed"), [(False, 0.01, 5), (False, 0.5, 10), (True, 0.0, 1)])
 def test_an_ensemble_doubles_where_its_first_members_spread_and_ends_with_one_where_nothing_breaks(
         intact, spread, needed):
@@ -266,84 +149,3 @@ def test_an_ensemble_doubles_where_its_first_members_spread_and_ends_with_one_wh
         records[number] = {"intact": intact, "row": row}
     assert counts == [1] + 4 * [1 if intact else 5] and runs_needed(run, records) == needed
     assert runs_needed(replace(run, adaptive=False), {}) == 5
-
-
-@pytest.mark.slow
-class TestBatch:
-    def test_members_differ_by_seed_and_an_intact_wall_has_but_one(self, whole):
-        assert whole.done.returncode == 0, whole.done.stderr
-        assert "study s: 3 of 3 points done" in whole.done.stdout
-        histories = [read_history(path) for path in whole.members()]
-        assert [path.stem for path in whole.members()] == [
-            f"tiny_harmonic-0.1-{g}_cycles-2_rest-0.5_reference_s{k}" for g, k in
-            ((0.01, 1), (0.4, 1), (0.4, 2), (0.4, 3), (0.5, 1), (0.5, 2), (0.5, 3))]
-        assert [history.parameters["seed"] for history in histories] == [1, 1, 2, 3, 1, 2, 3]
-        assert {history.parameters["scatter"] for history in histories} == {0.001}
-
-    def test_tables_have_a_row_a_run_and_a_row_a_point(self, whole):
-        tables = whole.out / "tables"
-        summary = pd.read_csv(tables / "summary.csv")
-        assert list(summary["members"]) == [3] * 6 + [1] and list(summary["pga_g"]) == [0.5] * 3 + [0.4] * 3 + [0.01]
-        points = pd.read_csv(tables / "points.csv").set_index("amplitude_g")
-        cracked = summary[summary["amplitude_g"] == 0.5]["max_DI"]
-        assert_allclose(points.loc[0.5, ["max_DI", "max_DI_min", "max_DI_max"]].astype(float),
-                        [cracked.median(), cracked.min(), cracked.max()])
-        stored = read_study_table(tables / "study.h5", "runs")
-        assert list(stored["run"]) == list(summary["run"]) and list(stored.columns) == list(summary.columns)
-        assert_allclose(stored["max_DI"], summary["max_DI"], rtol=1e-8)
-        assert len(list(tables.glob("*_s1_index.csv"))) == len(list(tables.glob("*_index.csv"))) == 3
-        cycles = pd.read_csv(tables / "cycles.csv")  # the verdict takes medians of them
-        assert list(cycles["run"].unique()) == list(summary["run"])
-        alone = pd.read_csv(tables / f"{summary['run'][0]}_cycles.csv")
-        pd.testing.assert_frame_equal(cycles[cycles["run"] == summary["run"][0]].drop(columns="run"), alone)
-
-    def test_killed_while_a_history_grows_it_goes_on_and_ends_in_the_same_tables(self, reference, whole):
-        study = write_study(reference.folder, POINTS % "0.5, 0.4, 0.01")
-        batch = reference.start(study)
-        until = time.monotonic() + 300
-        old = growing = set()
-        while len(reference.members()) < 3 or not growing - old:  # one just begun still grows when it is killed
-            assert batch.poll() is None and time.monotonic() < until, "it ended before it could be killed"
-            time.sleep(0.005)
-            old, growing = growing, set((reference.out / "runs").glob("*.part.h5"))
-        kill_tree(batch.pid)
-        batch.wait()
-        before = reference.checksums()
-        times = {path: path.stat().st_mtime_ns for path in reference.members()}
-        assert 3 <= len(before) < 7
-        assert list((reference.out / "runs").glob("*.part.h5")), "no history was being written"
-        done = reference.run(study)
-        assert done.returncode == 0, done.stderr
-        after = reference.checksums()
-        assert len(after) == 7 and before == {name: after[name] for name in before}
-        assert all(path.stat().st_mtime_ns == time_ns for path, time_ns in times.items())
-        assert len(whole.tables()) == 15 and reference.tables() == whole.tables()
-
-        more = write_study(reference.folder, (POINTS % "0.5").replace("members = 3", "members = 4"))
-        assert reference.run(more).returncode == 0
-        assert len(reference.members()) == 8 and after == {name: reference.checksums()[name] for name in after}
-        assert list(pd.read_csv(reference.out / "tables" / "summary.csv")["members"]) == [4] * 4
-
-    @pytest.mark.long
-    def test_a_failing_member_stops_no_other_point_and_is_named(self, reference):
-        # A step above the stable one is refused when the member starts.
-        bad = '[[runs]]\nid = "bad"\nwall = "tiny.py"\noptions = { rest = 0, dt = 0.1 }\nmembers = 2\n'
-        done = reference.run(write_study(reference.folder, POINTS % "0.01" + bad))
-        assert done.returncode == 1
-        log = reference.out / "logs" / "shard_0000.log"
-        assert f"failed: bad_reference; see {log} (error: bad_reference_s1: --dt 0.1 s is above" in done.stderr
-        assert list(pd.read_csv(reference.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
-
-    def test_all_studies_one_after_the_other_then_figures_and_verdict(self, reference):
-        points = {"good": POINTS % "0.01" + 'solvers = ["reference"]\n',
-                  "other": POINTS % "0.01" + 'solvers = ["yade"]\n',
-                  "bad": '[[runs]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, 0.5], dt = 0.1, rest = 0 }\n'}
-        for name, text in points.items():
-            (reference.folder / f"{name}.toml").write_text(f'name = "{name}"\npictures = "none"\n{text}')
-        done = reference.run_all("--solver", "reference")
-        assert done.returncode == 1, done.stderr
-        assert "study bad: FAILED, status 1" in done.stderr and "study good" not in done.stderr
-        assert "passed over" in done.stdout and "expected --solver yade" in done.stdout
-        assert (reference.out / "good/tables/points.csv").is_file() and not (reference.out / "other").exists()
-        assert (reference.out / "figures/fig06_motions.png").is_file()
-        assert "P1" in done.stdout

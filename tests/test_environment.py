@@ -165,8 +165,8 @@ class TestMissing:
     def test_an_unknown_group_is_refused(self, machine):
         done = machine.source("everything")
         assert done.returncode == 2
-        assert done.stderr == ("error: environment.sh everything: expected run, test, coverage, browser, site or "
-                               "gates; correct the call\n")
+        assert done.stderr == ("error: environment.sh everything: expected run, cluster, test, coverage, browser, "
+                               "site or gates; correct the call\n")
 
 
 OS_RELEASE = Path("/etc/os-release")
@@ -205,7 +205,7 @@ class TestInstalling:
         assert [line.split(":")[0] for line in calls] == ["noninteractive"] * 4
         assert ["update" in line for line in calls] == [True, False, True, False]
         assert calls[1].endswith("install --no-install-recommends yade python3-numpy python3-scipy python3-pandas "
-                                 "python3-h5py python3-matplotlib python3-numba python3-jinja2 snakemake")
+                                 "python3-h5py python3-matplotlib python3-numba python3-jinja2")
 
     def test_it_gives_up_after_the_second_failure(self, debian):
         debian.stub("apt-get", f"echo x >>{debian.repository}/calls; echo 'E: broken' >&2; exit 100")
@@ -289,7 +289,7 @@ class TestRunAll:
         (("harmonik",), "no study harmonik is shipped: expected"),
         (("../studies/quick",), "is shipped: expected"),
         (("mine.toml",), "mine.toml: no such study file"),
-        (("quick", "--fast"), "unknown option --fast: expected -j, --out, --solver, --keep, --run, --slurm, "
+        (("quick", "--fast"), "unknown option --fast: expected -j, --out, --solver, --keep, --run, --slice, --slurm, "
          "--cores, --shard, --remake or --dry-run"),
         (("quick", "quick"), "two studies"),
         (("quick", "-j"), "-j without a value"),
@@ -313,11 +313,11 @@ class TestRunAll:
     @pytest.mark.yade
     @pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
     @pytest.mark.parametrize(("words", "status", "started"), [
-        ((), 0, ["check", "reference", "batch.py"]),
-        ((), 1, ["check", "reference", "batch.py"]),  # the batch says what is wrong
+        ((), 0, ["check", "reference", "study"]),
+        ((), 1, ["check", "reference", "study"]),  # the batch says what is wrong
         ((), 130, ["check", "reference"]),
-        (("--solver", "reference"), 0, ["batch.py"]),
-        (("--dry-run",), 0, ["plan.py"]),
+        (("--solver", "reference"), 0, ["study"]),
+        (("--dry-run",), 0, ["study"]),
     ], ids=str)
     def test_quick_starts_with_a_run_in_the_reference_solver(self, tmp_path, words, status, started):
         calls = tmp_path / "calls"

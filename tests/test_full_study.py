@@ -3,10 +3,8 @@
 File systems of a few megabytes stand in for disks; they need root.
 """
 
-import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -15,11 +13,11 @@ from types import SimpleNamespace
 
 import h5py
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, running
 
-from damage.errors import InputError
+from damage.batch.folder import forecast
 from damage.studies.definition import load_study
-from damage.studies.tables import row_of
+from damage.studies.tables import histories_in
 
 TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
 STUDY = '''name = "s"
@@ -36,15 +34,10 @@ wall = "tiny.py"
 options = { harmonic = [0.1, 0.4], cycles = 2, rest = 0 }
 members = 2
 '''
-WITH_LEAST = ("import sys; sys.path.insert(0, 'workflow'); import batch, room\n"
-              "room.LEAST_FREE = 100_000\nsys.exit(batch.run_program())")
+WITH_LEAST = ("import sys; from damage.__main__ import main; from damage.batch import folder\n"
+              "folder.LEAST_FREE = 100_000\nsys.exit(main(['study', *sys.argv[1:]]))")
 """A batch that goes on where a real one would end: another program may fill a disk between two looks."""
 ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to make a file system of a few megabytes")
-
-
-@pytest.fixture
-def workflow(monkeypatch):
-    monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +51,6 @@ def study(tmp_path_factory):
 @pytest.fixture(scope="module")
 def whole(study):
     """Tables of the study where there was room."""
-    pytest.importorskip("snakemake")
     done = run(*command(study, study.parent / "whole"))
     assert done.returncode == 0, done.stderr
     return content(study.parent / "whole")
@@ -132,7 +124,7 @@ def run_until_full(words, folder, when, leave_kilobytes):
     pytest.param(6000, "runs/*.part.h5", 60, id="half a history fits"),
     *(pytest.param(*values, id=name, marks=pytest.mark.long) for name, values in {
         "nothing fits": (40, None, 0), "logs fit": (500, None, 0), "a run fits": (1300, None, 0),
-        "nothing more at the start": (6000, ".snakemake/log/*", 0),
+        "nothing more at the start": (6000, "records.jsonl", 0),
         "a run without its record fits": (6000, "runs/one_reference.h5", 0),
         "runs and a table fit": (6000, "tables/*_index.csv", 0),
         "all but the last table fits": (6000, "tables/points.csv", 0)}.items())])
@@ -183,62 +175,20 @@ def test_a_folder_that_can_only_be_read_is_reported_in_one_line(study, tmp_path)
         assert done.returncode == 2 and done.stderr.count("\n") == 1 and "Read-only file system" in done.stderr
 
 
-def test_a_study_whose_runs_will_not_fit_is_warned_of(study, tmp_path, workflow, monkeypatch):
-    import room
-
+def test_a_study_whose_runs_will_not_fit_is_warned_of(study, tmp_path, monkeypatch):
     (tmp_path / "runs").mkdir()
-    loaded = load_study(study, "reference", REPOSITORY)
-    assert room.forecast(loaded, tmp_path) is None  # nothing is there to judge by
+    one, two = load_study(study, "reference", REPOSITORY).runs
+    assert forecast([one, two], {}, tmp_path) is None  # nothing is there to judge by
     (tmp_path / "runs" / "one_reference.h5").write_bytes(b"x" * 3_000_000)
     (tmp_path / "runs" / "two_reference_s1.part.h5").write_bytes(b"x" * 9_000_000)
     for free, said in ((26e6, None), (25.9e6, "up to 2 runs are left, about 6 MB if they are as large as the 1 there")):
         monkeypatch.setattr("shutil.disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
-        warning = room.forecast(loaded, tmp_path)
+        warning = forecast([two], histories_in(tmp_path), tmp_path)
         assert warning is None if said is None else said in warning
-        assert room.forecast(loaded, tmp_path, keep="summary") is None  # the first of two
-
-
-def test_a_torn_row_and_one_of_other_measures_are_made_again(tmp_path):
-    from small_history import make_history
-
-    (tmp_path / "runs").mkdir()
-    make_history(tmp_path / "runs" / "a.h5")
-    row = row_of(tmp_path, "a", "p")
-    kept = tmp_path / "tables" / "rows" / "a.json"
-    kept.write_text(kept.read_text()[:100])
-    assert row_of(tmp_path, "a", "p") == row and kept.read_text().endswith("}")
-    kept.write_text(json.dumps(row | {"max_DI": 0.9, "measures_digest": "of another version"}))
-    assert row_of(tmp_path, "a", "p") == row == json.loads(kept.read_text())
-    with pytest.raises(InputError, match="the run b has neither a record nor a history"):
-        row_of(tmp_path, "b", "p")
-
-
-def test_all_studies_take_with_them_what_they_run(study, tmp_path):
-    """A polite kill of the program that runs all studies ends the study under way, too."""
-    words = [sys.executable, REPOSITORY / "workflow/all_studies.py", study.parent, "-j1", "--out", tmp_path, "--solver",
-             "reference"]
-    with subprocess.Popen(list(map(str, words)), cwd=REPOSITORY, env=environment(), stdout=subprocess.DEVNULL,
-                          stderr=subprocess.DEVNULL) as program:
-        wait_until(lambda: list((tmp_path / "s" / "logs").glob("*.log")) or program.poll() is not None)
-        program.send_signal(signal.SIGTERM)
-        assert program.wait(60) == -signal.SIGTERM
-    wait_until(lambda: not running(tmp_path))
+        assert forecast([two], histories_in(tmp_path), tmp_path, keep="summary") is None  # the first of two
 
 
 def test_a_study_with_too_little_memory_is_reported_in_one_line(study, tmp_path):
     words = f"{REPOSITORY}/run_all.sh {study} --solver reference -j2 --out {tmp_path}/out"
     done = run("bash", "-c", f"ulimit -v 300000; {words}")
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "out of memory: ulimit -v is 307 MB" in done.stderr
-
-
-def wait_until(condition, at_most_s=60):
-    until = time.monotonic() + at_most_s
-    while not condition():
-        assert time.monotonic() < until, "waited in vain"
-        time.sleep(0.05)
-
-
-def running(folder):
-    """Command lines of the processes that name this folder."""
-    lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
-    return [line for line in lines if str(folder) in line]

@@ -111,7 +111,7 @@ def test_an_unknown_gate_is_refused():
     ("docs/model/model.md", "Mend the file.", "docs/model/model.md:2: 'mend': expected correct, fix"),
     ("README.md", "It has doubts.", "README.md:2: 'doubts': expected warnings"),
     ("walls/a.py", "# held against the paper", "walls/a.py:2: 'held against': expected validation, comparison"),
-    ("workflow/a.py", "# a verdict on the edge", "workflow/a.py:2: 'on the edge': expected borderline"),
+    ("walls/a.py", "# a verdict on the edge", "walls/a.py:2: 'on the edge': expected borderline"),
     ("docs/reference/glossary.md", "| replaced | by |\n| --- | --- |\n| told | x |",
      "its replaced terms are not those of"),
 ])

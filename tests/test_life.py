@@ -1,24 +1,25 @@
-"""Lives of a wall: what is drawn, that a life is a sequence in lanes and shards, that it continues, probabilities."""
+"""Lives of a wall: what is drawn, that a life is a sequence in lanes and studies, that it continues, probabilities."""
 
-import json
+import os
 import re
-from dataclasses import asdict, replace
+import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import REPOSITORY, contents, one_line_error
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, contents, one_line_error
 from scipy import stats
 
 import damage
 from damage.__main__ import main
-from damage.draw.life import contributions_picture, life_picture
+from damage.draw.exposure import contributions_picture, life_picture
 from damage.exposure import places
 from damage.exposure.catalogue import read_catalogue
 from damage.exposure.exposure import Exposure
+from damage.exposure.ground_motion import COMPONENTS
 from damage.exposure.lives import Choices, Draws, events_of, read_address, strong_window, write_sequence
 from damage.exposure.models.bommer_2022 import Model
-from damage.exposure.residuals import COMPONENTS
 from damage.life.comparison import by_own_curve, choices, largest_alone, readings
 from damage.life.estimate import paired, probability, share_of_motions, strata
 from damage.life.readings import READINGS, after, final_psi
@@ -30,15 +31,15 @@ from damage.life.results import (
     lives_of,
     over_time,
     write_lives,
+    write_study,
 )
-from damage.life.study import write_study
 from damage.measure.tables import shocks_table
 from damage.motion.formats import read_record, shipped_records
 from damage.motion.sequence import read_sequence
 from damage.reference.together import run_references
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
-from damage.studies.records import read_records
+from damage.studies.records import NAME, read_records
 from paper import lives_walls
 
 WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('narrow', 0.9, 1.5)\n"
@@ -199,33 +200,29 @@ class TestRuns:
         life, listed = contents(tmp_path / "life.h5"), contents(tmp_path / "list.h5")
         assert len(life) > 20 and life.keys() == listed.keys() and differing(life, listed) == []
 
-    def test_a_killed_shard_that_continues_has_the_same_lives(self, lived, monkeypatch):
-        """Lives 1 to 6 by a shard, which is then left as after a kill in the middle of a line, and continues."""
-        monkeypatch.syspath_prepend(str(REPOSITORY / "workflow"))
-        import run_shard
+    def test_a_killed_study_that_continues_has_the_same_lives(self, lived):
+        """Lives 1 to 6 by a study, which is then left as after a kill in the middle of a line, and continues."""
+        folder, _point, _together = lived
 
-        folder, point, _together = lived
-        for name in ("runs", "tables", "shards"):
-            (folder / name).mkdir()
-        path = folder / "shards" / "0000.json"
-        path.write_text(json.dumps({"keep": "summary", "points": [asdict(point)]}))
-        rows = path.with_suffix(".rows")
-        monkeypatch.chdir(folder)
-        assert run_shard.Shard(path, 1).run() == 0
-        whole = read_records(rows)
-        lines = rows.read_text().splitlines(keepends=True)
-        rows.write_text("".join(lines[:4]) + lines[4][:100])
-        left = len(read_records(rows))
-        assert 0 < left < 6
-        assert run_shard.Shard(path, 1).run() == 0
-        again = read_records(rows)
+        def batch():
+            done = subprocess.run([*BATCH, folder / "study.toml", "--keep", "summary", "--out", folder, "-j1"],
+                                  cwd=REPOSITORY, capture_output=True, text=True,
+                                  env=os.environ | BATCH_ENVIRONMENT)
+            assert done.returncode == 0, done.stderr
+            return read_records(folder).runs
+
+        whole = batch()
+        lines = (folder / NAME).read_text().splitlines(keepends=True)
+        (folder / NAME).write_text("".join(lines[:4]) + lines[4][:100])
+        assert 0 < len(read_records(folder).runs) < 6
+        again = batch()
         assert {name: (one["shocks"], one["cycles"]) for name, one in again.items()} == {
             name: (one["shocks"], one["cycles"]) for name, one in whole.items()}
-        assert [run_shard.read_history(folder / "3.h5").series["shock"].iloc[-1]] == [
+        assert [damage.read_history(folder / "3.h5").series["shock"].iloc[-1]] == [
             len(whole["n_from1_reference_s3"]["shocks"])]
 
-    def test_the_tables_of_the_shard_are_those_of_the_histories(self, lived):
-        """Runs after the shard above."""
+    def test_the_tables_of_the_study_are_those_of_the_histories(self, lived):
+        """Runs after the study above."""
         folder, _, _ = lived
         (one,) = lives_of(folder)
         assert one.point == "n" and list(one.table["life"].unique()) == list(range(1, 7))
@@ -240,7 +237,7 @@ class TestRuns:
         assert again.table.equals(one.table)
 
     def test_only_whole_lives_of_the_same_wall_and_address_count(self, lived, tmp_path):
-        """Runs after the shard above.  A table as the command writes it is taken, and so is another seed's; whatever
+        """Runs after the study above.  A table as the command writes it is taken, and so is another seed's; whatever
         else was altered is refused in one line, or named."""
         folder, *_ = lived
         (one,) = lives_of(folder)
@@ -278,7 +275,7 @@ class TestRuns:
         assert len(both.last) == len(one.last) + 2
 
     def test_lives_of_another_session_suffice(self, lived, tmp_path):
-        """Runs after the shard above."""
+        """Runs after the study above."""
         folder, *_ = lived
         (one,) = lives_of(folder)
         for name in ("study.toml", "a.toml", "narrow.py"):

@@ -124,10 +124,12 @@ class Run:
 
     def advance(self):
         """Run a stretch; returns what forces and the change of momentum differ by at its end, over the larger of the
-        weight and the forces on the supports, (2, 3): along x, along z, and moments about the middle of the base.
+        weight and the forces on the supports, (3, 3): along x, along z, and moments about the middle of the base.
 
         First at a step whose forces are read, contact point by contact point; then across one whose forces are not:
-        intact interfaces have their resultant springs, and what acts from outside is interpolated to third order.
+        intact interfaces have their resultant springs, and what acts from outside is interpolated to third order.  The
+        third row is the error of this, estimated by what interpolation to first order differs by: an impact within
+        these steps is no polynomial.
         """
         solver, steps = self.solver, (1, 1, 1, 1, 2, 1)
         solver.run(self.stretch - sum(steps))
@@ -143,7 +145,8 @@ class Run:
         unread = np.array([-1, 4, 4, -1]) @ force[2:] / 6
         momenta = [self.momenta(velocity[k], (place[3] + place[4]) / 2) for k in (2, 4)]
         across = np.subtract(*momenta[::-1]) / solver.time_step - (force[3] + unread + force[4])
-        return np.abs([read, across]) / max(pushed)
+        unsure = unread - (force[3] + force[4]) / 2
+        return np.abs([read, across, unsure]) / max(pushed)
 
     def acting(self, place, push, base):
         """Forces on the wall along x and z and their moment, (3,) [N, N, N m]; place: (n_bodies, 3); push: of the wall
@@ -167,13 +170,15 @@ def in_order(*last_key_first):
 @pytest.mark.parametrize("name", GRID)
 def test_mirror_image_and_momentum(name):
     """Found: 2e-12 of the largest displacement while all are intact, 1e-10 afterwards, 5e-4 between new contacts, whose
-    rectangles tumble; 2e-9 of the forces where these are read, 1e-2 where they are interpolated while joints fail."""
+    rectangles tumble; 2e-9 of the forces where these are read, 1e-2 where they are interpolated while joints fail, 3e-2
+    where an impact makes interpolation uncertain by as much."""
     case, reached = GRID[name], 0
     runs = [Run(case, wall, side) for wall, side in zip(case.walls(), (1, -1))]
     for _ in range(STRETCHES):
         for run in runs:
-            read, across = run.advance()
-            assert read.max() < 1e-8 and across.max() < (0.03 if run.solver.state.any() else 1e-3)
+            read, across, unsure = run.advance()
+            assert read.max() < 1e-8
+            assert across.max() < (0.015 + unsure.max() if run.solver.state.any() else 1e-3)
         (here, state), (there, image) = (run.seen() for run in runs)
         failed = state.any() or image.any()
         assert np.abs(there - here).max() <= (case.afterwards if failed else 1e-10) * np.abs(here).max()

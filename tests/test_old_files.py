@@ -81,7 +81,7 @@ def test_a_study_goes_on_with_what_is_there_and_says_so(old):
     note.write_text(note_of_then(wall))
     study = old / "study.toml"
     study.write_text(study.read_text().replace("samples = 1", "samples = 2"))
-    done = subprocess.run([sys.executable, REPOSITORY / "workflow/batch.py", study, "--out", old / "out", "--solver",
+    done = subprocess.run([sys.executable, "-m", "damage", "study", study, "--out", old / "out", "--solver",
                            "reference", "-j2"], capture_output=True, text=True, cwd=old,
                           env=os.environ | {"PYTHONPATH": str(REPOSITORY)})
     assert done.returncode == 0, done.stderr

@@ -1,7 +1,6 @@
 """What `./run_all.sh STUDY --dry-run` tells: runs, time and disk, by hand and by what is there; nothing is made."""
 
 import os
-import sys
 from dataclasses import replace
 
 import pytest
@@ -9,12 +8,11 @@ from conftest import REPOSITORY, run_command
 from numpy.testing import assert_allclose
 from small_history import make_history
 
+from damage.batch import plan, speed
+from damage.batch.outdated import Results
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
-
-sys.path.insert(0, str(REPOSITORY / "workflow"))
-import plan
-import speed
+from damage.studies.records import NAME, line_of, record_of
 
 STUDY = '''
 name = "s"
@@ -104,7 +102,12 @@ def test_what_is_there_sets_the_scale(study, tmp_path, capsys, known):
     run, folder = study.runs[0], tmp_path / "out"
     (folder / "runs").mkdir(parents=True)
     history = make_history(folder / "runs" / f"{run.first}.h5")
-    (folder / "runs" / f"{run.id}.members").write_text(run.first)
+    record = record_of(history, run.first, run.point) | {"intact": True}
+    results = Results(folder)
+    results.records.runs[run.first], results.records.orderly = record, False
+    results.write(Results(tmp_path / "none").judge([run]))
+    (key,) = Results(folder).records.inputs
+    (folder / NAME).write_text((folder / NAME).read_text() + line_of(record | {"inputs": key}))
     began = plan.datetime.fromisoformat(history.attributes["created_utc"]).timestamp()
     os.utime(history.path, (began, began + 100))
     plan.print_plan(study, folder, 20 // plan.LEAST_LANES + 1)  # too few runs for groups in all processes

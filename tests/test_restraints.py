@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.linalg import eigvals
 from scipy.optimize import brentq
@@ -25,10 +24,10 @@ from damage.wall.restraints import THICK_M, Restraint
 
 THICK, WIDTH, DENSITY = 0.21, 1.292, 1885.0
 DRY = Joint(1e10, 4e9, math.atan(0.75), 0.0, 0.0)
-GAUSS = ModelOptions(contacts="gauss", cells=4)
+GAUSS, TOP = ModelOptions(contacts="gauss", cells=4), Restraint("top")
 
 
-def strip(courses=10, course=0.258, joint=DRY, load=38e3, modulus=1e15, restraint=Restraint("top"), options=GAUSS):
+def strip(courses=10, course=0.258, joint=DRY, load=38e3, modulus=1e15, restraint=TOP, options=GAUSS):
     """Layout of a column of courses one brick long: a strip of a wall in one-way bending."""
     brick = Brick(2 * THICK, course, WIDTH, DENSITY, young_modulus=modulus, shear_modulus=modulus / 2.5)
     return lay_out(Wall("strip", THICK, courses * course, precompression=load, brick=brick, joint=joint,
@@ -45,8 +44,9 @@ class TestStrip:
         low, high = k * wall.brick.height, height - k * wall.brick.height + (THICK_M / 2 if free else 0.0)
         below = GRAVITY * bodies.mass[:k].sum()
         above, load = GRAVITY * bodies.mass[k:-1].sum(), GRAVITY * layout.top_mass
-        force = (load * (1 / low + (0.5 if free else 1.0) / high) + below / 2 / low + above * (1 / low + 0.5 / high)) * lever
-        slope = load * (1 / low + 1 / high) + below / 2 / low + above * (1 / low + 0.5 / high)
+        bricks = below / 2 / low + above * (1 / low + 0.5 / high)
+        force = (load * (1 / low + (0.5 if free else 1.0) / high) + bricks) * lever
+        slope = load * (1 / low + 1 / high) + bricks
         up = bodies.z[layout.drift_bodies[0]]
         moved = min(up / low, (low + high - up) / high)  # of the pushed course over that of the hinge
         return force / moved, force / slope * moved
@@ -131,8 +131,8 @@ class TestBearing:
 
     def test_a_slow_cycle_takes_four_plays_of_friction(self):
         layout, work, slip = strip(restraint=self.TOP), 0.0, 0.0
-        load, path = GRAVITY * layout.top_mass, np.interp(np.arange(8001), [0, 2000, 6000, 8001], [0, 0.02, -0.02, 0.02])
-        before = 0.0
+        load, before = GRAVITY * layout.top_mass, 0.0
+        path = np.interp(np.arange(8001), [0, 2000, 6000, 8001], [0, 0.02, -0.02, 0.02])
         for k, place in enumerate(path):
             new = self.TOP.slip(place, slip, load)
             force = 2e6 * (place - new)
@@ -142,8 +142,9 @@ class TestBearing:
 
     def test_eight_walls_together_have_the_bits_of_each_alone(self):
         def make(k):
-            wall = ReferenceSolver(strip(joint=Joint(4e9, 1.6e9, tensile_strength=2e4, cohesion=4e4), restraint=self.TOP,
-                                         options=ModelOptions(strength_cov=0.2, strength_seed=k)), 1e-4)
+            joint = Joint(4e9, 1.6e9, tensile_strength=2e4, cohesion=4e4)
+            wall = ReferenceSolver(strip(joint=joint, restraint=self.TOP, options=ModelOptions(
+                strength_cov=0.2, strength_seed=k)), 1e-4)
             wall.run(100)
             wall.start(np.column_stack([6 * np.sin(np.arange(4000) * 1e-4 * 50), np.zeros(4000)]))
             return wall
@@ -202,7 +203,8 @@ side = "left"
                          ids=["top", "side"])
 def test_both_solvers_agree(tmp_path, yade_command, damage_command, text, period, peak):
     (tmp_path / "wall.toml").write_text(text)
-    words = ["--harmonic", period, peak, "--cycles", 1, "--rest", 0.1, "--contacts", "gauss", "--cells", 4, "--no-pictures", "--quiet"]
+    words = ["--harmonic", period, peak, "--cycles", 1, "--rest", 0.1, "--contacts", "gauss", "--cells", 4,
+             "--no-pictures", "--quiet"]
     for name, run in (("reference", lambda *more: damage_command("reference", *more)), ("yade", yade_command)):
         done = run(tmp_path / "wall.toml", *words, "--out", tmp_path / f"{name}.h5")
         assert done.returncode == 0, done.stderr

@@ -9,10 +9,9 @@ from importlib.util import find_spec
 import pytest
 from conftest import REPOSITORY
 
-sys.path.insert(0, str(REPOSITORY / "workflow"))
-import slurm
+from damage.batch import cluster
 
-STATUS = REPOSITORY / "workflow" / "slurm_status.sh"
+STATUS = REPOSITORY / "damage" / "batch" / "slurm_status.sh"
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 STUDY = '''name = "s"
 pictures = "none"
@@ -56,19 +55,19 @@ def test_slurm_is_asked_for_in_one_line_where_it_is_missing(tmp_path):
     ("9.27.1", "--cluster-generic-submit-cmd", {"--cluster-generic-status-cmd", "--cluster-generic-cancel-cmd"}),
 ])
 def test_snakemake_submits_jobs_by_itself_or_by_its_plugin(tmp_path, release, submits, others):
-    words = slurm.words("mine", tmp_path, 3, release)
+    words = cluster.slurm_words("mine", tmp_path, 3, release)
     assert words[words.index(submits) + 1].startswith("sbatch --parsable") and others <= set(words)
     assert ("cluster-generic" in words) == release.startswith("9")
 
 
 def test_a_missing_plugin_is_named(monkeypatch):
-    monkeypatch.setattr(slurm.shutil, "which", lambda name: "/usr/bin/sbatch")
-    monkeypatch.setattr(slurm, "version", lambda name: "9.27.1")
-    monkeypatch.setattr(slurm, "find_spec", lambda name: None)
-    with pytest.raises(slurm.NoPlugin, match="pip install snakemake-executor-plugin-cluster-generic"):
-        slurm.check()
-    monkeypatch.setattr(slurm, "version", lambda name: "7.32.4")
-    slurm.check()
+    monkeypatch.setattr(cluster.shutil, "which", lambda name: "/usr/bin/sbatch")
+    monkeypatch.setattr(cluster, "version", lambda name: "9.27.1")
+    monkeypatch.setattr(cluster, "find_spec", lambda name: None)
+    with pytest.raises(cluster.NoPlugin, match="pip install snakemake-executor-plugin-cluster-generic"):
+        cluster.check()
+    monkeypatch.setattr(cluster, "version", lambda name: "7.32.4")
+    cluster.check()
 
 
 def _without_slurm(folder):
@@ -104,7 +103,7 @@ def test_a_study_on_slurm(tmp_path):
         assert done.returncode == 1, done.stderr  # of the run with too large a step, which stops no other
         assert "failed: bad_reference; see" in done.stderr and "2 of 3 points done" in done.stdout
         tables[name] = {path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
-    assert len(list((tmp_path / "slurm" / "logs" / "slurm").glob("*.log"))) == 2  # the shard, and what it came to
+    assert len(list((tmp_path / "slurm" / "logs" / "slurm").glob("*.log"))) == 1  # of the slice
     assert len(tables["here"]) == 11 and tables["slurm"] == tables["here"]
 
 
@@ -118,7 +117,7 @@ vary = { g = [0.5, 0.4, 0.3, 0.2] }
 '''
 KILLED = """
 setsid "$@" & batch=$!
-until [ "$(cat "$OUT"/shards/*.rows 2>/dev/null | grep -c .)" -ge 30 ]; do sleep 0.05; done
+until [ "$(cat "$OUT"/records*.jsonl 2>/dev/null | grep -c '"run"')" -ge 30 ]; do sleep 0.05; done
 kill -KILL -- -$batch
 scancel --full --signal=KILL --name=drawn
 until [ -z "$(squeue -h)" ]; do sleep 0.5; done
@@ -128,7 +127,7 @@ exec "$@"
 
 
 @on_slurm
-def test_two_hundred_runs_in_shards_killed_and_gone_on_with(tmp_path):
+def test_two_hundred_runs_in_slices_killed_and_gone_on_with(tmp_path):
     (tmp_path / "tiny.py").write_text(
         "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n")
     (tmp_path / "study.toml").write_text(DRAWN)
@@ -149,6 +148,6 @@ def test_two_hundred_runs_in_shards_killed_and_gone_on_with(tmp_path):
     tables = [{path.name: path.read_bytes() for path in (tmp_path / name / "tables").glob("*.csv")}
               for name in ("slurm", "here")]
     assert len(tables[0]) == 4 * 4 + 3 and tables[0] == tables[1]
-    assert len(list((tmp_path / "slurm" / "shards").glob("*.done"))) == 4
+    assert len(list((tmp_path / "slurm" / "logs").glob("slice-*-of-4.done"))) == 4
     assert len(list((tmp_path / "slurm" / "runs").glob("*.h5"))) == 200
     assert len(list((tmp_path / "here" / "runs").glob("*.h5"))) == 4

@@ -1,20 +1,17 @@
 """Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
 
-import json
 import os
-import re
 import shutil
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, running, wait_until
 from numpy.testing import assert_allclose
 from small_history import make_history
 
@@ -29,7 +26,8 @@ from damage.measure.tables import (
     summary_table,
 )
 from damage.studies.definition import StudyRun, load_study, option_words, run_name
-from damage.studies.inputs import as_note, differences, inputs_of
+from damage.studies.inputs import as_json, differences, inputs_of
+from damage.studies.records import NAME
 
 HARMONIC = 'options = { harmonic = [0.2, 0.05] }\n'
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
@@ -157,16 +155,16 @@ class TestInputs:
         ({"options": ', lintel = "none"'}, "settings.model.lintel elastic -> none"),
     ], ids=str)
     def test_they_follow_the_wall_as_built_every_option_and_every_file(self, inputs, solver, change, message):
-        note = json.loads(as_note(inputs(solver=solver)))
+        note = as_json(inputs(solver=solver))
         found = differences(note, inputs(solver=solver, **change))
         assert found == [] if message is None else len(found) == 1 and found[0].startswith(message), found
 
     def test_another_default_is_another_input_and_a_new_field_at_its_default_none(self, inputs):
         now = inputs()
-        note = json.loads(as_note(now))
+        note = as_json(now)
         note["settings"]["rest_s"] = 1.5  # what was the default then
         assert differences(note, now) == ["settings.rest_s 1.5 -> 2.0"]
-        note = json.loads(as_note(now))
+        note = as_json(now)
         del note["settings"]["model"]["fibres"], note["wall"]["brick"]["cohesion"], note["wall"]["brick"]["density"]
         assert differences(note, now) == []
         softer = replace(now, wall=replace(now.wall, brick=replace(now.wall.brick, density=1800.0)))
@@ -174,7 +172,7 @@ class TestInputs:
 
     def test_a_station_file_is_an_input(self, inputs):
         now = inputs()
-        note = json.loads(as_note(now))
+        note = as_json(now)
         loading = replace(now.settings.loading, record=replace(now.settings.loading.record, beside_sha256=("b" * 64,)))
         other = replace(now, settings=replace(now.settings, loading=loading))
         assert differences(note, other) == ['settings.loading.record.beside_sha256 [] -> ["bbbbbbbbbb...']
@@ -276,7 +274,7 @@ class Batches:
         (folder / "bin").mkdir()
         (folder / "bin" / "sitecustomize.py").write_text(ONE_PICTURE)
         self.out.mkdir()
-        for module in ("numpy", "snakemake", "damage"):
+        for module in ("numpy", "pandas", "damage"):
             (self.out / f"{module}.py").write_text("raise SystemExit('a module of the results folder was executed')\n")
         for status in ("complete", "unfinished"):
             make_history(folder / "bin" / f"{status}.h5", status=status)
@@ -291,7 +289,7 @@ class Batches:
         return write_study(self.folder, f'name = "s"\npictures = "{pictures}"\n' + "".join(runs))
 
     def command(self, study, *words):
-        return [*BATCH, study.name, "--out", self.out.name, "-j2", *words]
+        return [*BATCH, study.name, "--solver", "yade", "--out", self.out.name, "-j2", *words]
 
     def options(self):
         path = f"{self.folder / 'bin'}{os.pathsep}{os.environ['PATH']}"
@@ -314,23 +312,9 @@ class Batches:
         return process
 
 
-def wait_until(condition, at_most_s=300):
-    until = time.monotonic() + at_most_s
-    while not condition():
-        assert time.monotonic() < until, "waited in vain"
-        time.sleep(0.1)
-
-
-def running(folder):
-    """Command lines of the processes that name this folder."""
-    lines = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout.splitlines()
-    return [line for line in lines if str(folder) in line]
-
-
 @pytest.fixture
 def batches(tmp_path):
-    pytest.importorskip("snakemake")
-    folder = tmp_path / "a {b} \N{BRICK}"  # braces are wildcards to Snakemake, JSON escapes letters of other planes
+    folder = tmp_path / "a {b} \N{BRICK}"  # JSON escapes letters of other planes
     folder.mkdir()
     return Batches(folder)
 
@@ -369,7 +353,8 @@ class TestBatch:
         assert (done.returncode, calls) == (1, ["1", "2", "3"])
         logs = batches.out / "logs"
         assert f"failed: fails_yade; see {logs / 'fails_yade.log'}" in done.stderr
-        line = f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} (error: the history is marked unfinished"
+        line = (f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} (error: unfinished_yade: the history is "
+                "marked unfinished")
         assert line in done.stderr
         assert "good" not in done.stderr
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["run"]) == ["good_yade"]
@@ -382,8 +367,8 @@ class TestBatch:
     @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
     def test_an_interrupt_ends_all_and_the_next_call_goes_on(self, batches, name):
         process = batches.start(batches.study(a=4, b=1))
-        log = batches.out / "logs" / "snakemake.log"
-        wait_until(lambda: re.search(r"\b1 of \d+ steps", log.read_text()))  # b is done and noted
+        records = batches.out / NAME
+        wait_until(lambda: '"run": "b_yade"' in records.read_text())
         process.send_signal(getattr(signal, name))
         _, printed = process.communicate(timeout=300)
         assert process.returncode == 130 and "continues from here" in printed

@@ -11,8 +11,7 @@ from numpy.testing import assert_allclose
 from damage.__main__ import main
 from damage.csv_table import CsvTable
 from damage.errors import InputError
-from damage.motion.foreign import FOREIGN, foreign
-from damage.motion.formats import read_record
+from damage.motion.formats import FOREIGN, foreign, read_record
 from damage.motion.intensity import pga_g, pgv_cm_s
 from damage.motion.loading import Recorded, loading_from_dict
 from damage.motion.plausible import faint_warnings, implausible_velocity
@@ -20,7 +19,7 @@ from damage.motion.sequence import read_sequence
 from damage.run.opening import record_lines
 from damage.run.options import parse_run
 from damage.studies.definition import load_study
-from damage.studies.inputs import as_note, differences
+from damage.studies.inputs import as_json, differences
 from damage.units import GRAVITY
 from damage.wall.parameters import Wall
 
@@ -130,10 +129,10 @@ class TestStatedUnit:
     def test_a_study_notices_another_unit_but_no_new_words(self, tmp_path):
         path = written(tmp_path, rows(TIME_S, PULSE_G))
         asked = [parse_run(["--record", str(path), "--unit", unit], "test", "yade") for unit in ("g", "m_s2")]
-        note = json.loads(as_note(asked[0]))
+        note = as_json(asked[0])
         assert differences(note, asked[0]) == []
         assert [line.split(" ")[0] for line in differences(note, asked[1])] == ["loading.record.given"]
-        old = json.loads(as_note(parse_run(["--record", "BGAR_HGE"], "test", "yade")))
+        old = as_json(parse_run(["--record", "BGAR_HGE"], "test", "yade"))
         del old["loading"]["record"]["given"]
         assert differences(old, parse_run(["--record", "BGAR_HGE"], "test", "yade")) == []
 

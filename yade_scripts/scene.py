@@ -132,7 +132,8 @@ class SceneReader:
             np.divide(self.resultants(), self.mass, where=self.mass > 0, out=np.zeros_like(self.mass)) + field)
 
     def resultants(self):
-        """Forces and moments of the contacts on each body, and of what is on a restrained top, (n_bodies, 3) [N, N, N m]."""
+        """Forces and moments of the contacts on each body, and of what is on a restrained top, (n_bodies, 3)
+        [N, N, N m]."""
         return self.on_top + [self._resultant(members, state.pos[0], state.pos[2])
                               for members, state in zip(self.members, self.states)]
 

@@ -2,8 +2,8 @@
 
 import sys
 
-from damage.commands.table import JSON, Silence, arg, command, file_arg, group, out, output, save, show
-from damage.errors import InputError
+from damage.commands.table import JSON, arg, command, file_arg, group, out, output, save, show
+from damage.errors import InputError, warn
 from damage.files import write_text
 from damage.run.options import WALLS_ARE_CODE, file_path, number_from
 
@@ -82,15 +82,14 @@ def _exposure(asked):
              arg("--slurm", action="store_true", help="as jobs of a SLURM cluster")),
          out("folder of the study: tables, pictures, report"))
 def _life(asked):
+    from damage.batch.command import run_study
     from damage.exposure.lives import Choices, Draws
-    from damage.life.study import write_study
-    from damage.studies.batch import run_study
+    from damage.life.results import write_study
 
     exposure = _exposure_of(asked)
     Draws(exposure, Choices(asked.above, asked.within, asked.scale_to, asked.strong, seed=asked.seed)).life(
         1)  # says what is wrong before anything is written
-    print(*(f"warning: {warning}" for warning in exposure.warnings), sep="\n", end="\n" * bool(exposure.warnings),
-          file=sys.stderr)
+    warn(*exposure.warnings)
     place = dict(zip(("latitude", "longitude"), asked.at)) if asked.at else \
         dict(zip(("easting_rd_m", "northing_rd_m"), asked.rd))
     address = place | {
@@ -102,9 +101,8 @@ def _life(asked):
                "distortion": asked.distortion}
     study = write_study(asked.out, asked.wall, address,
                         {name: value for name, value in options.items() if value is not None}, asked.draws)
-    run_study([str(study), "--out", str(asked.out), "--keep", "summary",
-               *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else [])],
-              quiet=isinstance(sys.stdout, Silence))
+    return run_study([str(study), "--out", str(asked.out), "--keep", "summary",
+                      *(["-j", str(asked.jobs)] if asked.jobs else []), *(["--slurm"] if asked.slurm else [])])
 
 
 @command("what became of the lives of walls: probabilities of visible damage by year, the share of the largest event, "
@@ -116,7 +114,7 @@ def _life(asked):
          output(file_arg("--markdown", "FILE", "write the text, too")),
          out("folder for the tables (default: figures in FOLDER)", required=False))
 def _lives(asked):
-    from damage.draw.life import contributions_picture, life_picture
+    from damage.draw.exposure import contributions_picture, life_picture
     from damage.html.report import Words, write_report
     from damage.life.comparison import largest_alone
     from damage.life.results import (

@@ -58,9 +58,10 @@ def crack_report(source=None, *, dic=None, wall=None, export=None, at=None, thre
 
 def _implausible(patterns, wall):
     """What is implausible of the places and widths of CrackPatterns: a list of lines."""
-    stretches = pd.concat([pattern.stretches for pattern in patterns])
-    if stretches.empty:
+    drawn = [pattern.stretches for pattern in patterns if len(pattern.stretches)]
+    if not drawn:
         return []
+    stretches = pd.concat(drawn)
     widest, (least, most) = float(stretches["width_m"].max()) / MILLIMETRE, CRACK_WIDTH_MM
     wide = [] if least <= widest <= most else [
         f"the widest crack has {widest:g} mm: expected {least:g} to {most:g} mm; correct the unit of width_mm, "

@@ -15,7 +15,7 @@ import pandas as pd
 
 from damage.csv_table import from_words
 from damage.errors import InputError, warn
-from damage.studies.inputs import as_note, inputs_of
+from damage.studies.inputs import as_json, inputs_of
 
 _NOTE = re.compile(r"# (\S+): wall and options (\w+), model ([\w ]+), measures ([\w ]+)")
 _DRAWN = ("loading", "sequence", "events", "life", "seed")
@@ -29,7 +29,7 @@ _HIGHEST = {"max_DI": 1.0, "DI": 1.0, "pgv_mm_s": 5000.0, "largest_mm_s": 5000.0
 def note_of(run, records, root=Path()):
     """What the lives of a StudyRun are made of, (digest of wall and options, of models, of measures), each of twelve
     hexadecimal digits; records: of its runs, whose digests are joined by a blank where they differ."""
-    inputs = json.loads(as_note(inputs_of(run, Path(root).resolve())))
+    inputs = as_json(inputs_of(run, Path(root).resolve()))
     settings = {name: value for name, value in inputs["settings"].items() if name not in _DRAWN}
     settings["model"] = {name: value for name, value in settings["model"].items() if name != "strength_seed"}
     text = json.dumps([inputs["wall"], settings], sort_keys=True)

@@ -13,7 +13,7 @@ from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.register import measure
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
-from damage.wall.layout import CAP_HEIGHT
+from damage.wall.kinds import CAP_HEIGHT
 from damage.wall.restraints import top_of
 
 CYCLE_COLUMNS = ("cycle", "amplitude_pct", "max_drift_pct", "min_drift_pct", "max_force_kn", "min_force_kn",
@@ -277,7 +277,8 @@ def hand_capacities(history):
     about the base and about the joint below the top course.  sliding_top, sliding_base: friction without cohesion below
     the top course and at the base.  diagonal: stepped crack through bed joints in the middle of the wall (Mann and
     Müller 1982), (c + mu sigma) L t / b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a
-    parabolic shear stress.  Empty for a wall with an outline, floors or restraints.  Raises InputError for another loading.
+    parabolic shear stress.  Empty for a wall with an outline, floors or restraints.  Raises InputError for another
+    loading.
     """
     wall, fixed = history.masonry_wall, pushed_loading(history).boundary == "fixed"
     if wall.outline or wall.floors or wall.restraints:

@@ -407,8 +407,9 @@ def hold_top(n, tables):
     bearings, bench = tables.bearings, tables.bench
     gravity = load(n, bench, 0, PULL_Z) - load(n, bench, 0, BASE_Z)
     for b in range(len(bearings)):
-        stiffness, limit, play = load(n, bearings, b, STIFFNESS), load(n, bearings, b, LIMIT), load(n, bearings, b, PLAY)
-        slip, before = load(n, bearings, b, SLIPPED_BY), load(n, bearings, b, PULLS)
+        stiffness, limit = load(n, bearings, b, STIFFNESS), load(n, bearings, b, LIMIT)
+        play, slip, before = (load(n, bearings, b, PLAY), load(n, bearings, b, SLIPPED_BY),
+                              load(n, bearings, b, PULLS))
         trial = stiffness * (load(n, tables.bodies, b, PLACE + X) - slip)
         excess = either(trial > limit, trial - limit, either(trial < -limit, trial + limit, 0.0))
         slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)

@@ -191,8 +191,8 @@ WORK = "bench", "sums", "others", "used", "lines", "first", "second", "every"
 
 
 def make_tables(n_bodies, coordinates, interfaces, contacts, n_last, n_dashpots, n_bearings, capacity, width=1):
-    """Tables of walls with these interfaces and contacts, all else zero; n_last, n_dashpots, n_bearings: rows of `last`,
-    `radiation` and `bearings`; capacity: largest number of events."""
+    """Tables of walls with these interfaces and contacts, all else zero; n_last, n_dashpots, n_bearings: rows of
+    `last`, `radiation` and `bearings`; capacity: largest number of events."""
     def up(rows):
         return rows if width > 1 else -(-rows // 8) * 8
 
@@ -240,8 +240,8 @@ def join(members, capacity=None):
     number of events, default that of the first."""
     old = members[0][0]
     new = make_tables(len(old.turning), old.inertia.shape[1] // 3, old.interfaces.copy(), old.contacts.copy(),
-                      len(old.last), len(old.radiation), len(old.bearings), old.events.shape[1] if capacity is None else capacity,
-                      width=1 if len(members) == 1 else WIDTH)
+                      len(old.last), len(old.radiation), len(old.bearings),
+                      old.events.shape[1] if capacity is None else capacity, width=1 if len(members) == 1 else WIDTH)
     for w, (tables, lane) in enumerate(members):
         copy_wall(tables, lane, new, w)
     copy_lines(new)

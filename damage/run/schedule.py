@@ -53,9 +53,9 @@ def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
 
 
 def check_top(settings, layout, time_step):
-    """Raise InputError where a pushed top that may not rotate has a restraint, or the rotational spring at the top is too
-    stiff for the time step [s]: its own frequency on the body that carries the top has to stay below half of the stable
-    one with its joints."""
+    """Raise InputError where a pushed top that may not rotate has a restraint, or the rotational spring at the top is
+    too stiff for the time step [s]: its own frequency on the body that carries the top has to stay below half of the
+    stable one with its joints."""
     drive = settings.loading.drive
     if drive.top and not drive.top_rotates and top_of(layout.wall):
         raise InputError(f"--boundary fixed: a restraint holds the top of wall {layout.wall.name}, so that the push "

@@ -334,7 +334,7 @@ def load_runs(folder):
         words = runs[name].notna() & pd.to_numeric(runs[name], errors="coerce").isna()
         bad = runs[name].isna() if name == "wall" else words | runs[name].isna() & (name == "strength_seed")
         if bad.any():
-            raise InputError(f"{path}: {bad.sum()} of {len(runs)} runs have {runs[name][bad].iloc[0]!r} as {name}; "
+            raise InputError(f"{path}: {bad.sum()} of {len(runs)} runs have {runs[name][bad].tolist()[0]!r} as {name}; "
                              f"expected {expected} in each; take another copy of the table")
     return runs
 

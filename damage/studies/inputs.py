@@ -1,6 +1,6 @@
 """Inputs of the runs of a point: the wall as built, every option as parsed, every file that was read.
 
-A study keeps a note of them for each point (DIR/runs/.inputs/RUN) and compares it before it continues.  The wall file
+A study keeps them with its records (`damage.studies.records`) and compares them before it continues.  The wall file
 counts by the Wall that it makes, so that a module that it imports counts and a comment does not; options count by the
 values that a run gets, defaults included.  A history that runs continue counts by its content, lives by all
 that they are drawn from.
@@ -17,7 +17,7 @@ from damage.run.settings import RunSettings
 from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
 
-NO_INPUT = {RunSettings: {"out", "overwrite", "pictures", "quiet", "view", "command", "step"},
+NO_INPUT = {RunSettings: {"out", "overwrite", "pictures", "quiet", "view", "console", "command", "step"},
             Record: {"acceleration_m_s2", "time_step_s", "start_utc", "source", "unit"}}
 """Fields that decide no value, or that follow from the files whose checksums stand beside them."""
 
@@ -45,15 +45,15 @@ def inputs_of(run, root):
     return Inputs(load_wall(root / run.wall), settings, continued, read_address(address).digest() if lives else None)
 
 
-def as_note(inputs):
-    """Inputs as JSON, for a file."""
-    return json.dumps(_plain(inputs), indent=1, default=float)
+def as_json(inputs):
+    """Inputs as JSON has them: tables, lists, numbers and words."""
+    return json.loads(json.dumps(_plain(inputs), default=float))
 
 
 def differences(note, inputs):
     """Differences between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty where they agree.
 
-    note: of `as_note`, read as JSON.  A field that the note lacks came with a later version and agrees at its default.
+    note: of `as_json`.  A field that the note lacks came with a later version and agrees at its default.
     """
     return list(_differing(note, inputs, ""))
 

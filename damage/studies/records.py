@@ -1,33 +1,84 @@
-"""Records of the runs of a study, whether a history is kept or not: a line of JSON in the file of its shard.
+"""Records of a study: the one table of what is known of its runs, DIR/records.jsonl.
 
-DIR/shards/NUMBER.rows holds a line a run, written whole as soon as the run is: {"run": its name, "intact": whether no
-joint broke or reached its limit, "row": that of the summary, "cycles" and "shocks": the rows of these tables, "sha256":
-a checksum of all this}.  A line that a kill tore is no run, and neither is one that was changed since.  Lines of
-earlier versions have no checksum; of these, too, numbers must be such as a run can have.
+A line of a run is written as soon as the run has ended: {"run": its name, "inputs": key of what it was made from,
+"intact": whether no joint broke or reached its limit, "row": that of the summary, with the digests of the model and of
+the measures, "cycles" and "shocks": the rows of these tables, "sha256": a checksum of all this}.  A line of a point is
+{"point": its name with the solver, "inputs": key, "of": its inputs (`damage.studies.inputs.as_json`), "sha256"}.  The
+last good line counts.  A line that a kill tore is none, and neither is one that was changed since.
+
+A slice of a study writes records-K-of-N.jsonl beside it.  Earlier versions kept the same in shards/*.rows,
+runs/*.members and runs/.inputs, which are read, too.  Their lines may have no checksum: numbers must be such as a run
+can have.
 """
 
 import hashlib
 import json
 import math
 import re
+from dataclasses import dataclass, field
 
 from damage.errors import InputError
 from damage.measure.columns import bounds_of
 from damage.measure.cycles import cycles_table
 from damage.measure.tables import shocks_table, summary_row
 from damage.provenance import measures_digest
+from damage.studies.members import most_members, runs_needed
 
 TABLES = {"cycles": cycles_table, "shocks": shocks_table}
 """Those that every run has its rows in."""
-FOLDER = "shards"
+NAME = "records.jsonl"
 SUM = "sha256"
-_PARTS = {"run": str, "intact": bool, "row": dict, **dict.fromkeys(TABLES, list)}
-_NAME = re.compile(r'"run": "([^"]+)"')
+_RUN = {"run": str, "intact": bool, "row": dict, **dict.fromkeys(TABLES, list)}
+_POINT = {"point": str, "inputs": str, "of": dict}
+_NAMED = re.compile(r'"(?:run|point)": "([^"]+)"')
+OLDER_NOTE = "digest"
+"""Key of inputs that the first versions kept as a digest alone."""
+
+
+@dataclass
+class Records:
+    """What the records of a folder say.
+
+    runs: {name: record}; inputs: {key: inputs as JSON}; points: {StudyRun.id: key}, which holds for histories without a
+    record; members: {StudyRun.id: names of its runs} of older folders; faults: one line for each record that was
+    changed; orderly: whether NAME is the only source, with a good line for each run.
+    """
+
+    runs: dict = field(default_factory=dict)
+    inputs: dict = field(default_factory=dict)
+    points: dict = field(default_factory=dict)
+    members: dict = field(default_factory=dict)
+    faults: list = field(default_factory=list)
+    orderly: bool = True
+
+    def names_of(self, run, histories=frozenset()):
+        """Names of the runs of a StudyRun in their order, empty where it is not done; histories: names of those that
+        are whole, which count without a record, too."""
+        if not run.is_ensemble:
+            return [run.id] if run.id in self.runs or run.id in histories else []
+        count = runs_needed(run, self.of_point(run))
+        names = [run.name(number) for number in range(1, count + 1)]
+        if all(name in self.runs for name in names):
+            return names
+        older = self.members.get(run.id, [])
+        return older if all(name in self.runs or name in histories for name in older) else []
+
+    def of_point(self, run):
+        """{number from 1: record} of the runs of a StudyRun."""
+        names = {number: run.name(number) for number in range(1, most_members(run) + 1)}
+        return {number: self.runs[name] for number, name in names.items() if name in self.runs}
+
+    def text(self):
+        """The content of NAME that holds all of this."""
+        others = {record.get("inputs") for record in self.runs.values()} & self.inputs.keys() - {*self.points.values()}
+        lines = [point_line(point, key, self.inputs[key]) for point, key in self.points.items()]
+        lines += [point_line("", key, self.inputs[key]) for key in sorted(others)]
+        return "".join([*lines, *map(line_of, self.runs.values())])
 
 
 def record_of(history, name, point):
-    """The record of a run from its History; point: that of the study.  Raises InputError where a number is none that a
-    run can have."""
+    """The record of a run from its History, without the key of its inputs; point: that of the study.  Raises InputError
+    where a number is none that a run can have."""
     sequence = history.series["shock"].iloc[-1] > 1 or "life" in history.parameters
     record = {"run": name, "intact": history.is_intact,
               "row": summary_row(history, run=name, point=point),
@@ -38,54 +89,74 @@ def record_of(history, name, point):
     return record
 
 
-def line_of(record):
+def line_of(content):
     """A record as a line, its checksum included."""
-    return json.dumps(record | {SUM: _sum(record)}) + "\n"
+    return json.dumps(content | {SUM: _sum(content)}) + "\n"
 
 
-def add_record(file, record):
-    """Write a record as the next line of an open file, even after an incomplete line."""
-    file.write(line_of(record))
-    file.flush()
+def point_line(point, key, inputs):
+    """The line of a point (StudyRun.id, "" of none)."""
+    return line_of({"point": point, "inputs": key, "of": inputs})
 
 
-def read_records(path):
-    """{name: record} of a file of records, the last good one of a name; empty where there is none."""
-    return look_at(path)[0]
+def key_of(inputs):
+    """The key of inputs as JSON."""
+    return _sum(inputs)
 
 
-def look_at(path):
-    """({name: record}, faults) of a file of records; faults: [(number of the line, name of the run or None, what is
-    wrong)] of lines that were changed since they were written.  A line that was never written whole is none of them."""
-    try:
-        lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
-    except FileNotFoundError:
-        return {}, []
-    records, faults = {}, []
-    for number, line in enumerate(lines, start=1):
+def read_records(folder):
+    """The Records of a study's folder."""
+    found, sources = Records(), sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns)
+    older = _read_older(folder, found)
+    for path in sources:
+        _read_file(path, found)
+    found.orderly &= not older and not found.faults and [path.name for path in sources] in ([], [NAME])
+    return found
+
+
+def _read_file(path, found, note_of=lambda name: None):
+    """Add what a file of records says; note_of(name of a run): key of its inputs where the record has none."""
+    *lines, torn = path.read_text(encoding="utf-8", errors="replace").split("\n")
+    found.orderly &= not torn
+    for number, line in enumerate([*lines, torn], start=1):
         if not line.rstrip().endswith("}"):  # empty, or torn
             continue
         try:
             record = _believed(line)
         except ValueError as error:
-            name = _NAME.search(line)
-            faults.append((number, name and name[1], str(error)))
+            name = _NAMED.search(line)
+            found.faults.append(f"{path} line {number}: the record of {name[1] if name else 'a run'} was changed since "
+                                f"it was written ({error}): it counts as not made")
+            continue
+        if "run" in record:
+            found.runs[record["run"]] = {"inputs": note_of(record["run"])} | record
         else:
-            records[record["run"]] = record
-    return records, faults
+            found.inputs[record["inputs"]] = record["of"]
+            found.points |= {record["point"]: record["inputs"]} if record["point"] else {}
 
 
-def all_records(folder):
-    """{name: record} of all shards of a study's folder, and of those that are set aside."""
-    found = {}
-    for path in paths_of(folder):
-        found |= read_records(path)
-    return found
+def _read_older(folder, found):
+    """Add what earlier versions kept; returns whether there is anything."""
+    notes = sorted((folder / "runs" / ".inputs").glob("*"))
+    for path in notes:
+        text = path.read_text(encoding="utf-8", errors="replace")
+        try:
+            inputs = json.loads(text)
+        except ValueError:
+            inputs = {OLDER_NOTE: text}
+        key = key_of(inputs)
+        found.inputs[key], found.points[path.name] = inputs, key
+    shards = sorted((folder / "shards").glob("*.rows*"))
+    for path in shards:
+        _read_file(path, found, lambda name: found.points.get(point_of(name)))
+    members = sorted((folder / "runs").glob("*.members"))
+    found.members |= {path.stem: path.read_text(encoding="utf-8").split() for path in members}
+    return bool(notes or shards or members)
 
 
-def paths_of(folder):
-    """All files of records of a study's folder, half-renamed ones included."""
-    return sorted((folder / FOLDER).glob("*.rows*"))
+def point_of(name):
+    """The StudyRun.id that a run belongs to, by its name."""
+    return re.sub(r"_s\d+$", "", name)
 
 
 def is_of_today(row):
@@ -99,19 +170,20 @@ def _believed(line):
         record = json.loads(line)
     except ValueError:
         raise ValueError("it is no JSON") from None
-    if not isinstance(record, dict) or any(not isinstance(record.get(name), kind) for name, kind in _PARTS.items()):
-        raise ValueError(f"it lacks one of {', '.join(_PARTS)}")
+    parts = _POINT if isinstance(record, dict) and "point" in record else _RUN
+    if not isinstance(record, dict) or any(not isinstance(record.get(name), kind) for name, kind in parts.items()):
+        raise ValueError(f"it lacks one of {', '.join(parts)}")
     total = record.pop(SUM, None)
     if total is not None and total != _sum(record):
         raise ValueError("its checksum is wrong")
-    if (wrong := _wrong_number(record)) is not None:
+    if parts is _RUN and (wrong := _wrong_number(record)) is not None:
         raise ValueError(f"its {wrong}")
     return record
 
 
-def _sum(record):
+def _sum(content):
     """Sixteen hexadecimal digits of the SHA-256 of a record."""
-    return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()[:16]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _wrong_number(record):

@@ -2,66 +2,45 @@
 
 `python3 -m damage study-tables STUDY.toml DIR` writes below DIR/tables: summary.csv, a row for each run; points.csv, a
 row for each point and solver, with the median over its members under a measure's NAME and their range under NAME_min
-and NAME_max; study.h5, both of them as HDF5 (`read_study_table`); cycles.csv and shocks.csv, those of all runs of the
-reference solver.  What these left (`damage.studies.records`) is all that is asked of them; the row of a run in YADE is
-worked out once and kept in DIR/tables/rows, and worked out anew when its history is younger.
+and NAME_max; study.h5, both of them as HDF5 (`read_study_table`); cycles.csv and shocks.csv, those of all runs.
+Records (`damage.studies.records`) are all that is asked of runs; the row of a run without one comes from its history.
 """
 
 import io
-import json
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 
 import h5py
 import numpy as np
 import pandas as pd
 
 from damage.errors import InputError
-from damage.files import whole_or_nothing, write_text
+from damage.files import whole_or_nothing
 from damage.history.apart import apart
 from damage.history.reader import read_history
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN, before_offsets, slip_criteria
 from damage.measure.register import names
 from damage.measure.tables import summary_row, write_table
-from damage.studies.records import TABLES, all_records, is_of_today
+from damage.studies.records import TABLES, is_of_today, read_records
 
 _NAMED = 5  # runs that a message names
 
 
-def runs_there(run, folder):
-    """Names of the runs of a StudyRun whose histories are in `folder`/runs and whole, in their order."""
-    if run.is_ensemble:
-        stamp = folder / "runs" / f"{run.id}.members"
-        return stamp.read_text(encoding="utf-8").split() if stamp.is_file() else []
-    return [run.id] if (folder / "runs" / f"{run.id}.h5").is_file() else []
+def histories_in(folder):
+    """{name of a run: path} of the histories of a study's folder that are whole."""
+    return {path.stem: path for path in sorted((folder / "runs").glob("*.h5"))
+            if not path.stem.endswith((".part", ".differs"))}
 
 
-def row_of(folder, name, point):
-    """The summary's row of a run that left no record: from its file or, where that is missing or old, the history."""
-    history, kept = folder / "runs" / f"{name}.h5", folder / "tables" / "rows" / f"{name}.json"
-    if not history.is_file():
-        raise InputError(f"{folder}: the run {name} has neither a record nor a history; run the study again")
-    if kept.is_file() and kept.stat().st_mtime_ns >= history.stat().st_mtime_ns:
-        try:
-            row = json.loads(kept.read_text(encoding="utf-8"))
-            if is_of_today(row):
-                return row
-        except ValueError:  # torn, as by a power failure
-            pass
-    return write_row(read_history(history), kept, point)
+def row_of(path, name, point):
+    """The summary's row of a run that left no record, from its history."""
+    return summary_row(read_history(path), run=name, point=point)
 
 
-def write_row(history, path, point):
-    """Write the summary's row of a History as JSON, whole or not at all; returns it."""
-    row = summary_row(history, run=path.stem, point=point)
-    write_text(path, json.dumps(row))
-    return row
-
-
-def refuse_other_measures(rows, folder):
+def refuse_other_measures(rows, histories, folder):
     """Raise InputError for rows {name of a run: row} that another version's index and measures made, and whose
     histories are not there to make others: a table has one definition."""
-    lost = [name for name, row in rows.items()
-            if not is_of_today(row) and not (folder / "runs" / f"{name}.h5").is_file()]
+    lost = [name for name, row in rows.items() if not is_of_today(row) and name not in histories]
     if lost:
         more = f" and {len(lost) - _NAMED} more" if len(lost) > _NAMED else ""
         raise InputError(f"{folder}: the index or measures of {len(lost)} runs are defined as in another version, and "
@@ -72,24 +51,21 @@ def refuse_other_measures(rows, folder):
 def summary_of(study, folder, jobs=1, records=None):
     """A DataFrame with a row for each run of the study that is there, of either solver.
 
-    records: of `all_records`, where they are read already.  `members` is how many runs there are of the row's point in
+    records: of `read_records`, where they are read already.  `members` is how many runs there are of the row's point in
     its solver.
     """
+    records, histories = records or read_records(folder), histories_in(folder)
     there = [(name, run.point, members) for run in study.of_both
-             for members in [runs_there(run, folder)] for name in members]
+             for members in [records.names_of(run, histories)] for name in members]
     if not there:
         raise InputError(f"{folder} holds no run of the study {study.name}; run it first with ./run_all.sh")
-    records = all_records(folder) if records is None else records
-    rows = {name: records[name]["row"] for name, *_ in there if name in records}
-    refuse_other_measures(rows, folder)
+    rows = {name: records.runs[name]["row"] for name, *_ in there if name in records.runs}
+    refuse_other_measures(rows, histories, folder)
     rows = {name: row for name, row in rows.items() if is_of_today(row)}
-    others = [(name, point) for name, point, _ in there if name not in rows]
-    if jobs > 1 and len(others) > 8:
-        with ProcessPoolExecutor(jobs) as pool:
-            rows |= zip((name for name, _ in others), pool.map(row_of, [folder] * len(others), *zip(*others),
-                                                               chunksize=4))
-    else:
-        rows |= {name: row_of(folder, name, point) for name, point in others}
+    others = [(histories[name], name, point) for name, point, _ in there if name not in rows]
+    with ProcessPoolExecutor(jobs) if jobs > 1 and len(others) > 8 else nullcontext() as pool:
+        rows |= zip((name for _, name, _ in others), (pool.map if pool else map)(row_of, *zip(*others))
+                    if others else ())
     # Rows that were kept may be older than this version.
     table = before_offsets(pd.DataFrame([rows[name] for name, *_ in there]))
     table.insert(table.columns.get_loc("solver") + 1, "members", [len(names) for *_, names in there])
@@ -161,9 +137,10 @@ def read_study_table(path, table="runs"):
                          'and "runs" or "points"') from error
 
 
-def write_study_tables(study, folder, jobs=1):
-    """Write summary.csv, points.csv and study.h5 of what there is; returns their paths, the summary last."""
-    records = all_records(folder)
+def write_study_tables(study, folder, jobs=1, records=None):
+    """Write summary.csv, points.csv and study.h5 of what there is; returns their paths, the summary last; arguments as
+    of `summary_of`."""
+    records = records or read_records(folder)
     summary = summary_of(study, folder, jobs, records)
     points = points_of(summary)
     tables = folder / "tables"
@@ -171,7 +148,7 @@ def write_study_tables(study, folder, jobs=1):
     write_hdf5({"runs": summary, "points": points}, paths[1])
     for name in TABLES:
         rows = [{"run": run, **row} for run in summary["run"]
-                if run in records and is_of_today(records[run]["row"]) for row in records[run][name]]
+                if run in records.runs and is_of_today(records.runs[run]["row"]) for row in records.runs[run][name]]
         if rows:
             paths.append(write_table(pd.DataFrame(rows), tables / f"{name}.csv"))
     return [*paths, write_table(summary, tables / "summary.csv")]

@@ -16,10 +16,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damage.wall.compliance import contact_stiffness
-from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD
+from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, SIDE_COURSE, contact_stiffness
 from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
-from damage.wall.restraints import SIDE_COURSE, top_of
+from damage.wall.restraints import top_of
 from damage.wall.split import cuts_of
 
 TINY = 1e-6  # [m], two positions closer than this are the same
@@ -136,8 +135,8 @@ def _bed_pairs(plan, bodies, cells, breaks):
 
 
 def _lintel_rows(plan, options, bodies, cells):
-    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and beside party
-    walls, and (Place, row) of those on the cuts through beams."""
+    """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an arch, and beside
+    party walls, and (Place, row) of those on the cuts through beams."""
     number = plan.n_bricks + len(plan.slabs)
     left_cell, right_cell = ({body: cell for cell, body in order} for order in (
         reversed(list(enumerate(cells.body))), enumerate(cells.body)))

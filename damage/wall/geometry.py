@@ -6,10 +6,9 @@ import numpy as np
 import pandas as pd
 
 from damage.wall.floors import SLAB_COURSE
-from damage.wall.kinds import KINDS, rows
+from damage.wall.kinds import CAP_COURSE, KINDS, SIDE_COURSE, rows
 from damage.wall.kinematics import rigid_displacement
 from damage.wall.lintels import LINTEL_COURSE
-from damage.wall.restraints import SIDE_COURSE
 
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _TINY = 1e-6  # [m]
@@ -29,7 +28,7 @@ def kinds_of_bodies(course):
     ['bricks', 'masses', 'slabs', 'lintels', 'bricks', 'masses']
     """
     course = np.asarray(course)
-    return np.select([np.isin(course, (-1, SIDE_COURSE)), course == SLAB_COURSE, course == LINTEL_COURSE],
+    return np.select([np.isin(course, (CAP_COURSE, SIDE_COURSE)), course == SLAB_COURSE, course == LINTEL_COURSE],
                      ["masses", "slabs", "lintels"], "bricks")
 
 

@@ -19,20 +19,18 @@ from damage.units import GRAVITY
 from damage.wall.contact_points import PLACES, TINY, Contacts, make_contacts, scattered, segments_of
 from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.floors import SLAB_COURSE, with_timber_floors
-from damage.wall.kinds import CAP, CUT
+from damage.wall.kinds import CAP, CAP_COURSE, CAP_HEIGHT, CUT, SIDE_COURSE
 from damage.wall.lintels import ARCH_COURSE, LINTEL_COURSE, mass_per_length
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
 from damage.wall.plan import Plan, plan_of
-from damage.wall.restraints import SIDE_COURSE, THICK_M, top_of
+from damage.wall.restraints import THICK_M, top_of
 from damage.wall.soil import on_soil
 from damage.wall.split import CUT_POINTS, cut_bricks, cuts_of
 from damage.wall.strain import Strain, strain_of
 
 MOST_CONTACTS = 100_000
 """Contact points of a wall: a sample holds nine bytes of each."""
-CAP_HEIGHT = 0.20  # [m], settled: its centre lies 0.10 m above the wall's top
-CAP_COURSE = -1
 
 
 @dataclass(frozen=True)
@@ -40,8 +38,8 @@ class Bodies:
     """Bricks, slabs, lintels and caps; every array has shape (n_bodies,).
 
     x, z [m] centres; length, height [m]; mass [kg]; inertia [kg m2] about y;
-    course: 0 at the base, -1 for a cap, -2 for a slab, -3 for a part of a beam, -4 for a brick of an arch, -5 for a party
-    wall, which has no mass.
+    course: 0 at the base, -1 for a cap, -2 for a slab, -3 for a part of a beam, -4 for a brick of an arch, -5 for a
+    party wall, which has no mass.
     """
 
     x: np.ndarray
@@ -127,8 +125,8 @@ class Layout:
 
     @property
     def pushed_bodies(self):
-        """Bodies that a quasi-static loading moves: the caps; the drift course where there are none, or a restraint holds
-        the top."""
+        """Bodies that a quasi-static loading moves: the caps; the drift course where there are none, or a restraint
+        holds the top."""
         caps = np.flatnonzero(self.bodies.course == CAP_COURSE)
         return caps if len(caps) and top_of(self.wall) is None else self.drift_bodies
 
@@ -256,9 +254,10 @@ def _with_restraints(plan, options, bodies, top_mass):
     else:
         mass = top_mass if top.mass is None else top.mass
         if mass > top_mass * (1 + TINY):
-            raise InputError(f"wall {wall.name}: a restraint's beam of {mass:g} kg: expected up to the {top_mass:.4g} kg "
-                             "that the precompression weighs; give less, or more precompression")
-        bodies = _joined(bodies, wall.length / 2, wall.built_height + THICK_M / 2, wall.length, THICK_M, mass, CAP_COURSE)
+            raise InputError(f"wall {wall.name}: a restraint's beam of {mass:g} kg: expected up to the {top_mass:.4g} "
+                             "kg that the precompression weighs; give less, or more precompression")
+        bodies = _joined(bodies, wall.length / 2, wall.built_height + THICK_M / 2, wall.length, THICK_M, mass,
+                         CAP_COURSE)
     for side in (one.side for one in wall.restraints if one.side != "top"):
         x = -THICK_M / 2 if side == "left" else wall.length + THICK_M / 2
         bodies = _joined(bodies, x, wall.built_height / 2, THICK_M, wall.built_height, 0.0, SIDE_COURSE)

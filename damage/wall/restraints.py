@@ -13,12 +13,10 @@ import math
 from dataclasses import dataclass
 
 from damage.errors import InputError
+from damage.fields import check_fields, choice, quantity
 from damage.units import GRAVITY
-from damage.wall.fields import check_fields, choice, quantity
 
 SIDES = ("top", "left", "right")
-SIDE_COURSE = -5
-"""`course` of a party wall, beside -1 of a beam on top."""
 THICK_M = 0.02
 """Height of the beam, about whose middle a free one turns, and length of a party wall [m]."""
 _OF_TOP = ("rotation", "stiffness", "friction", "play", "mass")
@@ -47,8 +45,8 @@ class Restraint:
                              "stiffness: expected that of its bearing [N/m]; give it, or leave both out")
         if self.side != "top" and (given := [name for name in _OF_TOP if getattr(self, name) != getattr(
                 type(self), name)]):
-            raise InputError(f"Restraint of the {self.side} side with {', '.join(given)}: expected these of a top alone, "
-                             "since a party wall moves with the base; leave them out")
+            raise InputError(f"Restraint of the {self.side} side with {', '.join(given)}: expected these of a top "
+                             "alone, since a party wall moves with the base; leave them out")
 
     def slip(self, displacement, slip, load):
         """Slip of the bearing [m] at a displacement of the beam [m], from the slip before; load: N [N]."""
@@ -82,8 +80,8 @@ def check_restraints(wall):
     sides, top = [one.side for one in wall.restraints], top_of(wall)
     for side in SIDES:
         if sides.count(side) > 1:
-            raise InputError(f"wall {wall.name}: {sides.count(side)} restraints of the side {side}: expected one; leave "
-                             "the others out")
+            raise InputError(f"wall {wall.name}: {sides.count(side)} restraints of the side {side}: expected one; "
+                             "leave the others out")
     if top is None:
         return
     if wall.outline:

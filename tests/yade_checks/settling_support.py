@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))
+if __name__ == "__main__":  # in YADE, which does not look here by itself
+    sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[2]))
 
 from damage.law.modes import natural_modes
 from damage.run.schedule import sample_steps

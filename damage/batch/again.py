@@ -1,0 +1,84 @@
+"""One run of a study made again, whose history was not kept: to the values of its record, or it says otherwise."""
+
+import sys
+
+import pandas as pd
+
+from damage.batch.folder import ROOT
+from damage.batch.outdated import other_versions
+from damage.batch.pool import Pool
+from damage.batch.tasks import Task
+from damage.errors import InputError, warn
+from damage.history.reader import read_history
+from damage.measure.columns import MADE_BY
+from damage.measure.register import names
+from damage.measure.tables import summary_row
+from damage.start import EXIT_INTERRUPTED
+from damage.studies.inputs import inputs_of
+from damage.studies.members import most_members
+
+_NAMED = 5  # columns that a message names
+
+
+def make_again(name, study, results, lock):
+    """Make the history of one run of a study, which is not there; returns the exit status: 1 where the run fails, or
+    its values are not those of its record.  Raises InputError where it would not be the same run.
+
+    results: `damage.batch.outdated.Results` of its folder; lock: descriptor of the folder's lock.
+    """
+    run, number = _find(name, study)
+    history = results.folder / "runs" / f"{name}.h5"
+    if name in results.histories:
+        raise InputError(f"--run {name}: {history} is there; expected one that is not, delete it first")
+    record = results.records.runs.get(name, {})
+    key = record.get("inputs") or results.records.points.get(run.id)
+    changed = results.changes(run, inputs_of(run, ROOT), key)
+    if changed:
+        raise InputError(f"--run {name}: its inputs are not those that the table was made from: "
+                         f"{', '.join(changed[:_NAMED])}; expected the same, restore them, or run the study again")
+    row = record.get("row")
+    if row is None:
+        warn(f"--run {name}: no record of it in {results.folder}: its values are not compared")
+    warn(*(f"--run {name}: {warning}" for warning in other_versions(row, run.solver)))
+    status = simulate(Task(results.folder, run, number, True), lock)
+    if status != 0 or row is None:
+        return status
+    differing = differing_columns(row, summary_row(read_history(history), run=name, point=run.point))
+    if not differing:
+        print(f"{name}: the values are those of its record")
+        return 0
+    aside = history.with_name(f"{name}.differs.h5")
+    history.rename(aside)
+    more = f" and {len(differing) - _NAMED} more" if len(differing) > _NAMED else ""
+    print(f"error: --run {name}: {len(differing)} columns are not those of its record: "
+          f"{', '.join(differing[:_NAMED])}{more}; the history is {aside}", file=sys.stderr)
+    return 1
+
+
+def _find(name, study):
+    """(StudyRun, number) of a run by its name."""
+    found = [(run, number) for run in study.runs for number in range(1, most_members(run) + 1)
+             if run.name(number) == name]
+    if not found:
+        raise InputError(f"--run {name}: no run of the study {study.name} with this solver; expected a name from the "
+                         "column run of tables/summary.csv")
+    return found[0]
+
+
+def simulate(task, lock):
+    """Do one task; returns the exit status."""
+    pool = Pool(1, lock, task.folder, lambda line: print(line, flush=True))
+    pool.run([task])
+    return EXIT_INTERRUPTED if pool.interrupted else 1 if pool.failed or pool.short else 0
+
+
+def differing_columns(row, new):
+    """The columns in which the row of a record and a new one differ, a list of "NAME 0.94 -> 1"; those that say what
+    made them do not count."""
+    return [f"{name} {_word(row[name]) or 'empty'} -> {_word(value) or 'empty'}" for name, value in new.items()
+            if name in row and name not in names(MADE_BY) and _word(row[name]) != _word(value)]
+
+
+def _word(value):
+    """A value with the digits that tables have."""
+    return "" if pd.isna(value) else f"{value:.9g}" if isinstance(value, float | int) else str(value)

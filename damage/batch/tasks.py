@@ -1,0 +1,102 @@
+"""What a study has to do: a task for each run, and for the pictures of the first run of each point."""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from damage.run.options import parse_run
+from damage.studies.definition import StudyRun
+from damage.studies.members import runs_needed
+
+RUN, PICTURES = "run", "pictures"
+
+
+@dataclass(frozen=True)
+class Task:
+    """The run with this number of a point, or its pictures; kept: whether its history stays; alone: whether its process
+    does nothing else meanwhile."""
+
+    folder: Path
+    point: StudyRun
+    number: int
+    kept: bool
+    kind: str = RUN
+    alone: bool = False
+
+    @property
+    def name(self):
+        return self.point.name(self.number)
+
+    @property
+    def history(self):
+        """Where the history is in the end."""
+        return self.folder / "runs" / f"{self.name}.h5"
+
+    @property
+    def part(self):
+        """Where it grows: a file with the name of a history is a whole one."""
+        return self.folder / "runs" / f"{self.name}.part.h5"
+
+    @property
+    def pictures(self):
+        """The folder of its pictures."""
+        return self.folder / "pictures" / self.name
+
+    @property
+    def log(self):
+        """What a process that does this prints."""
+        ending = "_pictures" if self.kind == PICTURES else ""
+        return self.folder / "logs" / ("reference.log" if self.steps else f"{self.name}{ending}.log")
+
+    @property
+    def steps(self):
+        """Whether it is a run of the reference solver, up to eight of which share a process."""
+        return self.kind == RUN and self.point.solver == "reference"
+
+    @property
+    def company(self):
+        """Properties that runs share which step together from beginning to end."""
+        return company_of(self.point)
+
+
+@cache
+def company_of(point):
+    """As Task.company, of all runs of a point."""
+    if point.solver != "reference":
+        return None
+    settings = parse_run(point.command(1)[1:], prog="", solver="reference")
+    return (point.wall, replace(settings.model, strength_seed=0), settings.time_step_s, settings.alpha_1_s,
+            settings.beta_s)
+
+
+class Point:
+    """A point on its way: records, {number: record} of its runs that are done, and which tasks were handed out."""
+
+    def __init__(self, run, results, keeps_all, pictures):
+        """results: `damage.batch.outdated.Results` of the folder; keeps_all: all histories; pictures: of the first."""
+        self.run, self._folder, self._keeps_all, self._pictures = run, results.folder, keeps_all, pictures
+        self._asked = set()
+        self.records = {number: record for number, record in results.records.of_point(run).items()
+                        if results.is_whole(self._task(number))}
+
+    def _task(self, number):
+        return Task(self._folder, self.run, number, self._keeps_all or number == 1)
+
+    @property
+    def done(self):
+        """Whether all of its runs are done."""
+        return all(number in self.records for number in range(1, runs_needed(self.run, self.records) + 1))
+
+    def next_tasks(self):
+        """The tasks that the results so far ask for and that were not handed out yet."""
+        numbers = set(range(1, runs_needed(self.run, self.records) + 1)) - self.records.keys() - self._asked
+        self._asked |= numbers
+        return [self._task(number) for number in sorted(numbers)]
+
+    def next_pictures(self):
+        """The task of its pictures, in a list, where the first run is done and they are not there; once."""
+        task = replace(self._task(1), kind=PICTURES)
+        if not self._pictures or 1 not in self.records or PICTURES in self._asked or task.pictures.is_dir():
+            return []
+        self._asked.add(PICTURES)
+        return [task]

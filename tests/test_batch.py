@@ -1,0 +1,462 @@
+"""Studies on their way: what they leave, interrupted, killed, without a process, with a deleted lock, twice at once."""
+
+import errno
+import fcntl
+import hashlib
+import io
+import os
+import signal
+import subprocess
+import time
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+from conftest import BATCH, BATCH_ENVIRONMENT, REPOSITORY, contents, wait_until
+from numpy.testing import assert_allclose
+from small_history import make_history
+
+from benchmarks.resume import kill_tree
+from damage.batch import again, command, folder, worker
+from damage.batch.outdated import Results
+from damage.batch.pool import Pool
+from damage.batch.tasks import Task, company_of
+from damage.errors import InputError
+from damage.history.reader import read_history
+from damage.studies.definition import StudyRun, load_study
+from damage.studies.records import NAME, line_of, read_records, record_of
+from damage.studies.tables import read_study_table
+
+# Three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g.
+TINY = "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45, height=0.6)\n"
+POINTS = ('[[grid]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, "{g}"], cycles = 2, rest = "{rest}" }\n'
+          'members = 3\nvary = { g = [%s], rest = [0.5] }\n')
+DRAWN = '''[[runs]]
+id = "drawn"
+wall = "tiny.py"
+options = { harmonic = [0.1, 0.5], cycles = 1, rest = 0, strength-cov = 0.3 }
+samples = %d
+[[runs]]
+id = "alone"
+wall = "tiny.py"
+options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
+'''
+
+
+class Batches:
+    """Batches of the reference solver in a folder, with the tiny wall."""
+
+    def __init__(self, folder):
+        (folder / "tiny.py").write_text(TINY)
+        self.folder, self.out = folder, folder / "out"
+
+    def study(self, text, name="s"):
+        path = self.folder / f"{name}.toml"
+        path.write_text(f'name = "{name}"\npictures = "none"\n{text}')
+        return path
+
+    def start(self, study, *words, out=None):
+        return subprocess.Popen([*BATCH, str(study), "-j2", "--out", str(out or self.out), *words], cwd=REPOSITORY,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                env={**os.environ, **BATCH_ENVIRONMENT})
+
+    def run(self, study, *words, out=None):
+        process = self.start(study, *words, out=out)
+        printed, errors = process.communicate(timeout=300)
+        return SimpleNamespace(returncode=process.returncode, stdout=printed, stderr=errors)
+
+    def members(self):
+        return sorted(path for path in (self.out / "runs").glob("*_s?.h5"))
+
+    def checksums(self):
+        return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in self.members()}
+
+    def tables(self, out=None):
+        return {path.name: path.read_bytes() for path in ((out or self.out) / "tables").glob("*.csv")}
+
+
+@pytest.fixture
+def batches(tmp_path):
+    return Batches(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A batch that was left alone."""
+    one = Batches(tmp_path_factory.mktemp("whole"))
+    one.done = one.run(one.study(POINTS % "0.5, 0.4, 0.01"))
+    return one
+
+
+@pytest.mark.slow
+class TestBatch:
+    def test_members_differ_by_seed_and_an_intact_wall_has_but_one(self, whole):
+        assert whole.done.returncode == 0, whole.done.stderr
+        assert "study s: 3 of 3 points done" in whole.done.stdout
+        histories = [read_history(path) for path in whole.members()]
+        assert [path.stem for path in whole.members()] == [
+            f"tiny_harmonic-0.1-{g}_cycles-2_rest-0.5_reference_s{k}" for g, k in
+            ((0.01, 1), (0.4, 1), (0.4, 2), (0.4, 3), (0.5, 1), (0.5, 2), (0.5, 3))]
+        assert [history.parameters["seed"] for history in histories] == [1, 1, 2, 3, 1, 2, 3]
+        assert {history.parameters["scatter"] for history in histories} == {0.001}
+
+    def test_tables_have_a_row_a_run_and_a_row_a_point(self, whole):
+        tables = whole.out / "tables"
+        summary = pd.read_csv(tables / "summary.csv")
+        assert list(summary["members"]) == [3] * 6 + [1] and list(summary["pga_g"]) == [0.5] * 3 + [0.4] * 3 + [0.01]
+        points = pd.read_csv(tables / "points.csv").set_index("amplitude_g")
+        cracked = summary[summary["amplitude_g"] == 0.5]["max_DI"]
+        assert_allclose(points.loc[0.5, ["max_DI", "max_DI_min", "max_DI_max"]].astype(float),
+                        [cracked.median(), cracked.min(), cracked.max()])
+        stored = read_study_table(tables / "study.h5", "runs")
+        assert list(stored["run"]) == list(summary["run"]) and list(stored.columns) == list(summary.columns)
+        assert_allclose(stored["max_DI"], summary["max_DI"], rtol=1e-8)
+        assert len(list(tables.glob("*_s1_index.csv"))) == len(list(tables.glob("*_index.csv"))) == 3
+        cycles = pd.read_csv(tables / "cycles.csv")  # the verdict takes medians of them
+        assert list(cycles["run"].unique()) == list(summary["run"])
+        alone = pd.read_csv(tables / f"{summary['run'][0]}_cycles.csv")
+        pd.testing.assert_frame_equal(cycles[cycles["run"] == summary["run"][0]].drop(columns="run"), alone)
+
+    def test_killed_while_a_history_grows_it_goes_on_and_ends_in_the_same_tables(self, batches, whole):
+        study = batches.study(POINTS % "0.5, 0.4, 0.01")
+        batch = batches.start(study)
+        old = growing = set()
+        while len(batches.members()) < 3 or not growing - old:  # one just begun still grows when it is killed
+            assert batch.poll() is None, "it ended before it could be killed"
+            time.sleep(0.005)
+            old, growing = growing, set((batches.out / "runs").glob("*.part.h5"))
+        kill_tree(batch.pid)
+        batch.communicate()
+        before = batches.checksums()
+        times = {path: path.stat().st_mtime_ns for path in batches.members()}
+        assert 3 <= len(before) < 7
+        assert list((batches.out / "runs").glob("*.part.h5")), "no history was being written"
+        done = batches.run(study)
+        assert done.returncode == 0, done.stderr
+        after = batches.checksums()
+        assert len(after) == 7 and before == {name: after[name] for name in before}
+        assert all(path.stat().st_mtime_ns == time_ns for path, time_ns in times.items())
+        assert len(whole.tables()) == 15 and batches.tables() == whole.tables()
+
+        more = batches.study((POINTS % "0.5").replace("members = 3", "members = 4"))
+        assert batches.run(more).returncode == 0
+        assert len(batches.members()) == 8 and after == {name: batches.checksums()[name] for name in after}
+        assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["members"]) == [4] * 4
+
+    def test_a_lost_process_costs_its_runs_alone_which_begin_again(self, batches, whole):
+        study = batches.study(POINTS % "0.5, 0.4, 0.01")
+        batch = batches.start(study)
+        wait_until(lambda: list((batches.out / "runs").glob("*.part.h5")) or batch.poll() is not None)
+        (victim, *_) = children(batch.pid)
+        os.kill(victim, signal.SIGKILL)
+        printed, errors = batch.communicate(timeout=300)
+        assert batch.returncode == 0 and "3 of 3 points done" in printed, errors
+        assert "warning: a process was lost (SIGKILL): " in errors and "begin again" in errors
+        assert batches.tables() == whole.tables()
+
+    def test_with_histories_of_a_sample_alone_the_tables_are_the_same_and_any_run_can_be_made_again(self, batches):
+        study, summary, all_kept = batches.study(DRAWN % 4), batches.folder / "summary", batches.out
+        assert batches.run(study).returncode == 0
+        assert batches.run(study, "--keep", "summary", out=summary).returncode == 0
+        firsts = {"drawn_reference_s1", "alone_reference"}
+        assert {path.stem for path in (summary / "runs").glob("*.h5")} == firsts
+        assert batches.tables(summary) == batches.tables() and len(batches.tables()) == 13
+        shocks = pd.read_csv(io.BytesIO(batches.tables()["shocks.csv"]))
+        assert set(shocks["run"]) == {"alone_reference"} and len(shocks) == 2
+
+        done = batches.run(study, "--keep", "summary", "--run", "drawn_reference_s3", out=summary)
+        assert done.returncode == 0 and "the values are those of its record" in done.stdout, done.stderr
+        made = summary / "runs" / "drawn_reference_s3.h5"
+        assert contents(made) == contents(all_kept / "runs" / "drawn_reference_s3.h5")
+        before = {path: path.stat().st_mtime_ns for path in (summary / "runs").glob("*.h5")}
+        more = batches.study(DRAWN % 5)
+        assert batches.run(more, "--keep", "summary", out=summary).returncode == 0
+        assert before == {path: path.stat().st_mtime_ns for path in before}
+        assert len(pd.read_csv(summary / "tables" / "summary.csv")) == 6
+        assert (summary / "logs" / "reference.log").read_text().count("--- ") == 7  # five, one again, and one more
+
+    def test_slices_by_themselves_then_the_whole(self, batches):
+        """As an array of jobs of a cluster: two at once, then a call that makes the tables."""
+        study = batches.study(DRAWN % 4)
+        slices = [batches.start(study, "--slice", f"{k}/2") for k in (1, 2)]
+        for one in slices:
+            printed, errors = one.communicate(timeout=300)
+            assert one.returncode == 0, errors
+            assert "1 of 1 points done" in printed and "tables:" not in printed
+        assert sorted(path.name for path in batches.out.glob("records*")) == [
+            "records-1-of-2.jsonl", "records-2-of-2.jsonl"]
+        histories = batches.checksums()
+        done = batches.run(study)
+        assert done.returncode == 0 and "started" not in done.stdout, done.stderr
+        assert [path.name for path in batches.out.glob("records*")] == [NAME] and batches.checksums() == histories
+        alone = batches.folder / "alone"
+        assert batches.run(study, out=alone).returncode == 0
+        assert batches.tables() == batches.tables(alone)
+
+    def test_a_failing_member_stops_no_other_point_and_is_named(self, batches):
+        # A step above the stable one is refused when the member starts.
+        bad = '[[runs]]\nid = "bad"\nwall = "tiny.py"\noptions = { rest = 0, dt = 0.1 }\nmembers = 2\n'
+        done = batches.run(batches.study(POINTS % "0.01" + bad))
+        assert done.returncode == 1
+        log = batches.out / "logs" / "reference.log"
+        assert f"failed: bad_reference; see {log} (error: bad_reference_s1: --dt 0.1 s is above" in done.stderr
+        assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
+
+    def test_an_interruption_says_what_it_loses(self, batches):
+        """Six walls that step together through 100 s: none has ended."""
+        text = (DRAWN % 6).partition('[[runs]]\nid = "alone"')[0].replace("rest = 0", "rest = 100")
+        batch = batches.start(batches.study(text), "-j1")
+        wait_until(lambda: len([*(batches.out / "runs").glob("*.part.h5")]) == 6 or batch.poll() is not None)
+        batch.send_signal(signal.SIGTERM)
+        printed, errors = batch.communicate(timeout=100)
+        assert batch.returncode == 130 and "interrupted: ending what runs" in errors
+        assert "up to 6 runs step together in a process: an interruption loses those under way\n" in printed
+        assert "interrupted: 6 runs were under way and are lost; 0 that had ended are kept\n" in printed
+        assert not children(batch.pid)
+
+
+def children(pid):
+    """Processes that this one has started, the first one first."""
+    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True)
+    return sorted(map(int, found.stdout.split()))
+
+
+class TestPool:
+    """Processes that do what a test says in place of runs."""
+
+    @pytest.fixture
+    def pool(self, tmp_path, monkeypatch):
+        def make(work, jobs=2):
+            (tmp_path / "logs").mkdir(exist_ok=True)
+            monkeypatch.setattr("damage.batch.pool.work", work)
+            monkeypatch.setattr("damage.batch.pool.load_compiled", lambda *_: None)
+            monkeypatch.setattr("damage.batch.tasks.company_of", lambda point: point.words)
+            lines = []
+            return Pool(jobs, -1, tmp_path, lines.append), lines
+        return make
+
+    @staticmethod
+    def tasks(folder, n=5, solver="reference"):
+        return [Task(folder, StudyRun(f"p{k}", "w.py", (str(k % 2),), solver), 1, True) for k in range(n)]
+
+    def test_every_task_is_done_once_those_that_are_alike_one_after_the_other(self, pool, tmp_path):
+        def work(connection, *_):
+            while (task := connection.recv()) is not None:
+                connection.send((task, 0, {"run": task.name}))
+
+        one, _ = pool(work, jobs=1)
+        done, more = [], self.tasks(tmp_path, 7)[5:]
+
+        def follow(task, record):
+            done.append(record["run"])
+            return [more.pop(0)] if more else []
+
+        one.run(self.tasks(tmp_path), follow)
+        assert sorted(done) == [f"p{k}_reference" for k in range(7)] and one.failed == []
+        assert [name for name in done if name in ("p0_reference", "p2_reference", "p4_reference")] == done[:3]
+
+    def test_a_task_whose_process_is_lost_twice_has_failed_and_the_others_are_done(self, pool, tmp_path):
+        """The third ends whatever process it is in, together with what is in it."""
+        def work(connection, *_):
+            taken = []
+            while True:
+                taken.append(connection.recv())
+                if taken[-1] is None:
+                    return
+                if taken[-1].point.point == "p2":
+                    os.kill(os.getpid(), signal.SIGKILL)
+                if not connection.poll(0.05):
+                    for task in taken:
+                        connection.send((task, 0, {}))
+                    taken = []
+
+        one, lines = pool(work)
+        done = []
+        one.run(self.tasks(tmp_path), lambda task, record: done.append(task.name) or ())
+        assert sorted(done) == [f"p{k}_reference" for k in (0, 1, 3, 4)]
+        assert [task.name for task in one.failed] == ["p2_reference"] and "p2_reference: FAILED" in lines
+        assert "its process was ended twice (SIGKILL)" in one.failed[0].log.read_text()
+
+    def test_a_full_disk_ends_all_politely(self, pool, tmp_path):
+        def work(connection, *_):
+            while (task := connection.recv()) is not None:
+                connection.send((task, 0, {}))
+
+        def full(task, record):
+            raise OSError(28, "No space left on device")
+
+        one, _ = pool(work)
+        one.run(self.tasks(tmp_path), full)
+        assert one.short and one.ended and not one.failed
+
+    def test_runs_that_have_ended_leave_their_records_though_they_are_interrupted(self, pool, tmp_path, monkeypatch):
+        """An interrupt while a process concludes."""
+        (tmp_path / "runs").mkdir()
+        tasks = self.tasks(tmp_path, 3)
+        for task in tasks:
+            make_history(task.history)
+
+        def conclude(task, kept=None):
+            os.kill(os.getpid(), signal.SIGTERM)  # as of Pool._interrupt
+            return 0, {"run": task.name}
+
+        monkeypatch.setattr(worker, "conclude", conclude)
+        one, _ = pool(worker.work, jobs=1)
+        done = []
+        one.run(tasks, lambda task, record: done.append(record["run"]) or ())
+        assert sorted(done) == [task.name for task in tasks]
+
+    def test_runs_of_one_wall_and_model_are_company(self):
+        point = StudyRun("p", "walls/symmetric.py", ("--rest", "1"), "reference", ("--strength-seed",), 2)
+        alike = StudyRun("q", "walls/symmetric.py", ("--harmonic", "0.2", "0.1"), "reference")
+        other = StudyRun("r", "walls/symmetric.py", ("--cells", "4"), "reference")
+        assert company_of(point) == company_of(alike) != company_of(other)
+
+
+class TestFolder:
+    def study(self, tmp_path):
+        (tmp_path / "s.toml").write_text('name = "s"')
+        return SimpleNamespace(name="s", path=tmp_path / "s.toml")
+
+    def test_a_folder_takes_no_second_batch_whatever_is_deleted_in_it(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
+        study, out = self.study(tmp_path), tmp_path / "out"
+        lock = folder.claim(out, study)
+        for path in out.rglob("*"):
+            path.unlink() if path.is_file() else None
+        for shared in (False, True):
+            with pytest.raises(InputError, match="another batch is at work"):
+                folder.claim(out, study, shared)
+        folder.lock_as(lock, out, shared=True)
+        os.close(folder.claim(out, study, shared=True))  # slices share it
+        with pytest.raises(InputError, match="another batch is at work"):
+            folder.claim(out, study)
+        os.close(lock)
+        os.close(folder.claim(out, study))
+
+    def test_where_folders_cannot_be_locked_a_file_is(self, tmp_path, monkeypatch):
+        """As on NFS, which wants a descriptor to write to."""
+        flock = fcntl.flock
+
+        def of_files(descriptor, how):
+            if os.path.isdir(f"/proc/self/fd/{getattr(descriptor, 'fileno', lambda: descriptor)()}"):
+                raise OSError(errno.EBADF, "Bad file descriptor")
+            return flock(descriptor, how)
+
+        monkeypatch.setattr(fcntl, "flock", of_files)
+        monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
+        lock = folder.claim(tmp_path / "out", self.study(tmp_path))
+        with pytest.raises(InputError, match="another batch is at work"):
+            folder.claim(tmp_path / "out", self.study(tmp_path))
+        os.close(lock)
+        os.close(folder.claim(tmp_path / "out", self.study(tmp_path), shared=True))
+
+    def test_a_slice_twice_at_once_is_refused(self, tmp_path):
+        with folder.open_records(tmp_path / "records-1-of-2.jsonl"), pytest.raises(InputError, match="another batch"):
+            folder.open_records(tmp_path / "records-1-of-2.jsonl")
+
+    def test_another_study_may_not_have_the_folder(self, tmp_path):
+        os.close(folder.claim(tmp_path / "out", self.study(tmp_path)))
+        other = SimpleNamespace(name="other", path=tmp_path / "s.toml")
+        with pytest.raises(InputError, match="holds the study 's', not 'other'"):
+            folder.claim(tmp_path / "out", other)
+
+    @pytest.mark.parametrize("name", [NAME, "logs/reference.log"])
+    @pytest.mark.parametrize("kind", ["link", "pipe"])
+    def test_what_a_batch_writes_at_a_known_name_goes_through_no_link(self, name, kind, tmp_path):
+        mine, there = tmp_path / "mine", tmp_path / "out" / name
+        mine.write_text("mine")
+        there.parent.mkdir(parents=True)
+        there.symlink_to(mine) if kind == "link" else os.mkfifo(there)
+        with pytest.raises(InputError, match=f"{name} is a symbolic link, a pipe or a device"):
+            folder.open_log(there) if name.endswith(".log") else folder.open_records(there)
+        assert mine.read_text() == "mine"
+
+    def test_what_a_batch_starts_finds_what_the_user_has_in_pythonpath(self, monkeypatch):
+        """Behind the package, and from any working folder."""
+        monkeypatch.setenv("PYTHONPATH", f"mine:{REPOSITORY}::/obspy")
+        assert folder.python_path() == f"{REPOSITORY}:{os.getcwd()}/mine:/obspy"
+
+    @pytest.mark.parametrize(("words", "said"), [
+        (("--slice", "1/2", "--run", "x"), "--slice and --run given together"),
+        (("--slice", "1/2", "--slurm"), "--slice and --slurm given together")])
+    def test_what_does_not_go_together_is_refused(self, words, said):
+        with pytest.raises(InputError, match=said):
+            command.run_study(["quick", *words])
+
+    @pytest.mark.parametrize("word", ["0/2", "3/2", "2", "a/b", "1/2/3", "-1/2"])
+    def test_a_slice_is_one_of_its_parts(self, word, tmp_path):
+        with pytest.raises(InputError, match="--slice: .*expected K/N with K from 1 to N|expected one argument"):
+            command.parse(["quick", "--slice", word])
+
+
+class TestOneRunAgain:
+    """`--run NAME` compares inputs before and values after."""
+
+    NAME = "drawn_reference_s2"
+
+    @pytest.fixture
+    def once_more(self, tmp_path, monkeypatch):
+        """Makes the run again, by a history made by hand; returns the exit status."""
+        def simulate(task, lock):
+            make_history(task.history, drift=simulate.drift)
+            return 0
+
+        monkeypatch.setattr(again, "simulate", simulate)
+        batches = Batches(tmp_path)
+        path = batches.study(DRAWN % 3)
+        simulate.drift = 1e-4
+        results = Results(tmp_path)
+        results.write(results.judge(load_study(path, "reference", REPOSITORY).runs))
+        record = record_of(make_history(tmp_path / "other.h5", drift=1e-4), self.NAME, "drawn")
+        with open(tmp_path / NAME, "a") as file:
+            file.write(line_of({"inputs": read_records(tmp_path).points["drawn_reference"]} | record))
+        return SimpleNamespace(simulate=simulate, make=lambda: again.make_again(
+            self.NAME, load_study(path, "reference", REPOSITORY), Results(tmp_path), -1))
+
+    def test_equal_values_are_reported_and_the_history_stays(self, once_more, tmp_path, capsys):
+        assert once_more.make() == 0
+        assert "the values are those of its record" in capsys.readouterr().out
+        assert (tmp_path / "runs" / f"{self.NAME}.h5").is_file()
+        with pytest.raises(InputError, match="is there; expected one that is not"):
+            once_more.make()
+
+    def test_other_values_are_named_and_the_history_gets_another_name(self, once_more, tmp_path, capsys):
+        once_more.simulate.drift = 2e-4
+        assert once_more.make() == 1
+        printed = capsys.readouterr().err.splitlines()[-1]
+        assert printed.startswith(f"error: --run {self.NAME}: ") and "columns are not those of" in printed
+        assert "max_DI 0.005 -> 0.01" in printed and "differs.h5" in printed
+        assert [path.name for path in (tmp_path / "runs").glob("*.h5")] == [f"{self.NAME}.differs.h5"]
+
+    def test_other_inputs_are_refused_before_anything_runs(self, once_more, tmp_path):
+        (tmp_path / "tiny.py").write_text(TINY.replace("0.6", "0.45"))
+        with pytest.raises(InputError, match="are not those that the table was made from: wall.height 0.6 -> 0.45"):
+            once_more.make()
+        assert not list((tmp_path / "runs").glob("*.h5"))
+
+    def test_other_versions_and_runs_without_a_record_are_reported(self, once_more, tmp_path, capsys):
+        assert once_more.make() == 0
+        assert "another version of the model made the table's row (unknown, now " in capsys.readouterr().err
+        (tmp_path / "runs" / f"{self.NAME}.h5").unlink()
+        lines = (tmp_path / NAME).read_text().splitlines(keepends=True)
+        (tmp_path / NAME).write_text("".join(lines[:-1]))
+        assert once_more.make() == 0 and "its values are not compared" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_all_studies_one_after_the_other_then_figures_and_verdict(batches, monkeypatch, capfd):
+    points = {"good": POINTS % "0.01" + 'solvers = ["reference"]\n',
+              "other": POINTS % "0.01" + 'solvers = ["yade"]\n',
+              "bad": '[[runs]]\nwall = "tiny.py"\noptions = { harmonic = [0.1, 0.5], dt = 0.1, rest = 0 }\n'}
+    paths = {name: batches.study(text, name) for name, text in points.items()}
+    monkeypatch.setattr(command, "shipped_files", lambda *_: paths)
+    from paper.__main__ import main
+
+    assert main(["studies", "--out", str(batches.out), "-j2"]) == 1
+    printed, errors = capfd.readouterr()
+    assert "study bad: FAILED, status 1" in errors and "study good" not in errors
+    assert "passed over" in printed and "expected --solver yade" in printed
+    assert (batches.out / "good/tables/points.csv").is_file() and not (batches.out / "other").exists()
+    assert (batches.out / "figures/fig06_motions.png").is_file()
+    assert "P1" in printed

@@ -1,0 +1,389 @@
+"""What is there of a study and is not of today: other inputs, another model, other measures, changed records, and the
+folders of earlier versions.  One rule finds all of it (`damage.batch.outdated`)."""
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+
+import pandas as pd
+import pytest
+from conftest import BATCH, REPOSITORY
+from small_history import make_history
+
+from damage.batch.outdated import CODE, Results
+from damage.errors import InputError
+from damage.exposure import lives
+from damage.history.head import read_head
+from damage.motion.formats import shipped_records
+from damage.provenance import measures_digest, model_digest
+from damage.studies.definition import StudyRun, load_study
+from damage.studies.records import NAME, line_of, read_records, record_of
+from damage.studies.tables import summary_of
+
+WALL = "from damage import Wall\n\n\ndef wall():\n    return Wall('w', 0.9, 0.45)\n"
+RECORD = "# start 2018-01-08T14:00:52Z\ntime_s,acc_m_s2\n" + "".join(f"{k / 100:.2f},{k % 3}\n" for k in range(50))
+ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nabove_mm_s = 20\n"
+SETTLEMENT = "x_m,uz_m\n0,0\n0.9,-0.001\n"
+CRACKS = "crack,point,x_m,z_m,width_mm\na,1,0.0,0.15,0.1\na,2,0.4,0.15,0.1\n"
+
+
+class Folder:
+    """A study of one point, and its results: a record, and the history of its first run."""
+
+    def __init__(self, folder, options='harmonic = [0.2, 0.1]', ensemble="", **files):
+        self.folder, self.out = folder, folder / "out"
+        for name, text in {"w_py": WALL, **files}.items():
+            self.write(name.replace("_", "."), text)
+        self.study(options, ensemble)
+
+    def write(self, name, text):
+        (self.folder / name).write_text(text)
+
+    def study(self, options, ensemble=""):
+        self.options, self.ensemble = options, ensemble
+        self.write("study.toml", f'name = "s"\n[[runs]]\nid = "p"\nwall = "w.py"\nsolvers = ["reference"]\n'
+                                 f"options = {{ {options} }}\n{ensemble}\n")
+
+    def load(self):
+        return load_study(self.folder / "study.toml", "reference", REPOSITORY)
+
+    def make(self, **row):
+        """Results as a batch of today leaves them."""
+        (self.out / "runs").mkdir(parents=True)
+        (self.out / "tables").mkdir()
+        (run,) = self.load().runs
+        history = make_history(self.out / "runs" / f"{run.first}.h5", broken=[0])
+        for name in (f"{run.first}_index.csv", "summary.csv"):
+            (self.out / "tables" / name).touch()
+        record = record_of(history, run.first, "p")
+        record["row"] |= {"model_digest": model_digest(CODE["reference"])} | row
+        results = Results(self.out)
+        verdict = results.judge([run])
+        [(key, _)] = verdict.inputs.values()
+        results.records.runs[run.first] = {"inputs": key} | json.loads(json.dumps(record))
+        results.records.orderly = False
+        results.write(verdict)
+        assert self.judge().changed == {}
+
+    def judge(self):
+        return Results(self.out).judge(self.load().runs)
+
+    def settle(self, remake=False):
+        """Take away what is not of today; returns the warnings."""
+        results = Results(self.out)
+        verdict = results.judge(self.load().runs)
+        said = results.bring_up_to_date(verdict, remake)
+        results.write(verdict)
+        return said
+
+
+# What a study, a life and a sequence are made from, and what each alteration is called.
+ALTERED = {
+    "height of the wall": ({}, {"w.py": WALL.replace("0.45", "0.6")}, "wall.height 0.45 -> 0.6"),
+    "joint of the wall": ({}, {"w.py": WALL.replace("0.45)", "0.45, joint=Joint(tensile_strength=2e5))").replace(
+        "import Wall", "import Joint, Wall")}, "wall.joint.tensile_strength"),
+    "amplitude": ({}, {"options": "harmonic = [0.2, 0.2]"}, "settings.loading"),
+    "period": ({}, {"options": "harmonic = [0.1, 0.1]"}, "settings.loading"),
+    "rest": ({}, {"options": "harmonic = [0.2, 0.1], rest = 1"}, "settings.rest_s 2.0 -> 1.0"),
+    "time step": ({}, {"options": "harmonic = [0.2, 0.1], dt = 1e-5"}, "settings.time_step_s"),
+    "damping": ({}, {"options": "harmonic = [0.2, 0.1], beta = 1e-6"}, "settings.beta_s"),
+    "contact points": ({}, {"options": "harmonic = [0.2, 0.1], cells = 4"}, "settings.model.cells 2 -> 4"),
+    "seed": ({}, {"options": "harmonic = [0.2, 0.1], scatter = 0.01, seed = 2"}, "settings.s"),
+    "kind of ensemble": ({"options": "harmonic = [0.2, 0.1], strength-cov = 0.3", "ensemble": "samples = 2"},
+                         {"options": "harmonic = [0.2, 0.1], strength-cov = 0.2", "ensemble": "samples = 2"},
+                         "settings.model.strength_cov 0.3 -> 0.2"),
+    "record": ({"options": 'record = "a.csv"', "a_csv": RECORD}, {"a.csv": RECORD.replace("0.10,1", "0.10,2")},
+               "sha256"),
+    "scale": ({"options": 'record = "a.csv"', "a_csv": RECORD}, {"options": 'record = "a.csv", scale = 2'}, "scale"),
+    "window": ({"options": 'record = "a.csv"', "a_csv": RECORD}, {"options": 'record = "a.csv", window = [0, 0.3]'},
+               "window"),
+    "vertical record": ({"options": 'record = "a.csv"', "a_csv": RECORD, "b_csv": RECORD},
+                        {"options": 'record = "a.csv", vertical = "b.csv"'}, "vertical"),
+    "record of a sequence": ({"options": 'sequence = "e.csv"', "a_csv": RECORD, "e_csv": "record,scale\na.csv,2\n"},
+                             {"a.csv": RECORD.replace("0.10,1", "0.10,2")}, "sha256"),
+    "scale of a sequence": ({"options": 'sequence = "e.csv"', "a_csv": RECORD, "e_csv": "record,scale\na.csv,2\n"},
+                            {"e.csv": "record,scale\na.csv,3\n"}, "sequence"),
+    "settlement": ({"options": 'settle = "d.csv", rest = 1', "d_csv": SETTLEMENT},
+                   {"d.csv": SETTLEMENT.replace("-0.001", "-0.002")}, "settlement"),
+    "cracks": ({"options": 'harmonic = [0.2, 0.1], cracked = "c.csv"', "c_csv": CRACKS},
+               {"c.csv": CRACKS.replace("0.1\n", "0.2\n", 1)}, "cracked"),
+    "history that is continued": ({"options": 'harmonic = [0.2, 0.1], continue = "x.h5"', "x_h5": "one"},
+                                  {"x.h5": "two"}, "continued"),
+    "threshold of an address": ({"options": 'address = "h.toml"', "ensemble": "lives = 3", "h_toml": ADDRESS},
+                                {"h.toml": ADDRESS.replace("20", "30")}, ""),
+    "seed of an address": ({"options": 'address = "h.toml"', "ensemble": "lives = 3", "h_toml": ADDRESS},
+                           {"h.toml": f"{ADDRESS}seed = 7\n"}, "settings.loading.record"),
+}
+
+
+class TestInputs:
+    @pytest.mark.parametrize("name", ALTERED)
+    def test_an_altered_input_makes_a_point_again_and_is_named(self, name, tmp_path):
+        first, then, said = ALTERED[name]
+        there = Folder(tmp_path, **first)
+        there.make()
+        if "options" in then:
+            there.study(then["options"], then.get("ensemble", ""))
+        for path, text in then.items():
+            if path not in ("options", "ensemble"):
+                there.write(path, text)
+        (run,) = there.load().runs
+        (words,) = there.judge().changed.values()
+        assert any(said in word for word in words), words
+        (warning,) = there.settle()
+        assert warning.startswith(f"1 points were made from other inputs and are made again: {run.id} ({words[0]}")
+        assert not list((there.out / "runs").iterdir()) and not list((there.out / "tables").iterdir())
+        assert there.settle() == [] and read_records(there.out).runs == {}  # said once
+
+    def test_words_that_change_nothing_keep_all(self, tmp_path):
+        there = Folder(tmp_path)
+        there.make()
+        there.write("w.py", f"{WALL}# words")
+        before = {path: path.stat().st_mtime_ns for path in there.out.rglob("*")}
+        there.study("harmonic = [0.2, 0.1], rest = 2")  # the default
+        assert there.settle() == [] and before == {path: path.stat().st_mtime_ns for path in there.out.rglob("*")}
+
+    def test_a_field_that_a_note_lacks_agrees_at_its_default_alone(self, tmp_path):
+        """A note from before there was such a field."""
+        (tmp_path / "x.h5").write_bytes(b"one")
+        for options, differing in (('harmonic = [0.2, 0.1]', []), ('harmonic = [0.2, 0.1], continue = "x.h5"',
+                                                                  ["continued"])):
+            there = Folder(tmp_path, options)
+            shutil.rmtree(there.out, ignore_errors=True)
+            there.make()
+            records = read_records(there.out)
+            (inputs,) = records.inputs.values()
+            del inputs["continued"], inputs["drawn_from"]
+            (there.out / NAME).write_text(records.text())
+            found = [word.partition(" ")[0] for words in there.judge().changed.values() for word in words]
+            assert found == differing
+
+    def test_a_record_that_only_later_lives_use_is_noticed(self, tmp_path, monkeypatch):
+        """The first life of a point is parsed; a record that the others use counts, too."""
+        there = Folder(tmp_path, 'address = "h.toml", rest = 0', "lives = 3", h_toml=ADDRESS)
+        there.make()
+        draws = lives.read_address(tmp_path / "h.toml")
+        first = set(draws.life(1)["record"])
+        other = next(name for name in draws.components["record"] if name not in first)
+        other_file = tmp_path / shipped_records()[other].name
+        other_file.write_text(f"{shipped_records()[other].read_text()}\n")
+        monkeypatch.setattr(lives, "shipped_records", lambda: shipped_records() | {other: other_file})
+        (words,) = there.judge().changed.values()
+        assert [word.partition(" ")[0] for word in words] == ["drawn_from"]
+
+
+def record(name, folder, **row):
+    """What a small run leaves."""
+    made = json.loads(json.dumps(record_of(make_history(folder / "one.h5", broken=[0], overwrite=True), name, "p")))
+    return made | {"row": made["row"] | row}
+
+
+class TestRecords:
+    def test_a_record_is_read_as_it_was_written_and_one_that_a_kill_tore_is_none(self, tmp_path):
+        one = record("a", tmp_path)
+        assert one["row"]["point"] == "p" and not one["intact"]
+        path = tmp_path / NAME
+        path.write_text(text := line_of(one | {"run": "b"}) + line_of(one))
+        assert read_records(tmp_path).runs == {name: {"inputs": None} | one | {"run": name} for name in ("b", "a")}
+        path.write_text(text[:-20])
+        torn = read_records(tmp_path)
+        assert list(torn.runs) == ["b"] and not torn.orderly and not torn.faults
+        path.write_text(f"{text[:-20]}\n{line_of(one)}")
+        assert list(read_records(tmp_path).runs) == ["b", "a"]
+
+    @pytest.mark.parametrize(("old", "new", "what"), [
+        ('"max_DI": 0.', '"max_DI": 7.', "its checksum is wrong"),
+        ('"intact": false', '"intact": true', "its checksum is wrong"),
+        ('"run": "b"', '"run": "c"', "its checksum is wrong"),
+        ('{"run"', '{{"run"', "it is no JSON"),
+        ('"row": {', '"other": {', "it lacks one of run, intact, row, cycles, shocks"),
+    ])
+    def test_a_changed_line_is_found_and_counts_as_not_made(self, old, new, what, tmp_path):
+        lines = [line_of(record("a", tmp_path)), line_of(record("b", tmp_path)).replace(old, new, 1)]
+        assert new in lines[1]
+        (tmp_path / NAME).write_text("".join(lines))
+        results = Results(tmp_path)
+        name = "c" if new.endswith('"c"') else "b"
+        said = [f"{tmp_path / NAME} line 2: the record of {name} was changed since it was written ({what}): it counts "
+                "as not made"]
+        assert list(results.records.runs) == ["a"] and results.records.faults == said
+        verdict = results.judge([])
+        assert results.bring_up_to_date(verdict) == said
+        results.write(verdict)
+        assert (tmp_path / NAME).read_text() == line_of({"inputs": None} | record("a", tmp_path))  # reported once
+
+    @pytest.mark.parametrize(("name", "value", "good"), [
+        ("max_DI", 1.0, True), ("max_DI", 7.95, False), ("residual_accumulated_DI_slip", -0.1, False),
+        ("max_slip_mm", -1e-9, False), ("residual_drift_ratio", -0.5, True), ("input_energy_j", float("inf"), False),
+        ("period_s", float("nan"), True), ("collapsed_at_s", None, True)])
+    def test_a_record_without_a_checksum_is_believed_if_its_numbers_can_be(self, name, value, good, tmp_path):
+        one = record("a", tmp_path)
+        assert name in one["row"]
+        for changed, right in ((one | {"row": one["row"] | {name: value}}, good),
+                               (one | {"cycles": [{"max_DI": value if name == "max_DI" else 0.5}]},
+                                good or name != "max_DI")):
+            (tmp_path / NAME).write_text(json.dumps(changed) + "\n")
+            found = read_records(tmp_path)
+            assert (len(found.runs), len(found.faults)) == ((1, 0) if right else (0, 1))
+
+    def test_slices_add_to_the_records_and_a_batch_makes_one_file_of_them(self, tmp_path):
+        there = Folder(tmp_path, "harmonic = [0.2, 0.1], strength-cov = 0.3", "samples = 2")
+        there.make()
+        (run,) = there.load().runs
+        key = read_records(there.out).points[run.id]
+        part = there.out / "records-1-of-2.jsonl"
+        part.write_text(line_of({"inputs": key} | record(run.name(2), tmp_path, model_digest=model_digest(
+            CODE["reference"]))))
+        assert Results(there.out).names_of(run) == [run.name(1), run.name(2)]
+        assert there.settle() == [] and not part.exists()
+        assert list(read_records(there.out).runs) == [run.name(1), run.name(2)]
+
+    def test_a_point_that_leaves_a_study_and_returns_has_its_runs(self, tmp_path):
+        there = Folder(tmp_path)
+        there.make()
+        results = Results(there.out)
+        other = StudyRun("other", str(tmp_path / "w.py"), (), "reference")
+        verdict = results.judge([other])
+        assert results.bring_up_to_date(verdict) == []
+        results.write(verdict)
+        (run,) = there.load().runs
+        assert Results(there.out).names_of(run) == [run.first] and there.settle() == []
+
+
+class TestVersions:
+    def test_measures_of_another_version_are_worked_out_of_histories_or_refused(self, tmp_path):
+        there = Folder(tmp_path)
+        there.make(measures_digest="of before")
+        (run,) = there.load().runs
+        assert there.settle() == [] and read_records(there.out).runs == {}  # the history gives others
+        assert set(summary_of(there.load(), there.out)["measures_digest"]) == {measures_digest()}
+        shutil.rmtree(there.out)
+        there.make(measures_digest="of before")
+        (there.out / "runs" / f"{run.first}.h5").unlink()
+        message = f"the index or measures of 1 runs are .*: {run.first}; expected one definition .* give --remake"
+        for refused in (there.settle, lambda: summary_of(there.load(), there.out)):
+            with pytest.raises(InputError, match=message):
+                refused()
+        assert there.settle(remake=True) == [] and read_records(there.out).runs == {}
+
+    def test_another_model_is_named_and_its_runs_are_kept_or_made_again(self, tmp_path):
+        there = Folder(tmp_path)
+        there.make(model_digest="of before")
+        (run,) = there.load().runs
+        (kept,) = there.settle()
+        assert kept == ("1 runs were made by another version of the model (reference of before) and are kept; "
+                        f"--remake makes them again: {run.first}")
+        assert list(read_records(there.out).runs) == [run.first]
+        (again,) = there.settle(remake=True)
+        assert "are made again" in again and not list((there.out / "runs").iterdir())
+
+
+class TestEarlierVersions:
+    """Folders whose state was in shards, lists of members and notes."""
+
+    def older(self, folder, note, **options):
+        there = Folder(folder, **options)
+        there.make()
+        (run,) = there.load().runs
+        records = read_records(there.out)
+        (one,) = records.runs.values()
+        one.pop("inputs")
+        for name in ("shards", "runs/.inputs", "tables/rows", ".snakemake"):
+            (there.out / name).mkdir(parents=True)
+        (there.out / "shards" / "0000.rows").write_text(line_of(one))
+        (there.out / "runs" / f"{run.id}.members").write_text(f"{run.first}\n")
+        (there.out / NAME).unlink()
+        if note is not None:
+            (there.out / "runs" / ".inputs" / run.id).write_text(
+                json.dumps(*records.inputs.values(), indent=1) if note == "whole" else note)
+        return there, run
+
+    def test_it_is_read_and_written_anew(self, tmp_path):
+        there, run = self.older(tmp_path, "whole")
+        assert summary_of(there.load(), there.out)["run"].tolist() == [run.first]
+        before = read_records(there.out)
+        assert there.settle() == []
+        after = read_records(there.out)
+        assert after.runs == before.runs and after.orderly
+        assert sorted(path.name for path in there.out.iterdir()) == [NAME, "runs", "tables"]
+        assert [path.name for path in (there.out / "runs").iterdir()] == [f"{run.first}.h5"]
+
+    def test_its_notes_count(self, tmp_path):
+        there, run = self.older(tmp_path, "whole")
+        there.write("w.py", WALL.replace("0.45", "0.6"))
+        assert there.judge().changed[run] == ["wall.height 0.45 -> 0.6"]
+        there.write("w.py", WALL)
+        digest = hashlib.sha256(WALL.encode()).hexdigest()
+        first = hashlib.sha256(json.dumps([run.wall, run.words, run.varied, [digest]]).encode()).hexdigest()
+        (there.out / "runs" / ".inputs" / run.id).write_text(first)  # as 0.2.0.dev0 wrote it
+        assert there.judge().changed == {}
+        there.write("w.py", f"{WALL}# words")  # of which an old note does not tell that they change nothing
+        assert list(there.judge().changed) == [run]
+
+    def test_without_a_note_a_single_run_is_kept_and_an_ensemble_made_again(self, tmp_path):
+        there, run = self.older(tmp_path, None)
+        (warning,) = there.settle()
+        assert run.id in warning and "kept without a comparison" in warning
+        assert list(read_records(there.out).runs) == [run.first]
+        shutil.rmtree(there.out)
+        there, run = self.older(tmp_path, None, options="harmonic = [0.2, 0.1], strength-cov = 0.3",
+                                ensemble="samples = 2")
+        (warning,) = there.settle()
+        assert "there is no note of them" in warning and read_records(there.out).runs == {}
+
+
+STUDY = """
+name = "s"
+pictures = "none"
+[[grid]]
+wall = "benchmarks/small_wall.py"
+options = { harmonic = [0.06, "{g}"], rest = 0 }
+vary = { g = [0.1, 0.2, 0.3] }
+[[runs]]
+id = "drawn"
+wall = "benchmarks/small_wall.py"
+options = { harmonic = [0.06, 0.5], rest = 0, strength-cov = 0.3 }
+samples = 2
+"""
+
+
+@pytest.mark.slow
+def test_a_study_whose_model_changed_between_its_runs(tmp_path):
+    """It says which are of another version, and makes them again if asked."""
+    repository = tmp_path / "repository"  # to be changed
+    for name in ("damage", "walls", "yade_scripts", "studies"):
+        shutil.copytree(REPOSITORY / name, repository / name)
+    (repository / "benchmarks").mkdir()
+    shutil.copy(REPOSITORY / "benchmarks" / "small_wall.py", repository / "benchmarks")
+    study, runs = repository / "study.toml", repository / "out" / "runs"
+
+    def batch(*words):
+        """What a batch says to standard error."""
+        done = subprocess.run([*BATCH, "study.toml", "-j2", "--out", "out", *words], cwd=repository, text=True,
+                              capture_output=True, timeout=300,
+                              env=os.environ | {"PYTHONPATH": str(repository), "PYTHONNOUSERSITE": "1"})
+        assert done.returncode == 0, done.stderr
+        return done.stderr, {path.stem: path.read_bytes() for path in runs.glob("*.h5")}
+
+    study.write_text(STUDY.replace(", 0.3] }", "] }").replace("samples = 2", "samples = 1"))  # as far as it came
+    _, old = batch()
+    assert len(old) == 3
+    study.write_text(STUDY)
+    changed = repository / "damage" / "run" / "schedule.py"  # nothing that has to be compiled again
+    changed.write_text(changed.read_text() + "\n\nSIGN = 1.0\n")
+    printed, kept = batch()
+    assert f"warning: {len(old)} runs were made by another version of the model (reference " in printed
+    assert "are kept; --remake makes them again" in printed and all(name in printed for name in old)
+    assert len(kept) == 5 and all(kept[name] == content for name, content in old.items())
+    summary = pd.read_csv(repository / "out" / "tables" / "summary.csv").set_index("run")
+    assert len(set(summary["model_digest"])) == 2
+    assert set(summary.loc[list(old), "model_digest"]) == {read_head(runs / f"{next(iter(old))}.h5").model.split()[1]}
+
+    printed, new = batch("--remake")
+    assert "are made again" in printed
+    assert all((new[name] != content) == (name in old) for name, content in kept.items())
+    summary = pd.read_csv(repository / "out" / "tables" / "summary.csv")
+    assert len(set(summary["model_digest"])) == 1 and len(summary) == 5
+    assert batch() == ("", new)
