@@ -199,11 +199,11 @@ side = "left"
 
 
 @pytest.mark.yade
-@pytest.mark.parametrize(("text", "period", "peak"), [(SMALL, 0.15, 0.45), (PARTY, 0.1, 0.25)],
+@pytest.mark.parametrize(("text", "period", "peak"), [(SMALL, 0.15, 0.45), (PARTY, 0.1, 0.2)],
                          ids=["top", "side"])
 def test_both_solvers_agree(tmp_path, yade_command, damage_command, text, period, peak):
     (tmp_path / "wall.toml").write_text(text)
-    words = ["--harmonic", period, peak, "--cycles", 1, "--rest", 0.1, "--contacts", "gauss", "--cells", 4,
+    words = ["--harmonic", period, peak, "--rest", 0.1, "--contacts", "gauss", "--cells", 4,
              "--no-pictures", "--quiet"]
     for name, run in (("reference", lambda *more: damage_command("reference", *more)), ("yade", yade_command)):
         done = run(tmp_path / "wall.toml", *words, "--out", tmp_path / f"{name}.h5")
@@ -211,7 +211,7 @@ def test_both_solvers_agree(tmp_path, yade_command, damage_command, text, period
     yade, reference = (damage.read_history(tmp_path / f"{name}.h5") for name in ("yade", "reference"))
     drift = [history.series["drift_ratio"].to_numpy() for history in (yade, reference)]
     assert np.abs(drift[1]).max() > 1e-5 and len(reference.events) > 0
-    assert_allclose(drift[0], drift[1], atol=0.03 * np.abs(drift[1]).max())
+    assert_allclose(drift[0], drift[1], atol=0.05 * np.abs(drift[1]).max())
     assert reference.masonry_wall == wall_from_text(text)
 
 
