@@ -246,6 +246,10 @@ class Wall:
     lintel: of openings that have none of their own, a `damage.wall.lintels.Lintel` or its kind; "courses" in the
         paper's walls, where `ModelOptions.lintel` says which joints stay elastic.
     restraints: of `damage.wall.restraints.Restraint`: floors that hold the top, party walls.
+
+    A strip of a wall in one-way bending between floors, out of its plane, is a plane problem, too: a column of courses
+    whose `length` is the wall's thickness, `brick.length` twice that and `brick.thickness` the width of the strip,
+    under a restraint of its top (docs/guides/other-walls.md).
     """
 
     name: str
