@@ -7,6 +7,7 @@
 FOLDER has the files that docs/validation/shaken-walls.md names; they have no licence and do not ship.
 """
 
+import hashlib
 import math
 import sys
 from dataclasses import replace
@@ -21,17 +22,16 @@ from scipy.signal import butter, sosfiltfilt
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY))
 
-from damage.measure.vibration import natural_period
-
 from damage import Brick, Joint, Wall
+from damage.history.buffer import Buffer
 from damage.law.modes import natural_modes
+from damage.measure.cycles import natural_period
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from damage.motion.record import Record
 from damage.motion.sequence import Event
 from damage.reference.ensembles import Ensemble
 from damage.reference.session import BACKEND
-from damage.run.repeat import Unwritten
 from damage.run.run import Run
 from damage.run.schedule import choose_time_step
 from damage.run.settings import RunSettings
@@ -64,8 +64,8 @@ class Case(NamedTuple):
 
     load_n: float = 10.35e3
     stiffness: float | None = 3e6
-    friction: float = 0.3
-    play: float = 0.05
+    friction: float = 0.1
+    play: float = 3e-3
     moving_kg: float = 50.0
     period_s: float = PERIOD_S
     cohesion: float = 0.3e6
@@ -76,11 +76,13 @@ class Case(NamedTuple):
 
 def strip(case, normal_stiffness):
     """The Wall of a Case with joints of this stiffness [Pa/m]."""
-    energies = dict(mode_i_fracture_energy=RULE, mode_ii_fracture_energy=RULE) if case.softens else {}
+    energies = {"mode_i_fracture_energy": RULE, "mode_ii_fracture_energy": RULE} if case.softens else {}
     joint = Joint(normal_stiffness, 0.4 * normal_stiffness, math.radians(36.9), 0.875 * case.cohesion, case.cohesion,
                   **energies)
-    brick = Brick(2 * THICK_M, HEIGHT_M / COURSES, WIDTH_M, DENSITY, young_modulus=RIGID_PA, shear_modulus=RIGID_PA / 2.5)
-    bearing = {} if case.stiffness is None else {name: getattr(case, name) for name in ("stiffness", "friction", "play")}
+    brick = Brick(2 * THICK_M, HEIGHT_M / COURSES, WIDTH_M, DENSITY, young_modulus=RIGID_PA,
+                  shear_modulus=RIGID_PA / 2.5)
+    bearing = {} if case.stiffness is None else {
+        name: getattr(case, name) for name in ("stiffness", "friction", "play")}
     return Wall("us-1", THICK_M, HEIGHT_M, precompression=case.load_n / (THICK_M * WIDTH_M), brick=brick, joint=joint,
                 restraints=[Restraint("top", **bearing, mass=case.moving_kg)])
 
@@ -185,7 +187,7 @@ def shaken(case, wall, events, seed):
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
     step = choose_time_step(settings, modes.critical_time_step_s, wall.joint.softens)
-    run = Watched(layout, settings, BACKEND.make(layout, step, settings), Unwritten(), lambda *_: True)
+    run = Watched(layout, settings, BACKEND.make(layout, step, settings), Buffer(layout), lambda *_: True)
     yield from run.settle_under_gravity()
     run.start(modes.shape[0])
     yield from run.run_all()
@@ -232,24 +234,120 @@ PEAKS = ["peak_disp_bot_mm", "peak_disp_mid_mm", "peak_disp_top_mm"]
 """Columns of measured peaks at SENSORS_M."""
 
 
-def bearings(folder, out, damping):
+def bearings(folder):
     """How far the peaks of runs 1 to 10 are from the test by each bearing: root mean square of ln(model / test)."""
     runs = read_runs(folder, CHOSEN_ON)
     events, numbers = events_of(folder, runs)
     tested = pd.read_csv(folder / "exp_Test9_tilt.csv", nrows=CHOSEN_ON).set_index("run").loc[numbers, PEAKS]
-    cases = {f"{load:g} {stiffness:g} {friction:g} {play:g}": Case(load, stiffness, friction, play, damping=damping)
+    cases = {f"{load:g} {stiffness:g} {friction:g} {play:g}": Case(load, stiffness, friction, play)
              for load in LOADS_N for stiffness in STIFFNESSES for friction in FRICTIONS for play in PLAYS_M}
-    found = draws_of(cases, events, [1], numbers)
-    found.to_csv(out / f"us1_bearings_runs_{damping:g}.csv", index=False)
     rows = []
-    for name, table in found.groupby("case", sort=False):
-        peaks = table[[f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]].to_numpy()
-        if len(table) < len(numbers):
+    for name, table in draws_of(cases, events, [1], numbers).groupby("case", sort=False):
+        if len(table) < len(numbers):  # it fell
             continue
+        peaks = table[[f"peak_mm_{1e3 * height:.0f}" for height in SENSORS_M]].to_numpy()
         apart = np.log(peaks / tested.to_numpy())
-        rows.append([*name.split(), np.sqrt(np.mean(apart**2)), *apart.mean(axis=0), *peaks[-1]])
+        rows.append([*map(float, name.split()), np.sqrt(np.mean(apart**2)), *apart.mean(axis=0), *peaks[-1]])
     table = pd.DataFrame(rows, columns=["load_n", "stiffness_n_m", "friction", "play_m", "error", *(
         f"bias_{1e3 * height:.0f}" for height in SENSORS_M), *(f"run10_mm_{1e3 * height:.0f}" for height in SENSORS_M)])
-    table = table.sort_values("error", ignore_index=True)
-    table.to_csv(out / f"us1_bearings_{damping:g}.csv", index=False)
-    print(table.head(25).to_string())
+    keep(table.sort_values(["error", "load_n", "stiffness_n_m", "friction", "play_m"]), "us1_bearings")
+
+
+def keep(table, name, folder=TABLES / "benchmarks"):
+    """Write a table; returns its path."""
+    path = folder / f"{name}.csv"
+    table.to_csv(path, index=False, float_format="%.5g")
+    print(path)
+    return path
+
+
+# --- the prediction ----------------------------------------------------------------------------------
+
+LAST = 25
+"""Run of the second wall alone: the motion of run 22 times 2."""
+QUANTILES = 5, 50, 95
+
+
+def prediction(folder):
+    """US-1's runs beside the test, and those of the second wall, 16 draws."""
+    runs = read_runs(folder)
+    events, numbers = events_of(folder, runs)
+    strongest = events[numbers.index(22)]
+    events, numbers = [*events, replace(strongest, factor=2 * strongest.factor)], [*numbers, LAST]
+    draws = draws_of({"prediction": Case()}, events, range(1, DRAWS + 1), numbers)
+    keep(draws, "us1_draws")
+    of_runs = quantiles(draws)
+    tested = pd.read_csv(folder / "exp_Test9_metrics.csv").set_index("run")["resid_rel_mm"]
+    period = pd.read_csv(folder / "exp_Test9_period_psd.csv").set_index("run")["T1_best_s"]
+    table = runs.set_index("run")[["rec", "sf", "pga", "pgv", "edp"]].rename(columns={
+        "rec": "record", "sf": "scale", "pga": "pga_g", "pgv": "pgv_m_s", "edp": "tested_peak_mm"})
+    table["tested_residual_mm"], table["tested_period_s"] = tested, period
+    keep(table.join(of_runs).reset_index(), "us1_prediction")
+    second = of_runs.reindex(range(1, LAST + 1)).reset_index(names="run")
+    path = keep(second, "us2_prediction", TABLES)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    path.with_suffix(".sha256").write_text(f"{digest}  {path.name}\n")
+
+
+def quantiles(draws):
+    """Quantiles over draws by run: of the peak and the residual at 2.06 m, and of the period before the run; of a wall
+    that fell no more than that it did."""
+    found = {}
+    fallen = draws["collapsed"]
+    for run, of_run in draws.assign(
+            peak_mm=draws["peak_mm_2060"].where(~fallen, np.inf), residual_mm=draws["residual_mm_2060"].where(~fallen),
+            period_s=draws.groupby(["case", "seed"])["period_after_s"].shift(fill_value=PERIOD_S)).groupby("run"):
+        found[run] = {f"{name}_{q}": np.percentile(of_run[name], q, method="nearest") if len(of_run) else np.nan
+                      for name in ("peak_mm", "residual_mm", "period_s") for q in QUANTILES}
+    return pd.DataFrame.from_dict(found, orient="index")
+
+
+# --- choices -----------------------------------------------------------------------------------------
+
+CHOICES = {
+    "as predicted": {}, "load 27 kN": {"load_n": 27e3}, "play 1 mm": {"play": 1e-3}, "play 10 mm": {"play": 10e-3},
+    "friction 0.3": {"friction": 0.3}, "top driven": {"stiffness": None}, "bearing 1e7 N/m": {"stiffness": 1e7},
+    "brittle joints": {"softens": False}, "cohesion 0.15 MPa": {"cohesion": 0.15e6}, "5 % damping": {"damping": 0.05},
+    "period 0.08 s": {"period_s": 0.08}, "4 contact points": {"cells": 4}}
+CHOICE_DRAWS = 4
+
+
+def choices(folder):
+    """What each choice changes: peak in runs 10, 17, 21 and 24, residual of run 24, over the test's."""
+    runs = read_runs(folder)
+    tested = runs.set_index("run")["edp"]
+    cases = {name: Case()._replace(**change) for name, change in CHOICES.items()}
+    events, numbers = events_of(folder, runs)
+    draws = draws_of(cases, events, range(1, CHOICE_DRAWS + 1), numbers)
+    more = draws_of({"with motions like EC40": Case()}, *reversed_pair(events_of(folder, runs, True)))
+    rows = []
+    for name, of_case in pd.concat([draws, more]).groupby("case", sort=False):
+        middle = quantiles(of_case)
+        peak = middle["peak_mm_50"].reindex(tested.index)
+        ratio = np.log(peak / tested).loc[[run for run in numbers if run in peak.dropna().index]]
+        rows.append({"choice": name, **{f"peak_mm_run_{run}": peak.get(run) for run in (10, 17, 21, 22, 24)},
+                     "residual_mm_run_24": middle["residual_mm_50"].get(24), "period_s_run_24": middle[
+                         "period_s_50"].get(24), "within_1.5": np.mean(np.abs(ratio) <= math.log(1.5)),
+                     "geometric_mean_over_test": math.exp(ratio[np.isfinite(ratio)].mean()),
+                     "fell": int(of_case["collapsed"].sum())})
+    keep(pd.DataFrame(rows), "us1_choices")
+
+
+def reversed_pair(found):
+    """(events, draws, numbers) for `draws_of`."""
+    return found[0], range(1, CHOICE_DRAWS + 1), found[1]
+
+
+def main():
+    try:
+        folder, name = Path(sys.argv[1]), sys.argv[2]
+        {"bearings": bearings, "prediction": prediction, "choices": choices}[name](folder)
+    except (IndexError, KeyError, OSError) as error:
+        print(f"error: {error}: expected FOLDER bearings|prediction|choices, FOLDER with the files of "
+              "docs/validation/shaken-walls.md; give both", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

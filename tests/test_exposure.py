@@ -420,6 +420,8 @@ class TestResiduals:
         assert row["residual"] == pytest.approx(math.log(31.7113 / expected), rel=1e-6)
         geometric = station_residuals(Model("GEO")).set_index("station").loc["BGAR"]
         assert geometric["pgv_mm_s"] == pytest.approx(math.sqrt(31.7113 * 19.8523), rel=1e-9)
+        largest = station_residuals(Model("MAX")).set_index("station").loc["BGAR"]
+        assert 31.7113 < largest["pgv_mm_s"] < math.hypot(31.7113, 19.8523)
 
 
 def test_the_catalogue_ships_with_its_licence():

@@ -209,7 +209,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     parameters = {"wall": wall.as_dict(), "wall_file": file_origin(wall_file), **settings.as_dict(),
                   "time_step_s": time_step, "critical_time_step_s": modes.critical_time_step_s,
                   "eigen_period_s": float(modes.period_s[0]), "pier_stress_pa": layout.pier_stress,
-                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
+                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
+                                     settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     writer = write(out, layout, solver=backend.name, parameters=parameters,
                    versions=made_by, overwrite=settings.overwrite)
