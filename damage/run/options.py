@@ -15,7 +15,7 @@ import numpy as np
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 from damage.exposure.lives import events_of, read_address
-from damage.fields import option_of
+from damage.fields import MOST_SEED, option_of
 from damage.measure.crack_file import Surveyed
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
@@ -27,7 +27,6 @@ from damage.provenance import shown_command
 from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
 from damage.units import MILLIMETRE
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT
 
 USUAL_DISTORTION = 1 / 500

@@ -8,7 +8,7 @@ import numpy as np
 
 from damage.checks import check_range
 from damage.errors import InputError
-from damage.fields import check_fields, option_of, quantity
+from damage.fields import MOST_SEED, check_fields, option_of, quantity
 from damage.index import THRESHOLD
 from damage.measure.crack_file import Surveyed
 from damage.motion.intensity import pgv_m_s
@@ -18,7 +18,6 @@ from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import MOST_SEED
 from damage.wall.plausible import ACCEPT, check_plausible, implausible_places
 
 SAMPLE_S = 2e-3
