@@ -70,8 +70,8 @@ def rotd100(record: Record, across: Record) -> dict:
     """
     pair = [one.acceleration_m_s2 for one in (record, across)]
     step_s = record.time_step_s
-    spectrum = {str(period): float(np.hypot(*(oscillator_response(one, step_s, period) for one in pair)).max()) / GRAVITY
-                for period in SPECTRUM_PERIODS_S}
+    spectrum = {str(period): float(np.hypot(*(oscillator_response(one, step_s, period) for one in pair)).max())
+                / GRAVITY for period in SPECTRUM_PERIODS_S}
     return {"pga_rotd100_g": float(np.hypot(*pair).max()) / GRAVITY, "pgv_rotd100_cm_s": 100.0 * pgv_rotd100_m_s(
         record, across), "sa_rotd100_g": spectrum}
 

@@ -185,8 +185,8 @@ def add_preparation(group):
                        help="subtract a polynomial of this order from the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)")
-    group.add_argument("--across", type=file_path, metavar="FILE", help="the record's other horizontal component, which "
-                       "is not applied: with it there are measures of the largest of all directions (RotD100)")
+    group.add_argument("--across", type=file_path, metavar="FILE", help="the record's other horizontal component, "
+                       "which is not applied: with it there are measures of the largest of all directions (RotD100)")
 
 
 def _add_push(group):
