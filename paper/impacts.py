@@ -85,10 +85,12 @@ def rows():
                 housner = 1 - 1.5 * math.sin(angle)**2
                 peaks = rotations_at_peaks(layout, 0.5 * angle, IMPACTS)
                 coefficient = math.sqrt(kept_share(peaks, angle))
+                of_block = 1 - 1.5 / (1 + slender**2)
                 yield {"slenderness": slender, "normal_stiffness_gpa_m": stiffness / 1e9, "contacts": contacts,
                        "cells": cells, "points": len(layout.contacts), "lever_over_width": lever / WIDE_M,
-                       "housner": housner, "model": coefficient, "model_over_housner": coefficient / housner,
-                       "tested_over_housner": TESTED[slender]}
+                       "model": coefficient, "housner_of_lever": housner, "over_that": coefficient / housner,
+                       "housner_of_block": of_block, "over_that_of_block": coefficient / of_block,
+                       "tested_over_that_of_block": TESTED[slender]}
 
 
 def main():

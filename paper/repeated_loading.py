@@ -251,11 +251,52 @@ def walls(seeds):
                 pd.concat(tables).to_csv(OUT / "repeated_walls.csv", index=False, float_format="%.6g")
 
 
+TESTED = {"clay": ("18 to 29", "90 to 740", "15 to 21"), "calcium silicate": ("29 to 35", "90 to 190", "13 to 15")}
+"""Of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it [micrometres], of clay of all; force
+lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024, tables 3.1, 3.2 and 6.1.1)."""
+TESTED_WALLS = {"one-way": "-16 to -51", "two-way": "+4 to -13, -57 to +1"}
+"""Change of the force by a repetition [N], of two ways each."""
+
+
+def summary():
+    """The table beside the tests, from the tables of all repetitions."""
+    rows = []
+    for material, of_all in pd.read_csv(OUT / "repeated_spandrels.csv").groupby("material"):
+        peaks, places, lost, late = [], [], [], []
+        for _, one in of_all.groupby("draw"):
+            highest = one.loc[one["largest_n"].idxmax()]
+            peaks.append(highest["largest_n"] / 1e3)
+            places.append(highest["amplitude_um"])
+            force = one.pivot_table(index="amplitude_um", columns="repetition", values="force_n")
+            lost.append(100 * (1 - force[REPETITIONS] / force[1]).mean())
+            late.append(100 * (1 - force[REPETITIONS] / force[2]).mean())
+        rows += [{"case": f"spandrels, {material}", "quantity": quantity, "model": f"{min(values):.3g} to "
+                  f"{max(values):.3g}", "test": tested} for quantity, values, tested in zip(
+                      ("peak force [kN]", "CMOD at the peak [µm], steps of 50", "force lost in 30 repetitions [%]"),
+                      (peaks, places, lost), TESTED[material])]
+        rows.append({"case": f"spandrels, {material}", "quantity": "... of that after the second [%]",
+                     "model": f"{min(late):.3g} to {max(late):.3g}", "test": ""})
+    walls = pd.read_csv(OUT / "repeated_walls.csv")
+    for (drift, protocol), one in walls.groupby(["drift", "protocol"], sort=False):
+        last = one["repetition"].max() - 1
+        change = [(abs(one[side].iloc[-1]) - abs(one[side].iloc[0])) / last
+                  for side in ("plus_n", "minus_n") if one[side].notna().all()]
+        rows.append({"case": f"wall, clay, {protocol}", "quantity": f"change a repetition at {1e3 * drift:.2g} per mil "
+                     "[N]", "model": ", ".join(f"{value:+.0f}" for value in change), "test": TESTED_WALLS[protocol]})
+    pd.DataFrame(rows).to_csv(OUT / "repeated_loading.csv", index=False)
+    laws = pd.read_csv(OUT / "repeated_laws.csv")
+    pd.DataFrame([{"joints": name, "CMOD [µm]": f"{step:g}", "first force [kN]": f"{force.iloc[0] / 1e3:.3g}", **{
+        f"after {count}": f"{force.iloc[count - 1] / force.iloc[0]:.2f}" for count in (2, 5, 10, 30)}}
+        for (name, step), force in laws.groupby(["case", "amplitude_um"], sort=False)["force_n"]]).to_csv(
+            OUT / "repeated_causes.csv", index=False)
+
+
 def main(asked):
     for name, make, seeds in (("spandrels", spandrels, (1, 2, 3)), ("laws", laws, (1,)),
                               ("walls", walls, (1,))):
         if not asked or name in asked:
             make(seeds)
+    summary()
 
 
 if __name__ == "__main__":

@@ -309,33 +309,28 @@ CHOICES = {
     "friction 0.3": {"friction": 0.3}, "top driven": {"stiffness": None}, "bearing 1e7 N/m": {"stiffness": 1e7},
     "brittle joints": {"softens": False}, "cohesion 0.15 MPa": {"cohesion": 0.15e6}, "5 % damping": {"damping": 0.05},
     "period 0.08 s": {"period_s": 0.08}, "4 contact points": {"cells": 4}}
-CHOICE_DRAWS = 4
+CHOICE_DRAWS, CHOICE_RUNS = 3, (10, 17, 21, 22, 24)
+EC40_RUNS = range(1, 13)
+"""Runs up to the first one after the last of EC40."""
 
 
 def choices(folder):
-    """What each choice changes: peak in runs 10, 17, 21 and 24, residual of run 24, over the test's."""
-    runs = read_runs(folder)
-    tested = runs.set_index("run")["edp"]
-    cases = {name: Case()._replace(**change) for name, change in CHOICES.items()}
-    events, numbers = events_of(folder, runs)
-    draws = draws_of(cases, events, range(1, CHOICE_DRAWS + 1), numbers)
-    more = draws_of({"with motions like EC40": Case()}, *reversed_pair(events_of(folder, runs, True)))
-    rows = []
-    for name, of_case in pd.concat([draws, more]).groupby("case", sort=False):
-        middle = quantiles(of_case)
-        peak = middle["peak_mm_50"].reindex(tested.index)
-        ratio = np.log(peak / tested).loc[[run for run in numbers if run in peak.dropna().index]]
-        rows.append({"choice": name, **{f"peak_mm_run_{run}": peak.get(run) for run in (10, 17, 21, 22, 24)},
-                     "residual_mm_run_24": middle["residual_mm_50"].get(24), "period_s_run_24": middle[
-                         "period_s_50"].get(24), "within_1.5": np.mean(np.abs(ratio) <= math.log(1.5)),
-                     "geometric_mean_over_test": math.exp(ratio[np.isfinite(ratio)].mean()),
-                     "fell": int(of_case["collapsed"].sum())})
-    keep(pd.DataFrame(rows), "us1_choices")
-
-
-def reversed_pair(found):
-    """(events, draws, numbers) for `draws_of`."""
-    return found[0], range(1, CHOICE_DRAWS + 1), found[1]
+    """What each choice changes: five of the runs in sequence, three draws; and runs 1 to 12 with and without motions
+    like EC40."""
+    runs = read_runs(folder).set_index("run", drop=False)
+    events, numbers = events_of(folder, runs.loc[list(CHOICE_RUNS)])
+    seeds, rows = range(1, CHOICE_DRAWS + 1), []
+    for name, change in CHOICES.items():
+        of_runs = quantiles(draws_of({name: Case()._replace(**change)}, events, seeds, numbers))
+        rows.append({"choice": name, **{f"peak_mm_{run}": peak for run, peak in of_runs["peak_mm_50"].items()},
+                     "residual_mm_24": of_runs["residual_mm_50"].get(24), "period_s_24": of_runs["period_s_50"].get(24)})
+        keep(pd.DataFrame([{"choice": "test", **{f"peak_mm_{run}": runs["edp"][run] for run in CHOICE_RUNS}}, *rows]),
+             "us1_choices")
+    tables = {with_them: quantiles(draws_of({"prediction": Case()}, found[0], seeds, found[1]))["peak_mm_50"]
+              for with_them in (False, True)
+              for found in [events_of(folder, runs.loc[list(EC40_RUNS)], with_them)]}
+    keep(pd.DataFrame({"without_mm": tables[False], "with_mm": tables[True], "tested_mm": runs["edp"]}).dropna(
+        subset=["with_mm"]).rename_axis("run").reset_index(), "us1_ec40")
 
 
 def main():

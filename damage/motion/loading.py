@@ -323,8 +323,8 @@ class RecordedMotion(Loading):
     """A `Recorded` as read from a history: without the samples, which stay in the record's file.
 
     horizontal, vertical, across: {"record": its name, "file": without its folder, "sha256", "start_utc", "unit", and
-    "given" where it was given how to read it} of the components; time_step_s: of the record's file [s]; pga_g, sa_02_s_g: of
-    the motion as it was used [g]; the rest as in `Recorded`.  None is what an older file does not say.
+    "given" where it was given how to read it} of the components; time_step_s: of the record's file [s]; pga_g,
+    sa_02_s_g: of the motion as it was used [g]; the rest as in `Recorded`.  None is what an older file does not say.
     """
 
     name: str
