@@ -92,6 +92,14 @@ class TestDraws:
         assert np.abs(lives["scale"]).to_numpy() * of["pgv_mm_s"].to_numpy() == pytest.approx(lives["pgv_mm_s"])
         assert list(lives["start_s"]) == list(of["start_s"]) and lives["record"].nunique() == 10
 
+    def test_the_largest_of_all_directions_is_that_of_both_components(self, exposure):
+        largest = Exposure(exposure.place, exposure.catalogue, Model("MAX"))
+        table = pd.read_csv(COMPONENTS, comment="#").set_index("record")
+        life = draws(largest).life(1)
+        assert np.abs(life["scale"]).to_numpy() * table.loc[life["record"], "pgv_rotd100_mm_s"].to_numpy() == \
+            pytest.approx(life["pgv_mm_s"])
+        assert (table["pgv_rotd100_mm_s"] > table["pgv_mm_s"] * (1 - 1e-3)).all()
+
     def test_scaling_to_the_spectral_acceleration(self, exposure):
         """Every record reaches Sa(0.2 s) = PGV times the geometric mean of Sa / PGV of the records."""
         table = pd.read_csv(COMPONENTS, comment="#").set_index("record")

@@ -150,8 +150,10 @@ class Draws:
 
     @cached_property
     def _unit_pgv(self):
-        """PGV [mm/s] for which each component has a factor of one, (n,)."""
-        pgv = self.components["pgv_mm_s"].to_numpy()
+        """PGV [mm/s] for which each component has a factor of one, (n,): its own, or that of its station in the
+        direction in which it is largest, where that is what the model has."""
+        of_all = self.exposure.model.component == "MAX"
+        pgv = self.components["pgv_rotd100_mm_s" if of_all else "pgv_mm_s"].to_numpy()
         if self.choices.scale_to == "pgv":
             return pgv
         sa = self.components["sa_0.2_s_g"].to_numpy()

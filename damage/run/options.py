@@ -20,7 +20,7 @@ from damage.measure.crack_file import Surveyed
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
 from damage.motion.loading import BOUNDARIES, AtRest, FreeVibration, Harmonic, Recorded, TopDisplacement
-from damage.motion.record import aligned_with
+from damage.motion.record import aligned_with, on_axis_of
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 from damage.provenance import shown_command
@@ -185,6 +185,8 @@ def add_preparation(group):
                        help="subtract a polynomial of this order from the record")
     group.add_argument("--band", nargs=2, type=float, metavar=("LOW_HZ", "HIGH_HZ"),
                        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)")
+    group.add_argument("--across", type=file_path, metavar="FILE", help="the record's other horizontal component, "
+                       "which is not applied: with it there are measures of the largest of all directions (RotD100)")
 
 
 def _add_push(group):
@@ -341,7 +343,7 @@ _BELONGS = {"cycles": ("harmonic", "cyclic"), "boundary": ("pushover", "cyclic")
             "speed": ("pushover", "cyclic"),
             "damping": ("pushover", "cyclic"),
             "sequence": ("harmonic", "record"),
-            **dict.fromkeys((*_READ, "scale", "window", "vertical", "baseline", "band"), ("record",))}
+            **dict.fromkeys((*_READ, "scale", "window", "vertical", "across", "baseline", "band"), ("record",))}
 
 
 def _motion(parsed):
@@ -350,7 +352,7 @@ def _motion(parsed):
         return _events(events_of(read_address(parsed.address).life(parsed.life), parsed.rest))
     if not (parsed.sequence or "").lower().endswith(".csv"):
         return {"loading": _loading(parsed), "sequence": _sequence(parsed)}
-    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical")
+    owned = (*_MOTIONS, *_READ, "cycles", "scale", "window", "vertical", "across")
     if given := [name for name in owned if getattr(parsed, name) is not None]:
         raise InputError(f"--sequence {parsed.sequence} and --{given[0].replace('_', '-')}: expected one of them, as "
                          "the file has the records, their scales and windows; leave the other out")
@@ -370,7 +372,7 @@ def _life_of(parsed):
         raise InputError("--address ADDRESS.toml and --life N: expected both; give the other one, too")
     if parsed.life is None:
         return None
-    others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "baseline", "band")
+    others = (*_MOTIONS, *_READ, "sequence", "cycles", "scale", "window", "vertical", "across", "baseline", "band")
     if given := [name for name in others if getattr(parsed, name) is not None]:
         raise InputError(f"--life and --{given[0].replace('_', '-')}: expected one of them, as the address decides the "
                          "motions; leave the other out")
@@ -445,9 +447,11 @@ def recorded(parsed):
     """The Recorded motion of parsed options: `record`, those of `add_preparation`, and `vertical` where offered."""
     given = {"unit": None if parsed.unit == BY_FILE else parsed.unit, "sample_step_s": parsed.sample_step}
     record, vertical = read_record(parsed.record, **given), getattr(parsed, "vertical", None)
+    window = parsed.window and tuple(parsed.window)
+    across = parsed.across and on_axis_of(read_record(parsed.across, **given), record, window)
     return Recorded(
-        record, vertical=aligned_with(read_record(vertical, **given), record) if vertical else None,
-        **_given(scale=parsed.scale, window_s=parsed.window and tuple(parsed.window), baseline_order=parsed.baseline,
+        record, vertical=aligned_with(read_record(vertical, **given), record) if vertical else None, across=across,
+        **_given(scale=parsed.scale, window_s=window, baseline_order=parsed.baseline,
                  band_hz=parsed.band and tuple(parsed.band)))
 
 

@@ -293,7 +293,8 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
                   "time_step_s": time_step, "repeats": 0, "repeated_for": None,
                   "critical_time_step_s": modes.critical_time_step_s, "eigen_period_s": float(modes.period_s[0]),
                   "pier_stress_pa": layout.pier_stress,
-                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]))}
+                  **applied_measures(settings.loading.applied(), float(modes.period_s[0]),
+                                     settings.loading.applied_across())}
     parameters["outside_validity"] = "; ".join(outside(evidence_for(facts(wall, parameters)))) or None
     write = partial(write, out, layout, solver=backend.name, versions=made_by, overwrite=settings.overwrite)
     writer = write(parameters=parameters)
