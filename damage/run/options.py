@@ -203,7 +203,7 @@ def _add_before(group):
     group.add_argument("--cracked", type=file_path, metavar="CRACKS.csv", help="joints along these cracks have no bond "
                        "from the start (docs/reference/crack-format.md; the last load level; widths are not used)")
     group.add_argument("--tolerance-mm", type=number_from(1e-3, 1000), metavar="MM", help="how far from a joint a "
-                       "crack of --cracked may be drawn (default: half a brick's height)")
+                       "crack of --cracked may be drawn (default: half a brick's length)")
 
 
 def _surveyed(parsed):
