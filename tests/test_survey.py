@@ -1,5 +1,7 @@
 """Surveys: straight lines on stepped paths, what a survey says of itself, its distance from simulated patterns."""
 
+import json
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -56,7 +58,8 @@ def test_a_vertical_line_steps_from_head_joint_to_head_joint(tmp_path):
 def test_a_line_along_joints_stays_on_them_with_noise_of_drawing():
     """As `--cracked` took them piece by piece: the joints of the stair alone."""
     corners = np.array([[0.225, 0.075], [0.3375, 0.075], [0.3375, 0.15], [0.45, 0.15], [0.45, 0.225], [0.675, 0.225]])
-    points = np.concatenate([np.linspace(a, b, 8, endpoint=False) for a, b in zip(corners, corners[1:])] + [corners[-1:]])
+    points = np.concatenate([np.linspace(a, b, 8, endpoint=False) for a, b in zip(corners, corners[1:])]
+                            + [corners[-1:]])
     noisy = points + np.random.default_rng(7).normal(0, 2e-3, points.shape)
     tables = [crack_paths(np.stack([drawn[:-1], drawn[1:]], axis=1), LAYOUT).table for drawn in (corners, noisy)]
     assert sorted(tables[0]["joint"]) == sorted(tables[1]["joint"])
@@ -128,7 +131,8 @@ BAD = {
     "two-limits": ((*line(0, 0.15, 0.45, 0.15, limit=0.1), *line(0, 0.3, 0.45, 0.3, limit=0.2, crack="B")),
                    "line 4: detection_limit_mm = 0.2, but 0.1 in line 2"),
     "offset-word": (line(0, 0.15, 0.45, 0.15, offset="maybe"), "line 2: offset = 'maybe': expected one of yes, no"),
-    "no-offset-in-shear": (line(0, 0.15, 0.45, 0.15, mode="shear", offset="no"), "line 2: offset = no with mode = shear"),
+    "no-offset-in-shear": (line(0, 0.15, 0.45, 0.15, mode="shear", offset="no"),
+                           "line 2: offset = no with mode = shear"),
     "negative-error": (line(0, 0.15, 0.45, 0.15, error=-1), "line 2: width_error_mm is negative"),
 }
 
@@ -187,8 +191,6 @@ def test_compare_takes_a_survey_beside_a_run(tmp_path, capsys):
     path = tmp_path / "survey.csv"
     path.write_text("crack,point,x_m,z_m,width_mm\n1,1,0,0.15,0.25\n1,2,0.675,0.15,\n")
     assert main(["compare", str(run.path), str(path), "--json"]) == 0
-    import json
-
     found = json.loads(capsys.readouterr().out)[0]
     assert found["widths"]["max_width_mm"] == pytest.approx([0.25, 0.3])
     assert found["widths"]["joints_m"] == pytest.approx([0.675, 0.9]) and found["widths"]["cracks"] == [1, 1]

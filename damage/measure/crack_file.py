@@ -5,8 +5,10 @@ next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, t
 tension all opening, shear all slip; mixed and unknown leave both open, which is NaN here.
 """
 
+import hashlib
 from dataclasses import dataclass, field
 from math import isnan, nan
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -182,7 +184,7 @@ def _stretch(table, columns, here, there, line):
     mode = columns["mode"][here]
     if columns["offset"][here] == 0:  # all that is seen is opening
         if mode in ("shear", "mixed"):
-            raise table.error(here, f"offset = no with mode = {mode}: expected a crack without slip; correct one of them")
+            raise table.error(here, f"offset = no with mode = {mode}: expected a crack without slip; correct one")
         mode = "tension"
     try:
         sizes = complete_sizes(*(columns[name][here] for name in ("opening_m", "slip_m", "width_m")), mode)
@@ -226,8 +228,8 @@ def _rest(wanted, other, width):
 # --- writing --------------------------------------------------------------------------------------
 
 def write_cracks(path, patterns, comments=()):
-    """Write patterns (CrackPattern) to `path`; comments: lines for its head.  What a survey says of its own accuracy has
-    columns where there is such a word."""
+    """Write patterns (CrackPattern) to `path`; comments: lines for its head.  The columns OF_SURVEY are there where a
+    pattern has a value of them."""
     more = any(len(pattern.clear) or not np.isnan([pattern.detection_limit_m, pattern.width_error_m]).all()
                or (pattern.offset is not None and not np.isnan(pattern.offset).all()) for pattern in patterns)
     columns = COLUMNS + OF_SURVEY * more
@@ -292,3 +294,22 @@ def patterns_of(history, samples, threshold=THRESHOLD):
     drift = history.series["drift_ratio"].to_numpy()
     return [pattern_of(cracks_at(history, sample, threshold), number, drift[sample], threshold)
             for number, sample in enumerate(samples, start=1)]
+
+
+@dataclass(frozen=True)
+class Surveyed:
+    """Cracks of a file in the format of docs/reference/crack-format.md, at its last load level; file: name without
+    its folder; sha256: of the file; stretches: straight parts, (x, z of one end, x, z of the other) each [m];
+    tolerance_m: how far from a joint a crack may be drawn [m], None for half a brick's length."""
+
+    file: str
+    sha256: str
+    stretches: tuple[tuple[float, ...], ...]
+    tolerance_m: float | None = None
+
+    @classmethod
+    def read(cls, path, tolerance_m=None):
+        """The cracks of a file; raises InputError."""
+        last = read_cracks(path)[-1].stretches
+        return cls(Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest(),
+                   tuple(map(tuple, last[list(ENDS)].to_numpy(float).tolist())), tolerance_m)

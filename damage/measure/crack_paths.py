@@ -5,11 +5,12 @@ polyline is simplified to straight parts.  Its path is the one of least
 
     sum over joints of length (1 + (distance from the part / brick's height)^2) + 10 (distance of its ends and corners)
 
-by Dijkstra's algorithm, over a copy of the network for each part; what of a line is in an opening or beside the wall has
-none.  Joints of the path that are farther from the line than a tolerance are left out; what of the line has none within
-the tolerance is on no joint.
+by Dijkstra's algorithm, over a copy of the network for each part; what of a line is in an opening or beside the wall
+has none.  Joints of the path that are farther from the line than a tolerance are left out; what of the line has none
+within the tolerance is on no joint.
 
-The faces of a crack move apart across the *line*: a vertical crack of 1 mm opens head joints by 1 mm, and bed joints slip.
+The faces of a crack move apart across the *line*: a vertical crack of 1 mm opens head joints by 1 mm, and bed joints
+slip.
 """
 
 from dataclasses import dataclass
@@ -142,8 +143,8 @@ class _Network:
         return ((points >= self.low - margin) & (points <= self.high + margin)).all(axis=2).any(axis=1)
 
     def covered(self, drawn, joint, tolerance, margin):
-        """Length [m] of stretches (n, 2, 2) in masonry, as of `in_masonry`, with one of these joints within the tolerance
-        [m]."""
+        """Length [m] of stretches (n, 2, 2) in masonry, as of `in_masonry`, with one of these joints within the
+        tolerance [m]."""
         covered = 0.0
         for start, end in drawn if len(joint) else ():
             length = float(np.hypot(*(end - start)))

@@ -5,8 +5,9 @@ The distance of a simulated pattern, in windows that slide over the wall as in `
     d^2 = sum (|f - g| - e)^2 / sum (f^2 + g^2)
 
 compares the areas f and g of the visible cracks (width times length) of survey and pattern; e: error of the surveyed
-widths times the surveyed length.  0: as the survey within its errors, 1: no crack at the same place.  Where the survey says
-whether faces are offset, d^2 is the mean of this and of the same of the lengths that are seen to be offset, in windows where it says so.
+widths times the surveyed length.  0: as the survey within its errors, 1: no crack at the same place.  Where the survey
+says whether faces are offset, d^2 is the mean of this and of the same of the lengths that are seen to be offset, in
+windows where it says so.
 """
 
 import hashlib
@@ -258,7 +259,7 @@ def describe_beside(found):
         f"{'':16}{'survey':>10}{'run':>10}",
         *(f"{name:16}{here:>10.3g}{there:>10.3g}" for name, (here, there) in found["widths"].items()),
         f"pattern of visible cracks: {in_words(found['pattern'])}",
-        f"positions: {shares[0]} of the survey's length has a crack of the run within {1e3 * positions['within_m']:.0f} "
-        f"mm, {shares[1]} of the run's one of the survey",
+        f"positions: {shares[0]} of the survey's length has a crack of the run within "
+        f"{1e3 * positions['within_m']:.0f} mm, {shares[1]} of the run's one of the survey",
         f"distance {found['distance']:.2f} (0: as the survey, 1: nothing at the same place)",
         *(f"note: {note}" for note in survey["notes"])]
