@@ -52,6 +52,19 @@ def _exposure(asked):
     show(asked, exposure.as_dict(), describe)
 
 
+@command("a catalogue with later earthquakes: the one that ships, and what a file of KNMI's event service has after it; "
+         "the file is text, of https://rdsa.knmi.nl/fdsnws/event/1/query?format=text&starttime=2022-01-26",
+         file_arg("later", "FILE", "text of an FDSN event service, or CSV"),
+         file_arg("--catalogue", "FILE", "to be continued (default: KNMI's list to 2022-01, which ships)"),
+         out("the catalogue with both, for --catalogue of other commands and catalogue = in addresses", "FILE.csv"))
+def _catalogue(asked):
+    from damage.exposure.catalogue import SHIPPED, with_later, write_catalogue
+
+    joined, notes = with_later(asked.later, asked.catalogue or SHIPPED)
+    print(*notes, f"{write_catalogue(joined, asked.out)}: {len(joined)} events from {joined.time[0]:%Y-%m-%d} to "
+          f"{joined.end:%Y-%m-%d}", sep="\n")
+
+
 @command("lives of a wall at an address in the Groningen field: the earthquakes of the catalogue one after the other, "
          "damage carried over, their motions and the joints' strengths drawn; the same command continues",
          file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships. {WALLS_ARE_CODE}"), *_ADDRESS,
